@@ -1,0 +1,6 @@
+//! candela: a renderer for direct light.
+
+pub mod film;
+pub mod math;
+pub mod scene;
+pub mod units;

@@ -1,0 +1,116 @@
+//! Points, directions, normals and rays in f64 over glam.
+
+pub use glam::DVec3;
+
+/// A position in world space, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point(pub DVec3);
+
+/// A direction of unit length, such as ω_i or ω_o.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction(DVec3);
+
+/// A surface normal of unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Normal(DVec3);
+
+/// L1: r(t) = o + t ω. `t` is in units of the direction's length, which need not be 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// o: where the ray starts.
+    pub origin: Point,
+    /// ω: where it goes, of any length but zero.
+    pub direction: DVec3,
+}
+
+impl Point {
+    /// A point from its coordinates.
+    pub const fn new(x: f64, y: f64, z: f64) -> Self {
+        Self(DVec3::new(x, y, z))
+    }
+
+    /// The vector from `origin` to this point.
+    pub fn from(self, origin: Self) -> DVec3 {
+        self.0 - origin.0
+    }
+}
+
+impl From<[f64; 3]> for Point {
+    fn from(coordinates: [f64; 3]) -> Self {
+        Self(DVec3::from_array(coordinates))
+    }
+}
+
+/// `vector` at unit length, or `None` where it has no direction (zero, infinite or NaN).
+///
+/// Scaled by its largest component first, so that tiny and huge vectors neither underflow nor
+/// overflow when they are squared.
+fn unit(vector: DVec3) -> Option<DVec3> {
+    let largest = vector.abs().max_element();
+    if !(largest > 0.0 && vector.is_finite()) {
+        return None;
+    }
+    let scaled = vector / largest;
+    Some(scaled / scaled.length())
+}
+
+impl Direction {
+    /// The direction of `vector`, or `None` where it has none (zero, infinite or NaN).
+    pub fn new(vector: DVec3) -> Option<Self> {
+        unit(vector).map(Self)
+    }
+
+    /// The unit vector.
+    pub const fn get(self) -> DVec3 {
+        self.0
+    }
+}
+
+impl Normal {
+    /// The normal along `vector`, or `None` where it has no direction (zero, infinite or NaN).
+    pub fn new(vector: DVec3) -> Option<Self> {
+        unit(vector).map(Self)
+    }
+
+    /// The unit vector.
+    pub const fn get(self) -> DVec3 {
+        self.0
+    }
+
+    /// The same normal on the other side of the surface.
+    pub fn flipped(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Ray {
+    /// The point at parameter `t` (L1).
+    pub fn at(&self, t: f64) -> Point {
+        Point(self.origin.0 + self.direction * t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unit_vectors_at_every_magnitude() {
+        for magnitude in [1e-300, 1e-160, 1e-6, 1.0, 1e6, 1e160, 1e300] {
+            let unit = Direction::new(DVec3::new(3.0, 0.0, -4.0) * magnitude)
+                .unwrap()
+                .get();
+            assert!(
+                (unit - DVec3::new(0.6, 0.0, -0.8)).length() < 1e-15,
+                "{magnitude}"
+            );
+        }
+    }
+
+    #[test]
+    fn no_direction_without_a_length() {
+        assert!(Direction::new(DVec3::ZERO).is_none());
+        assert!(Normal::new(DVec3::new(f64::NAN, 0.0, 1.0)).is_none());
+        assert!(Normal::new(DVec3::new(f64::INFINITY, 0.0, 1.0)).is_none());
+    }
+}

@@ -1,0 +1,220 @@
+//! What was written: a scene file, entry by entry, as f64 with the place of every value.
+//!
+//! Nothing here is resolved or legal yet: materials are names, colors keep their notation, meshes
+//! are as their file has them, before scale, rotation and translation. [`crate::world`] makes the
+//! legal scene from this one; [`crate::oracle`] computes from this one directly.
+
+pub mod diagnostic;
+pub mod mesh;
+mod read;
+mod value;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
+pub use mesh::MeshFile;
+pub use value::{ColorSpace, Value};
+
+/// The text that a scene was read from, kept so that errors can show their line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The file's path as the user gave it; for the built-in scene a name in angle brackets.
+    pub path: PathBuf,
+    /// The file's whole text.
+    pub text: String,
+}
+
+/// A scene as written.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Where it comes from.
+    pub source: Arc<Source>,
+    /// `[image]`
+    pub image: Image,
+    /// `[camera.VARIANT]`
+    pub camera: Spanned<Camera>,
+    /// `[materials.NAME.VARIANT]`, in the order of the file.
+    pub materials: Vec<Entry<Material>>,
+    /// `[lights.NAME.VARIANT]`, in the order of the file.
+    pub lights: Vec<Entry<Light>>,
+    /// `[objects.NAME.VARIANT]`, in the order of the file.
+    pub objects: Vec<Entry<Object>>,
+}
+
+/// A named entry of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry<T> {
+    /// The user's name, unique in its section.
+    pub name: String,
+    /// The name in the file.
+    pub span: Span,
+    /// What it names.
+    pub value: T,
+}
+
+/// `[image]`: what is rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Width and height in pixels. Range: 1 to [`MAX_RESOLUTION`] each.
+    pub resolution: Spanned<[u32; 2]>,
+    /// Working space and EXR space.
+    pub color_space: Spanned<ColorSpace>,
+    /// Radiance where a ray hits nothing, cd/m². Default 0.
+    pub background: Spanned<Value>,
+}
+
+/// The largest width and height of an image in pixels: 65 536 square is 69 GB of film.
+pub const MAX_RESOLUTION: u32 = 65_536;
+
+/// `[camera.VARIANT]`: where the primary rays start (L1).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Camera {
+    /// `[camera.perspective]`
+    Perspective {
+        /// The place and direction of the view.
+        view: View,
+        /// The angle between the lower and the upper edge of the image, in degrees.
+        /// Range: above 0, below 180.
+        vertical_fov: Spanned<f64>,
+    },
+    /// `[camera.orthographic]`
+    Orthographic {
+        /// The place and direction of the view.
+        view: View,
+        /// The image's vertical extent in scene units. Range: above 0.
+        height: Spanned<f64>,
+    },
+}
+
+/// The place and direction of a camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// The viewer's position, or the center of the orthographic image plane.
+    pub eye: Spanned<[f64; 3]>,
+    /// The point in the middle of the image. Range: not `eye`.
+    pub look_at: Spanned<[f64; 3]>,
+    /// The direction that is up in the image. Range: not along the view. Default +y.
+    pub up: Spanned<[f64; 3]>,
+}
+
+/// `[materials.NAME.VARIANT]`: how a surface reflects (L5–L8).
+#[derive(Clone, Debug, PartialEq)]
+pub enum Material {
+    /// `[materials.NAME.phong]`: r = k_d cos(n, ω_i) + k_s cosⁿ(ω_o, ω_r), to the letter.
+    Phong(Lobes),
+    /// `[materials.NAME.normalized_phong]`:
+    /// r = cos(n, ω_i) [ρ_d/π + ρ_s (n+2)/(2π) cosⁿ(ω_o, ω_r)], with ρ_d + ρ_s at most 1.
+    NormalizedPhong(Lobes),
+}
+
+/// The two lobes of a Phong material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lobes {
+    /// k_d or ρ_d. Range: 0 or more. Default 0.
+    pub diffuse: Spanned<Value>,
+    /// k_s or ρ_s. Range: 0 or more. Default 0.
+    pub specular: Spanned<Value>,
+    /// n. Range: above 0. Needed where `specular` is not 0.
+    pub shininess: Option<Spanned<f64>>,
+}
+
+/// `[lights.NAME.VARIANT]`: where light comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Light {
+    /// `[lights.NAME.point]`: a diffuse point light (L3).
+    Point {
+        /// p_L
+        position: Spanned<[f64; 3]>,
+        /// I in candela. Range: 0 or more.
+        intensity: Spanned<Value>,
+    },
+}
+
+/// `[objects.NAME.VARIANT]`: what light falls on (L2).
+#[derive(Clone, Debug)]
+pub enum Object {
+    /// `[objects.NAME.sphere]`
+    Sphere {
+        /// The material's name.
+        material: Spanned<String>,
+        /// c
+        center: Spanned<[f64; 3]>,
+        /// R. Range: above 0.
+        radius: Spanned<f64>,
+    },
+    /// `[objects.NAME.plane]`, without end.
+    Plane {
+        /// The material's name.
+        material: Spanned<String>,
+        /// Any point on the plane.
+        point: Spanned<[f64; 3]>,
+        /// A direction across it, of any length but 0.
+        normal: Spanned<[f64; 3]>,
+    },
+    /// `[objects.NAME.triangle]`
+    Triangle {
+        /// The material's name.
+        material: Spanned<String>,
+        /// The three corners. Range: not on one line.
+        vertices: Spanned<[[f64; 3]; 3]>,
+    },
+    /// `[objects.NAME.mesh]`: v ↦ T R S v, scaled first, then rotated, then moved.
+    Mesh {
+        /// The material's name.
+        material: Spanned<String>,
+        /// The file as written, relative to the scene file.
+        file: Spanned<PathBuf>,
+        /// S: factors along x, y, z. Range: not 0. Default 1.
+        scale: Spanned<[f64; 3]>,
+        /// R = R_z R_y R_x: degrees about x, then y, then z. Default 0.
+        rotate: Spanned<[f64; 3]>,
+        /// T: the way moved, in scene units. Default 0.
+        translate: Spanned<[f64; 3]>,
+        /// Whether vertex normals are used where the file has them. Default true.
+        smooth: bool,
+        /// What the file holds, shared by all objects that name it.
+        geometry: Arc<MeshFile>,
+    },
+}
+
+impl Object {
+    /// The name of the object's material, where it was written.
+    pub fn material(&self) -> &Spanned<String> {
+        match self {
+            Self::Sphere { material, .. }
+            | Self::Plane { material, .. }
+            | Self::Triangle { material, .. }
+            | Self::Mesh { material, .. } => material,
+        }
+    }
+}
+
+impl Camera {
+    /// The camera's place and direction.
+    pub fn view(&self) -> &View {
+        match self {
+            Self::Perspective { view, .. } | Self::Orthographic { view, .. } => view,
+        }
+    }
+}
+
+impl Scene {
+    /// Reads a scene file and the meshes that it names.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the file's form, each with its place: syntax, unknown or
+    /// missing keys, wrong types, mesh files that cannot be read. Values out of range are found
+    /// by [`crate::world::World::new`]; [`crate::load`] reports both together.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
+        todo!("{:?}", path.as_ref())
+    }
+
+    /// Reads a scene from text; mesh files are relative to the folder of `path`.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
+        todo!("{text}{:?}", path.as_ref())
+    }
+}
