@@ -3,4 +3,7 @@
 pub mod film;
 pub mod math;
 pub mod scene;
+pub mod shading;
 pub mod units;
+pub mod visibility;
+pub mod world;

@@ -1,6 +1,12 @@
 //! Radiance to pixels: the film, how it is filled, and the EXR that it becomes.
 
+mod render;
+mod sampling;
+
+pub use render::{Counts, MAX_SAMPLES, Options, render, render_with};
+
 use crate::scene::ColorSpace;
+use render::Tile;
 
 /// A rectangle of pixels; (0, 0) is the top left of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +49,61 @@ pub struct Metadata {
     pub provenance: Vec<(String, String)>,
 }
 
+impl Window {
+    /// All of an image.
+    pub const fn whole([width, height]: [u32; 2]) -> Self {
+        Self {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        }
+    }
+
+    /// Column and row of every pixel, row by row.
+    pub fn pixels(self) -> impl Iterator<Item = [u32; 2]> {
+        let columns = move || self.x..self.x + self.width;
+        (self.y..self.y + self.height).flat_map(move |y| columns().map(move |x| [x, y]))
+    }
+}
+
 impl Film {
+    /// A film without light or coverage.
+    fn black(resolution: [u32; 2], window: Window, metadata: Metadata) -> Self {
+        let pixels = vec![[0.0; 4]; window.width as usize * window.height as usize];
+        Self::new(resolution, window, pixels, metadata)
+    }
+
+    /// The film in square tiles of `side` pixels, smaller at the right and bottom.
+    fn tiles(&mut self, side: u32) -> Vec<Tile<'_>> {
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = self.window;
+        let mut tiles = Vec::new();
+        let bands = self.pixels.chunks_mut(width as usize * side as usize);
+        for (band, top) in bands.zip((0..height).step_by(side as usize)) {
+            let first = tiles.len();
+            tiles.extend((0..width).step_by(side as usize).map(|left| Tile {
+                window: Window {
+                    x: x + left,
+                    y: y + top,
+                    width: side.min(width - left),
+                    height: side.min(height - top),
+                },
+                rows: Vec::with_capacity(side as usize),
+            }));
+            for row in band.chunks_mut(width as usize) {
+                for (tile, part) in tiles[first..].iter_mut().zip(row.chunks_mut(side as usize)) {
+                    tile.rows.push(part);
+                }
+            }
+        }
+        tiles
+    }
+
     /// A film from its pixels, row by row from the top of `window`.
     ///
     /// # Panics

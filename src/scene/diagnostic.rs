@@ -187,3 +187,8 @@ impl fmt::Display for Diagnostics {
         Ok(())
     }
 }
+
+/// nearest
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    candidates.into_iter().find(|c| strsim::jaro(name, c) > 0.8)
+}

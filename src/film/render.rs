@@ -1,0 +1,202 @@
+//! Radiance to pixels: the tiles of an image, their samples, and the box filter.
+
+use rayon::prelude::*;
+
+use super::sampling::Sampler;
+use super::{Film, Metadata, Window};
+use crate::shading;
+use crate::units::Radiance;
+use crate::visibility::{PrimaryRays, Visibility};
+use crate::world::{Plan, World};
+
+/// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
+const TILE: u32 = 16;
+
+/// The most samples of a pixel.
+pub const MAX_SAMPLES: u32 = 65_536;
+
+/// How to render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Samples of each pixel. 1 samples pixel centers and nothing else; more are a fixed pattern
+    /// that differs from pixel to pixel. Range: 1 to [`MAX_SAMPLES`]. Default 1.
+    pub samples: u32,
+    /// The part of the image to render; `None` is all of it.
+    pub window: Option<Window>,
+}
+
+/// What a render took and met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Camera rays.
+    pub primary_rays: u64,
+    /// Points asked for a light's visibility.
+    pub shadow_rays: u64,
+    /// Times that a light was exactly on the point it should light (d = 0) and added nothing.
+    pub singular: u64,
+    /// Channels of pixels whose radiance is beyond the largest f32, and became that.
+    pub clamped: u64,
+}
+
+impl Counts {
+    fn and(self, other: Self) -> Self {
+        Self {
+            primary_rays: self.primary_rays + other.primary_rays,
+            shadow_rays: self.shadow_rays + other.shadow_rays,
+            singular: self.singular + other.singular,
+            clamped: self.clamped + other.clamped,
+        }
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            samples: 1,
+            window: None,
+        }
+    }
+}
+
+/// Renders a world: plans, builds what the plan needs, and renders with the threads of the
+/// current rayon pool. The same world and options give the same bits on any number of threads.
+///
+/// # Panics
+/// If [`Options::samples`] is out of range or [`Options::window`] is not inside the image.
+pub fn render(world: &World, options: &Options) -> Film {
+    let plan = Plan::new(world);
+    let visibility = Visibility::new(world, &plan);
+    render_with(world, &plan, &visibility, options, &|_| {}).0
+}
+
+/// [`render`] with the steps apart: what is built is passed in, `progress` is told after each
+/// tile how many pixels it had, and what the render took comes back.
+///
+/// # Panics
+/// As [`render`].
+pub fn render_with(
+    world: &World,
+    plan: &Plan,
+    visibility: &Visibility<'_>,
+    options: &Options,
+    progress: &(dyn Fn(u64) + Sync),
+) -> (Film, Counts) {
+    assert!(
+        (1..=MAX_SAMPLES).contains(&options.samples),
+        "samples are out of range"
+    );
+    let resolution = world.resolution();
+    let window = options.window.unwrap_or(Window::whole(resolution));
+    let mut film = Film::black(resolution, window, metadata(world, options, plan));
+    let tiles = film.tiles(TILE).into_par_iter().map(|mut tile| {
+        let counts = render_tile(world, plan, visibility, options.samples, &mut tile);
+        progress(u64::from(tile.window.width) * u64::from(tile.window.height));
+        counts
+    });
+    let counts = tiles.reduce(Counts::default, Counts::and);
+    (film, counts)
+}
+
+fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
+    let plan = serde_json::to_string(plan).expect("a plan is plain data");
+    Metadata {
+        color_space: world.color_space(),
+        world_to_camera: world.camera().world_to_camera(world.anchor()),
+        world_to_ndc: world.camera().world_to_ndc(world.anchor()),
+        provenance: vec![
+            ("plan".to_owned(), plan),
+            ("samples".to_owned(), options.samples.to_string()),
+        ],
+    }
+}
+
+/// A part of the film that one thread fills.
+pub(super) struct Tile<'f> {
+    /// Its place in the image.
+    pub(super) window: Window,
+    /// Its pixels, row by row.
+    pub(super) rows: Vec<&'f mut [[f32; 4]]>,
+}
+
+/// Renders all samples of a tile's pixels, batch by batch: the n-th sample of every pixel is one
+/// batch.
+fn render_tile(
+    world: &World,
+    plan: &Plan,
+    visibility: &Visibility<'_>,
+    samples: u32,
+    tile: &mut Tile<'_>,
+) -> Counts {
+    let sampler = Sampler::new(samples);
+    let pixels: Vec<[u32; 2]> = tile.window.pixels().collect();
+    let mut sums = vec![PixelSum::default(); pixels.len()];
+    let mut counts = Counts::default();
+    for sample in 0..samples {
+        let positions = pixels.iter().map(|&pixel| sampler.position(pixel, sample));
+        let rays = PrimaryRays::through(world, positions);
+        let hits = visibility.nearest(&rays);
+        let surfaces = rays
+            .iter()
+            .zip(&hits)
+            .map(|(ray, hit)| hit.as_ref().map(|hit| visibility.surface(&ray, hit)));
+        let (places, points): (Vec<usize>, Vec<_>) = surfaces
+            .enumerate()
+            .filter_map(|(place, surface)| Some((place, surface?)))
+            .unzip();
+        let shaded = shading::radiance(world, plan, visibility, &points);
+        for (sum, hit) in sums.iter_mut().zip(&hits) {
+            if hit.is_none() {
+                sum.add(world.background());
+            }
+        }
+        for (place, radiance) in places.into_iter().zip(shaded.radiance) {
+            sums[place].add(radiance);
+            sums[place].hits += 1;
+        }
+        counts.primary_rays += rays.len() as u64;
+        counts.shadow_rays += shaded.shadow_rays;
+        counts.singular += shaded.singular;
+    }
+    for (pixel, sum) in tile
+        .rows
+        .iter_mut()
+        .flat_map(|row| row.iter_mut())
+        .zip(&sums)
+    {
+        let (rgba, clamped) = sum.mean(samples);
+        *pixel = rgba;
+        counts.clamped += clamped;
+    }
+    counts
+}
+
+/// The box filter of one pixel: the mean over its samples, summed in f64.
+#[derive(Clone, Copy, Default)]
+struct PixelSum {
+    radiance: [f64; 3],
+    hits: u32,
+}
+
+impl PixelSum {
+    fn add(&mut self, radiance: Radiance) {
+        for (sum, channel) in self.radiance.iter_mut().zip(radiance.0.0) {
+            *sum += f64::from(channel);
+        }
+    }
+
+    /// R, G, B, A, and how many channels are beyond the largest f32.
+    fn mean(&self, samples: u32) -> ([f32; 4], u64) {
+        let samples = f64::from(samples);
+        let mean = self.radiance.map(|sum| (sum / samples) as f32);
+        let [r, g, b] = mean.map(|channel| {
+            if channel.is_finite() {
+                channel
+            } else {
+                f32::MAX
+            }
+        });
+        let alpha = (f64::from(self.hits) / samples) as f32;
+        let clamped = mean.iter().filter(|channel| !channel.is_finite()).count();
+        ([r, g, b, alpha], clamped as u64)
+    }
+}

@@ -1,0 +1,216 @@
+//! What a camera ray sees (L2) and what a light reaches (L4).
+//!
+//! Rays come in batches that share something: the primary rays of a tile share the eye or a
+//! direction, the shadow rays to a point light share the light. All is asked here in such
+//! batches and answered for the whole batch, so that how a batch is traced is nobody else's
+//! business. Each kind of shape is searched on its own, through a list or a tree as the
+//! [`Plan`] says.
+//!
+//! Intersections are computed in f64. The tree's boxes are f32 and conservative, and ties are
+//! settled by the order of the scene file: the picture does not depend on the tree.
+
+mod bvh;
+mod plane;
+mod search;
+mod sphere;
+mod surface;
+mod triangle;
+
+pub use surface::{Primitive, SurfacePoint};
+
+use crate::math::{DVec3, Point, Ray};
+use crate::world::{Plan, World};
+use search::Search;
+use triangle::FacetedTriangle;
+
+/// The primary rays of one batch.
+#[derive(Clone, Debug)]
+pub enum PrimaryRays {
+    /// Of a perspective camera.
+    SharedOrigin {
+        /// Where all rays start.
+        origin: Point,
+        /// Where each goes; of any length.
+        directions: Vec<DVec3>,
+    },
+    /// Of an orthographic camera.
+    SharedDirection {
+        /// Where each starts.
+        origins: Vec<Point>,
+        /// Where all rays go.
+        direction: DVec3,
+    },
+}
+
+/// The nearest thing that a primary ray hits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The ray's parameter (L1). Range: above 0.
+    pub t: f64,
+    /// What is hit there.
+    pub primitive: Primitive,
+}
+
+/// The shapes of a world, arranged for tracing.
+#[derive(Debug)]
+pub struct Visibility<'w> {
+    world: &'w World,
+    spheres: Search<sphere::Ball>,
+    triangles: Search<FacetedTriangle>,
+}
+
+impl PrimaryRays {
+    /// The rays of the camera of `world` through points of the image, in pixels.
+    pub fn through(world: &World, points: impl Iterator<Item = [f64; 2]>) -> Self {
+        use crate::world::Projection;
+        let camera = world.camera();
+        let rays = points.map(|[x, y]| camera.ray(x, y));
+        match camera.projection() {
+            Projection::Perspective { .. } => Self::SharedOrigin {
+                origin: camera.eye(),
+                directions: rays.map(|ray| ray.direction).collect(),
+            },
+            Projection::Orthographic { .. } => Self::SharedDirection {
+                origins: rays.map(|ray| ray.origin).collect(),
+                direction: camera.forward().get(),
+            },
+        }
+    }
+
+    /// The rays one by one.
+    pub fn iter(&self) -> impl Iterator<Item = Ray> + '_ {
+        (0..self.len()).map(|index| match self {
+            Self::SharedOrigin { origin, directions } => Ray {
+                origin: *origin,
+                direction: directions[index],
+            },
+            Self::SharedDirection { origins, direction } => Ray {
+                origin: origins[index],
+                direction: *direction,
+            },
+        })
+    }
+
+    /// How many rays there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::SharedOrigin { directions, .. } => directions.len(),
+            Self::SharedDirection { origins, .. } => origins.len(),
+        }
+    }
+
+    /// Whether there is no ray.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl<'w> Visibility<'w> {
+    /// Arranges the shapes of a world as its plan says; builds the trees.
+    pub fn new(world: &'w World, plan: &Plan) -> Self {
+        let balls = world.spheres().iter().enumerate();
+        let balls = balls.map(|(index, sphere)| sphere::Ball::new(index as u32, sphere));
+        let triangles = world.triangles();
+        let facets = (0..triangles.len() as u32)
+            .map(|index| FacetedTriangle::new(index, triangles.vertices(index)));
+        Self {
+            world,
+            spheres: Search::new(balls.collect(), plan.spheres()),
+            triangles: Search::new(facets.collect(), plan.triangles()),
+        }
+    }
+
+    /// L2: the nearest hit of every ray of a batch.
+    pub fn nearest(&self, rays: &PrimaryRays) -> Vec<Option<Hit>> {
+        let mut stack = Vec::new();
+        rays.iter()
+            .map(|ray| self.nearest_of(&ray, &mut stack))
+            .collect()
+    }
+
+    fn nearest_of(&self, ray: &Ray, stack: &mut Vec<bvh::Pending>) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        for (index, plane) in self.world.planes().iter().enumerate() {
+            if let Some(t) = plane::intersect(plane, ray) {
+                self.keep_nearest(&mut nearest, t, Primitive::Plane(index as u32));
+            }
+        }
+        self.spheres
+            .visit(ray, &mut nearest, stack, |ball, nearest| {
+                if let Some(t) = ball.intersect(ray) {
+                    self.keep_nearest(nearest, t, Primitive::Sphere(ball.index()));
+                }
+            });
+        self.triangles
+            .visit(ray, &mut nearest, stack, |triangle, nearest| {
+                if let Some(t) = triangle.intersect(ray) {
+                    self.keep_nearest(nearest, t, Primitive::Triangle(triangle.index()));
+                }
+            });
+        nearest
+    }
+
+    /// Keeps the nearer of two hits; at the same distance the one written first in the scene.
+    fn keep_nearest(&self, nearest: &mut Option<Hit>, t: f64, primitive: Primitive) {
+        let is_nearer = nearest.is_none_or(|known| {
+            t < known.t || (t == known.t && self.rank(primitive) < self.rank(known.primitive))
+        });
+        if is_nearer {
+            *nearest = Some(Hit { t, primitive });
+        }
+    }
+
+    /// The place of a primitive in the order of the scene file.
+    fn rank(&self, primitive: Primitive) -> (u32, u32) {
+        match primitive {
+            Primitive::Sphere(index) => (self.world.spheres()[index as usize].object, 0),
+            Primitive::Plane(index) => (self.world.planes()[index as usize].object, 0),
+            Primitive::Triangle(index) => (self.world.triangles().mesh(index).object, index),
+        }
+    }
+
+    /// The point of the surface that a ray hits, with its normals turned towards the viewer.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        SurfacePoint::new(self.world, ray, hit)
+    }
+
+    /// L4: for every point, whether the light at `light` reaches it. Asked only of points whose
+    /// geometric normal faces the light; `facing` says which, and for the others the answer is
+    /// no. At the light itself (d = 0) it is no as well.
+    pub fn lit(&self, light: Point, points: &[SurfacePoint], facing: &[bool]) -> Vec<bool> {
+        let mut stack = Vec::new();
+        let from = self.triangles.viewpoint(light);
+        let ball_view = self.spheres.viewpoint(light);
+        points
+            .iter()
+            .zip(facing)
+            .map(|(point, &facing)| {
+                facing && {
+                    let ray = Ray {
+                        origin: light,
+                        direction: point.position.from(light),
+                    };
+                    !self.planes_occlude(&ray, point)
+                        && !self.spheres.any(&ball_view, &ray, &mut stack, |ball| {
+                            ball.occludes(&ray, point)
+                        })
+                        && !self.triangles.any(&from, &ray, &mut stack, |triangle| {
+                            triangle.occludes(&ray, point)
+                        })
+                }
+            })
+            .collect()
+    }
+
+    fn planes_occlude(&self, ray: &Ray, point: &SurfacePoint) -> bool {
+        let mut planes = self.world.planes().iter().enumerate();
+        planes.any(|(index, plane)| {
+            point.primitive != Primitive::Plane(index as u32) && plane::occludes(plane, ray, point)
+        })
+    }
+
+    /// Bytes of the arrays and trees.
+    pub fn memory(&self) -> usize {
+        self.spheres.memory() + self.triangles.memory()
+    }
+}

@@ -1,0 +1,91 @@
+//! The point of a surface that a primary ray hits.
+
+use super::{Hit, triangle};
+use crate::math::{Direction, Normal, Point, Ray};
+use crate::world::World;
+
+/// One shape that a ray can hit, an index into the world's array of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Primitive {
+    /// An index into [`World::spheres`].
+    Sphere(u32),
+    /// An index into [`World::planes`].
+    Plane(u32),
+    /// An index into [`World::triangles`].
+    Triangle(u32),
+}
+
+/// p of the lecture, with all that L3 to L8 need there.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// p, relative to the world's anchor.
+    pub position: Point,
+    /// A bound on the rounding error of `position`, in scene units: what is nearer to it than
+    /// this may be the surface itself.
+    pub error: f64,
+    /// ω_o: from the point to the viewer.
+    pub to_viewer: Direction,
+    /// The normal of the surface, turned towards the viewer.
+    pub geometric_normal: Normal,
+    /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the
+    /// surface; elsewhere the geometric normal.
+    pub shading_normal: Normal,
+    /// What the ray hit.
+    pub primitive: Primitive,
+    /// An index into [`World::objects`].
+    pub object: u32,
+}
+
+impl SurfacePoint {
+    pub(super) fn new(world: &World, ray: &Ray, hit: &Hit) -> Self {
+        let position = ray.at(hit.t);
+        let to_viewer = Direction::new(-ray.direction).expect("a ray has a direction");
+        let towards_viewer = |normal: Normal| {
+            if normal.get().dot(to_viewer.get()) < 0.0 {
+                normal.flipped()
+            } else {
+                normal
+            }
+        };
+        let (object, normal, interpolated) = match hit.primitive {
+            Primitive::Sphere(index) => {
+                let sphere = &world.spheres()[index as usize];
+                let normal = Normal::new(position.from(sphere.center));
+                (sphere.object, normal.expect("a radius is above 0"), None)
+            }
+            Primitive::Plane(index) => {
+                let plane = &world.planes()[index as usize];
+                (plane.object, plane.normal, None)
+            }
+            Primitive::Triangle(index) => {
+                let mesh = world.triangles().mesh(index);
+                let vertices = world.triangles().vertices(index);
+                let normal = triangle::normal(vertices).expect("no triangle is degenerate");
+                let interpolated = mesh
+                    .normals
+                    .is_some()
+                    .then(|| mesh.shading_normal(index, triangle::weights(vertices, ray)));
+                (mesh.object, normal, interpolated.flatten())
+            }
+        };
+        let geometric_normal = towards_viewer(normal);
+        let shading_normal = interpolated.map_or(geometric_normal, |normal| {
+            if normal.get().dot(geometric_normal.get()) < 0.0 {
+                normal.flipped()
+            } else {
+                normal
+            }
+        });
+        // One rounding for the product, one for the sum, and as many again for t itself.
+        let magnitude = ray.origin.0.length() + (ray.direction * hit.t).length();
+        Self {
+            position,
+            error: 4.0 * f64::EPSILON * magnitude,
+            to_viewer,
+            geometric_normal,
+            shading_normal,
+            primitive: hit.primitive,
+            object,
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! L1: primary rays, from image space over NDC and camera space to world space.
+
+use crate::math::{DVec3, Direction, Point, Ray};
+
+/// A camera that looks somewhere.
+///
+/// The axes are orthonormal: `right` and `up` span the image plane, `forward` points along the
+/// view. This is a left-handed frame, as OpenEXR has it for camera space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    eye: Point,
+    right: Direction,
+    up: Direction,
+    forward: Direction,
+    projection: Projection,
+    resolution: [u32; 2],
+}
+
+/// How the image plane maps to rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// All rays start at the eye.
+    Perspective {
+        /// Half the image's height over its distance: tan(vertical_fov / 2).
+        half_height: f64,
+    },
+    /// All rays have the direction of the view and start on the plane through the eye.
+    Orthographic {
+        /// Half the image's height in scene units.
+        half_height: f64,
+    },
+}
+
+impl Camera {
+    /// A camera at `eye` that looks along `forward` with `up` upwards in the image;
+    /// `None` where these do not make a frame.
+    pub(super) fn new(
+        eye: Point,
+        forward: DVec3,
+        up: DVec3,
+        projection: Projection,
+        resolution: [u32; 2],
+    ) -> Option<Self> {
+        let forward = Direction::new(forward)?;
+        let right = Direction::new(forward.get().cross(Direction::new(up)?.get()))?;
+        let up = Direction::new(right.get().cross(forward.get()))?;
+        Some(Self {
+            eye,
+            right,
+            up,
+            forward,
+            projection,
+            resolution,
+        })
+    }
+
+    /// The viewer's position, relative to the world's anchor.
+    pub fn eye(&self) -> Point {
+        self.eye
+    }
+
+    /// The direction of the view.
+    pub fn forward(&self) -> Direction {
+        self.forward
+    }
+
+    /// How the image plane maps to rays.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
+    /// Image space (pixels, (0, 0) the top left corner of the image) to the image plane, with the
+    /// image's vertical extent from −1 to 1, y up.
+    fn image_plane(&self, x: f64, y: f64) -> [f64; 2] {
+        let [width, height] = self.resolution.map(f64::from);
+        [
+            (2.0 * x / width - 1.0) * (width / height),
+            1.0 - 2.0 * y / height,
+        ]
+    }
+
+    /// The primary ray through the point (x, y) of the image, in pixels. Its direction is not of
+    /// unit length: with a perspective camera, t is the distance along the view axis.
+    pub fn ray(&self, x: f64, y: f64) -> Ray {
+        let [x, y] = self.image_plane(x, y);
+        let across = |half: f64| self.right.get() * (x * half) + self.up.get() * (y * half);
+        match self.projection {
+            Projection::Perspective { half_height } => Ray {
+                origin: self.eye,
+                direction: self.forward.get() + across(half_height),
+            },
+            Projection::Orthographic { half_height } => Ray {
+                origin: Point(self.eye.0 + across(half_height)),
+                direction: self.forward.get(),
+            },
+        }
+    }
+
+    /// World to camera space for column vectors: +x right, +y up, +z along the view. `anchor`
+    /// is the world's, so that the matrix takes positions as the scene file has them.
+    pub fn world_to_camera(&self, anchor: DVec3) -> [[f64; 4]; 4] {
+        let eye = self.eye.0 + anchor;
+        let row = |axis: Direction| {
+            let axis = axis.get();
+            [axis.x, axis.y, axis.z, -axis.dot(eye)]
+        };
+        [
+            row(self.right),
+            row(self.up),
+            row(self.forward),
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    }
+
+    /// World to NDC for column vectors, before the division by w: x and y from 0 to 1 over the
+    /// image, (0, 0) its top left, y down; z is the depth along the view.
+    pub fn world_to_ndc(&self, anchor: DVec3) -> [[f64; 4]; 4] {
+        let [right, up, forward, one] = self.world_to_camera(anchor);
+        let aspect = f64::from(self.resolution[0]) / f64::from(self.resolution[1]);
+        let combine =
+            |a: [f64; 4], s: f64, b: [f64; 4], t: f64| std::array::from_fn(|i| a[i] * s + b[i] * t);
+        match self.projection {
+            Projection::Perspective { half_height } => [
+                combine(right, 0.5 / (half_height * aspect), forward, 0.5),
+                combine(up, -0.5 / half_height, forward, 0.5),
+                forward,
+                forward,
+            ],
+            Projection::Orthographic { half_height } => [
+                combine(right, 0.5 / (half_height * aspect), one, 0.5),
+                combine(up, -0.5 / half_height, one, 0.5),
+                forward,
+                one,
+            ],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(projection: Projection) -> Camera {
+        let look = DVec3::new(-3.0, -0.5, -7.0);
+        Camera::new(
+            Point::new(4.0, 2.0, 6.0),
+            look,
+            DVec3::Y,
+            projection,
+            [640, 360],
+        )
+        .unwrap()
+    }
+
+    const PERSPECTIVE: Projection = Projection::Perspective { half_height: 0.4 };
+    const ORTHOGRAPHIC: Projection = Projection::Orthographic { half_height: 1.7 };
+
+    #[test]
+    fn up_and_right_are_up_and_right_in_the_image() {
+        for projection in [PERSPECTIVE, ORTHOGRAPHIC] {
+            let camera = camera(projection);
+            let center = camera.ray(320.0, 180.0).at(3.0).0;
+            let above = camera.ray(320.0, 0.0).at(3.0).0;
+            let beside = camera.ray(640.0, 180.0).at(3.0).0;
+            assert!((above - center).y > 0.0);
+            // Looking along −z, +x is on the right.
+            assert!((beside - center).x > 0.0);
+        }
+    }
+
+    #[test]
+    fn ndc_takes_every_point_back_to_its_pixel() {
+        let anchor = DVec3::new(10.0, -20.0, 5.0);
+        for projection in [PERSPECTIVE, ORTHOGRAPHIC] {
+            let camera = camera(projection);
+            let matrix = camera.world_to_ndc(anchor);
+            for (x, y, t) in [(0.0, 0.0, 1.0), (640.0, 360.0, 2.0), (123.0, 45.5, 40.0)] {
+                let p = camera.ray(x, y).at(t).0 + anchor;
+                let ndc = matrix.map(|r| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]);
+                assert!((ndc[0] / ndc[3] * 640.0 - x).abs() < 1e-10);
+                assert!((ndc[1] / ndc[3] * 360.0 - y).abs() < 1e-10);
+                assert!((ndc[2] - t).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn no_camera_without_a_frame() {
+        let eye = Point::new(0.0, 0.0, 0.0);
+        let new = |forward, up| Camera::new(eye, forward, up, PERSPECTIVE, [4, 4]);
+        assert!(new(DVec3::ZERO, DVec3::Y).is_none());
+        assert!(new(DVec3::Y, DVec3::Y * 3.0).is_none());
+        assert!(new(DVec3::Z, DVec3::ZERO).is_none());
+        assert!(new(DVec3::Z, DVec3::Y).is_some());
+    }
+}

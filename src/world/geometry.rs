@@ -1,0 +1,118 @@
+//! L2: the shapes, legal and in world space relative to the anchor.
+
+use std::ops::Range;
+
+use crate::math::{DVec3, Normal, Point};
+
+/// ‖p − c‖ = R. Range: R above 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// c
+    pub center: Point,
+    /// R
+    pub radius: f64,
+    /// The object that it belongs to.
+    pub object: u32,
+}
+
+/// n · (p − p₀) = 0, without end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// p₀
+    pub point: Point,
+    /// n
+    pub normal: Normal,
+    /// The object that it belongs to.
+    pub object: u32,
+}
+
+/// All triangles of the world, mesh after mesh in the order of the objects. None is degenerate.
+#[derive(Clone, Debug, Default)]
+pub struct Triangles {
+    /// Vertex positions of all meshes.
+    pub(super) positions: Vec<DVec3>,
+    /// Three indices into the positions for each triangle.
+    pub(super) corners: Vec<[u32; 3]>,
+    /// The meshes; their triangle ranges follow each other without gaps.
+    pub(super) meshes: Vec<Mesh>,
+}
+
+/// One mesh, or one triangle as a mesh of its own.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// The object that it belongs to.
+    pub object: u32,
+    /// Its triangles.
+    pub triangles: Range<u32>,
+    /// Vertex normals where the plan interpolates them.
+    pub normals: Option<MeshNormals>,
+    /// How many triangles of the file had no area and were dropped.
+    pub degenerate: usize,
+}
+
+/// Vertex normals of a mesh in world space.
+#[derive(Clone, Debug)]
+pub struct MeshNormals {
+    /// The normals.
+    pub vectors: Vec<Normal>,
+    /// Three indices into `vectors` for each triangle of the mesh.
+    pub corners: Vec<[u32; 3]>,
+}
+
+impl Triangles {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.corners.is_empty()
+    }
+
+    /// The meshes in the order of the objects.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.meshes
+    }
+
+    /// The corners of a triangle.
+    pub fn vertices(&self, triangle: u32) -> [DVec3; 3] {
+        self.corners[triangle as usize].map(|vertex| self.positions[vertex as usize])
+    }
+
+    /// The mesh that a triangle belongs to.
+    pub fn mesh(&self, triangle: u32) -> &Mesh {
+        let after = self
+            .meshes
+            .partition_point(|mesh| mesh.triangles.start <= triangle);
+        &self.meshes[after - 1]
+    }
+
+    /// Bytes of the arrays.
+    pub fn memory(&self) -> usize {
+        let normals = self.meshes.iter().filter_map(|mesh| mesh.normals.as_ref());
+        size_of_val(self.positions.as_slice())
+            + size_of_val(self.corners.as_slice())
+            + size_of_val(self.meshes.as_slice())
+            + normals
+                .map(|normals| {
+                    size_of_val(normals.vectors.as_slice())
+                        + size_of_val(normals.corners.as_slice())
+                })
+                .sum::<usize>()
+    }
+}
+
+impl Mesh {
+    /// The interpolated normal at barycentric coordinates `weights` of a triangle, not turned to
+    /// any side; `None` for a flat mesh or where the vertex normals cancel each other.
+    pub fn shading_normal(&self, triangle: u32, weights: [f64; 3]) -> Option<Normal> {
+        let normals = self.normals.as_ref()?;
+        let corners = normals.corners[(triangle - self.triangles.start) as usize];
+        let blend = corners
+            .iter()
+            .zip(weights)
+            .map(|(&corner, weight)| normals.vectors[corner as usize].get() * weight);
+        Normal::new(blend.sum())
+    }
+}

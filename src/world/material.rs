@@ -1,0 +1,69 @@
+//! The materials of L8, in the one form that the kernels know.
+
+use super::Lobes;
+
+/// A Phong material (L5–L8) in the one form that the kernels know:
+///
+/// r = k_d cos(n, ω_i) + k_s f(n·ω_i) cosⁿ(ω_o, ω_r), with f = 1 for `phong` and f = cos(n, ω_i)
+/// for `normalized_phong`, whose 1/π and (n+2)/(2π) are part of k_d and k_s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    model: Model,
+    /// k_d and k_s in f64, before any light is multiplied in.
+    reflectance: Lobes<[f64; 3]>,
+    /// n. Meaningless, and 1, where k_s is 0.
+    shininess: f64,
+}
+
+/// Which of the two models of L8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// The lecture's, without normalization.
+    Phong,
+    /// Lafortune & Willems 1994: no more light leaves than arrives.
+    NormalizedPhong,
+}
+
+impl Material {
+    /// `phong`: k_d and k_s as they are.
+    pub(super) fn phong(diffuse: [f64; 3], specular: [f64; 3], shininess: f64) -> Self {
+        Self {
+            model: Model::Phong,
+            reflectance: Lobes { diffuse, specular },
+            shininess,
+        }
+    }
+
+    /// `normalized_phong` from its albedos: k_d = ρ_d/π, k_s = ρ_s (n+2)/(2π).
+    pub(super) fn normalized_phong(diffuse: [f64; 3], specular: [f64; 3], shininess: f64) -> Self {
+        use std::f64::consts::{PI, TAU};
+        Self {
+            model: Model::NormalizedPhong,
+            reflectance: Lobes {
+                diffuse: diffuse.map(|albedo| albedo / PI),
+                specular: specular.map(|albedo| albedo * (shininess + 2.0) / TAU),
+            },
+            shininess,
+        }
+    }
+
+    /// Which model it is.
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
+    /// k_d and k_s of the formula above, per primary.
+    pub fn reflectance(&self) -> Lobes<[f64; 3]> {
+        self.reflectance
+    }
+
+    /// n. Range: above 0.
+    pub fn shininess(&self) -> f64 {
+        self.shininess
+    }
+
+    /// Whether the material has a specular lobe at all.
+    pub fn is_specular(&self) -> bool {
+        self.reflectance.specular != [0.0; 3]
+    }
+}

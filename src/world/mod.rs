@@ -1,0 +1,161 @@
+//! What is legal: a scene resolved and validated, ready to render.
+//!
+//! [`World::new`] is the only door. Behind it nothing is missing, out of range or a name to look
+//! up: materials are indices, values are linear RGB in the working space, meshes are transformed
+//! triangles. Positions are kept in f64 relative to an [anchor](World::anchor) near what the
+//! camera looks at, so that a scene far from the origin renders like one at the origin.
+
+mod camera;
+mod geometry;
+pub mod material;
+pub mod plan;
+mod validate;
+
+pub use camera::{Camera, Projection};
+pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
+pub use material::Material;
+pub use plan::Plan;
+
+use crate::math::{DVec3, Point};
+use crate::scene::{ColorSpace, Diagnostics, Scene};
+use crate::units::{Intensity, Radiance, ReflectedIntensity};
+
+/// A legal scene.
+#[derive(Clone, Debug)]
+pub struct World {
+    resolution: [u32; 2],
+    color_space: ColorSpace,
+    background: Radiance,
+    anchor: DVec3,
+    camera: Camera,
+    materials: Vec<Named<Material>>,
+    lights: Vec<Named<PointLight>>,
+    objects: Vec<Object>,
+    spheres: Vec<Sphere>,
+    planes: Vec<Plane>,
+    triangles: Triangles,
+    /// I · k of every lobe, light by light, material by material within.
+    transport: Vec<Lobes<ReflectedIntensity>>,
+}
+
+/// Something with the name that the user gave it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named<T> {
+    /// The user's name.
+    pub name: String,
+    /// What it names.
+    pub value: T,
+}
+
+/// One quantity for each lobe of a material (L8).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lobes<T> {
+    /// Of the diffuse lobe (L5).
+    pub diffuse: T,
+    /// Of the specular lobe (L7).
+    pub specular: T,
+}
+
+/// A diffuse point light (L3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLight {
+    /// p_L, relative to the anchor.
+    pub position: Point,
+    /// I
+    pub intensity: Intensity,
+}
+
+/// An object: its name, what it is made of and what it became.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// The user's name.
+    pub name: String,
+    /// Its material, an index into [`World::materials`].
+    pub material: usize,
+    /// Its shape, an index into the array of its kind.
+    pub shape: Shape,
+}
+
+/// Where the shape of an object is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// An index into [`World::spheres`].
+    Sphere(usize),
+    /// An index into [`World::planes`].
+    Plane(usize),
+    /// An index into [`Triangles::meshes`]; a single triangle is a mesh of one.
+    Mesh(usize),
+}
+
+impl World {
+    /// Validates a scene.
+    ///
+    /// # Errors
+    /// Every value that is out of range, every name that is not there, and a scene without
+    /// objects, each with its place.
+    pub fn new(scene: &Scene) -> Result<Self, Diagnostics> {
+        validate::validate(scene)
+    }
+
+    /// Width and height of the image in pixels.
+    pub fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+
+    /// The working space, in which all colors of the world are.
+    pub fn color_space(&self) -> ColorSpace {
+        self.color_space
+    }
+
+    /// Radiance where a ray hits nothing.
+    pub fn background(&self) -> Radiance {
+        self.background
+    }
+
+    /// What is subtracted from every position of the scene, in f64: the point looked at.
+    pub fn anchor(&self) -> DVec3 {
+        self.anchor
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The materials in the order of the file.
+    pub fn materials(&self) -> &[Named<Material>] {
+        &self.materials
+    }
+
+    /// The lights in the order of the file, which is the order of the sum (L9).
+    pub fn lights(&self) -> &[Named<PointLight>] {
+        &self.lights
+    }
+
+    /// The objects in the order of the file, which settles ties between surfaces.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// All spheres, in the order of the objects.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    /// All planes, in the order of the objects.
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+
+    /// All triangles, in the order of the objects.
+    pub fn triangles(&self) -> &Triangles {
+        &self.triangles
+    }
+
+    /// I · k of both lobes of every material, in the order of [`World::materials`], as lit by
+    /// one light.
+    pub fn transport(&self, light: usize) -> &[Lobes<ReflectedIntensity>] {
+        let materials = self.materials.len();
+        &self.transport[light * materials..(light + 1) * materials]
+    }
+}

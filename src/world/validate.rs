@@ -1,0 +1,661 @@
+//! The one door from a scene as written to a legal world.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
+use super::{Camera, Lobes, Material, Named, Object, PointLight, Projection, Shape, World};
+use crate::math::{Normal, Point};
+use crate::scene::diagnostic::nearest;
+use crate::scene::{
+    self, ColorSpace, Diagnostic, Diagnostics, MAX_RESOLUTION, MeshFile, Problem, Scene, Span,
+    Spanned, Value,
+};
+use crate::units::{Intensity, Radiance, ReflectedIntensity, Rgb};
+
+/// The largest coordinate, length and factor. Products of four of them, as the edge functions of
+/// triangles have, still fit an f64 with room to spare.
+const LARGEST: f64 = 1e30;
+
+/// Largest sum of the albedos of a `normalized_phong` material: 1, and an allowance for decimal
+/// fractions such as 0.7 + 0.3 that binary numbers miss by a rounding.
+const LARGEST_ALBEDO: f64 = 1.0 + 1e-12;
+
+/// Validates a whole scene.
+pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
+    let (world, diagnostics) = Validator::run(scene);
+    match Diagnostics::new(Arc::clone(&scene.source), diagnostics) {
+        Some(diagnostics) => Err(diagnostics),
+        None => Ok(world),
+    }
+}
+
+/// Values in f64, checked as far as they go; what is wrong with them is in `diagnostics`, and then
+/// the result is not used.
+struct Validator<'a> {
+    scene: &'a Scene,
+    anchor: DVec3,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// An empty result of a part that has errors; they are in the diagnostics already.
+#[derive(Clone, Copy)]
+struct Reported;
+
+impl<'a> Validator<'a> {
+    fn run(scene: &'a Scene) -> (World, Vec<Diagnostic>) {
+        let look_at = DVec3::from_array(scene.camera.value.view().look_at.value);
+        let mut validator = Validator {
+            scene,
+            anchor: if look_at.is_finite() {
+                look_at
+            } else {
+                DVec3::ZERO
+            },
+            diagnostics: Vec::new(),
+        };
+        let world = validator.world();
+        (world, validator.diagnostics)
+    }
+
+    fn world(&mut self) -> World {
+        let resolution = self.resolution();
+        let space = self.scene.image.color_space;
+        if space.value != ColorSpace::Rec709 {
+            self.report(space.span, not_yet(space.value));
+        }
+        let background = self.color("background", &self.scene.image.background);
+        let camera = self.camera(resolution);
+        let materials = named(&self.scene.materials, |material| self.material(material));
+        let lights = named(&self.scene.lights, |light| self.light(light));
+
+        let mut world = World {
+            resolution,
+            color_space: space.value,
+            background: Radiance(Rgb::narrowed(background)),
+            anchor: self.anchor,
+            // A camera that cannot be made is an error, after which the world is dropped.
+            camera: camera.unwrap_or_else(|Reported| placeholder_camera()),
+            materials,
+            lights: lights
+                .iter()
+                .map(|light| light.map(|light| light.point()))
+                .collect(),
+            objects: Vec::with_capacity(self.scene.objects.len()),
+            spheres: Vec::new(),
+            planes: Vec::new(),
+            triangles: Triangles::default(),
+            transport: Vec::new(),
+        };
+        for object in &self.scene.objects {
+            // An object that cannot be made is an error as well.
+            if let Ok((material, shape)) = self.object(object, &mut world) {
+                world.objects.push(Object {
+                    name: object.name.clone(),
+                    material,
+                    shape,
+                });
+            }
+        }
+        if self.scene.objects.is_empty() {
+            self.report(
+                Span::default(),
+                Problem::Missing {
+                    what: "section",
+                    name: "objects.NAME.VARIANT".to_owned(),
+                    expected: "at least one object, such as `[objects.ball.sphere]`",
+                },
+            );
+        }
+        for (light, entry) in lights.iter().zip(&self.scene.lights) {
+            for material in &world.materials {
+                let lobes = light.value.transport(&material.value);
+                if !(lobes.diffuse.0.is_finite() && lobes.specular.0.is_finite()) {
+                    let conflict = format!(
+                        "the light `{}` on the material `{}` is beyond 3.4e38, the largest f32: \
+                         expected a smaller intensity or reflectance",
+                        light.name, material.name,
+                    );
+                    self.report(entry.span, Problem::Conflict(conflict));
+                }
+                world.transport.push(lobes);
+            }
+        }
+        world
+    }
+
+    fn report(&mut self, span: Span, problem: Problem) {
+        self.diagnostics.push(Diagnostic { span, problem });
+    }
+
+    fn out_of_range(&mut self, key: &'static str, span: Span, value: String, expected: &str) {
+        let expected = expected.to_owned();
+        self.report(
+            span,
+            Problem::OutOfRange {
+                key,
+                value,
+                expected,
+            },
+        );
+    }
+
+    fn resolution(&mut self) -> [u32; 2] {
+        let Spanned { value, span } = self.scene.image.resolution;
+        if value.iter().any(|&side| side < 1 || side > MAX_RESOLUTION) {
+            let expected = format!("a width and a height from 1 to {MAX_RESOLUTION} pixels");
+            self.out_of_range("resolution", span, format!("{value:?}"), &expected);
+            return [1, 1];
+        }
+        value
+    }
+
+    /// A number that fulfills `legal`, or an error that says what is `expected`.
+    fn number(
+        &mut self,
+        key: &'static str,
+        written: Spanned<f64>,
+        legal: impl Fn(f64) -> bool,
+        expected: &str,
+    ) -> Result<f64, Reported> {
+        let Spanned { value, span } = written;
+        if value.is_finite() && legal(value) {
+            return Ok(value);
+        }
+        self.out_of_range(key, span, value.to_string(), expected);
+        Err(Reported)
+    }
+
+    /// Three finite numbers that are not too large to compute with.
+    fn vector(&mut self, key: &'static str, written: Spanned<[f64; 3]>) -> Result<DVec3, Reported> {
+        let Spanned { value, span } = written;
+        if value.iter().all(|coordinate| coordinate.abs() <= LARGEST) {
+            return Ok(DVec3::from_array(value));
+        }
+        self.out_of_range(
+            key,
+            span,
+            format!("{value:?}"),
+            "three numbers from -1e30 to 1e30",
+        );
+        Err(Reported)
+    }
+
+    /// A position relative to the anchor.
+    fn position(
+        &mut self,
+        key: &'static str,
+        written: Spanned<[f64; 3]>,
+    ) -> Result<Point, Reported> {
+        Ok(Point(self.vector(key, written)? - self.anchor))
+    }
+
+    /// A vector with a direction.
+    fn direction(
+        &mut self,
+        key: &'static str,
+        written: Spanned<[f64; 3]>,
+    ) -> Result<Normal, Reported> {
+        let vector = self.vector(key, written)?;
+        Normal::new(vector).ok_or_else(|| {
+            let value = format!("{:?}", written.value);
+            self.out_of_range(key, written.span, value, "a direction, so not all zero");
+            Reported
+        })
+    }
+
+    /// A color that is not negative, in linear RGB of the working space; zero after an error.
+    fn color(&mut self, key: &'static str, written: &Spanned<Value>) -> [f64; 3] {
+        if let Value::Rgb { space, .. } = written.value
+            && space != ColorSpace::Rec709
+        {
+            self.report(written.span, not_yet(space));
+            return [0.0; 3];
+        }
+        let rgb = linear(written.value);
+        let legal = |channel: &f64| (0.0..=f64::from(f32::MAX)).contains(channel);
+        if rgb.iter().all(legal) {
+            return rgb;
+        }
+        let (value, expected) = match written.value {
+            Value::Uniform(value) => (value.to_string(), "a number from 0 to 3.4e38"),
+            Value::Rgb { .. } | Value::Srgb(_) => {
+                (format!("{rgb:?}"), "three numbers from 0 to 3.4e38")
+            }
+        };
+        self.out_of_range(key, written.span, value, expected);
+        [0.0; 3]
+    }
+
+    fn camera(&mut self, resolution: [u32; 2]) -> Result<Camera, Reported> {
+        let view = self.scene.camera.value.view();
+        let projection = match &self.scene.camera.value {
+            scene::Camera::Perspective { vertical_fov, .. } => self
+                .number(
+                    "vertical_fov",
+                    *vertical_fov,
+                    |degrees| degrees > 0.0 && degrees < 180.0,
+                    "an angle above 0 and below 180 degrees",
+                )
+                .map(|degrees| Projection::Perspective {
+                    // libm's own tan is the same on every machine.
+                    half_height: libm::tan((degrees / 2.0).to_radians()),
+                }),
+            scene::Camera::Orthographic { height, .. } => {
+                self.length("height", *height)
+                    .map(|height| Projection::Orthographic {
+                        half_height: height / 2.0,
+                    })
+            }
+        };
+        let eye = self.position("eye", view.eye);
+        let look_at = self.position("look_at", view.look_at);
+        let up = self.direction("up", view.up);
+        let (projection, eye, look_at, up) = (projection?, eye?, look_at?, up?);
+        let forward = look_at.from(eye);
+        if Normal::new(forward).is_none() {
+            let conflict = "`look_at` is the same point as `eye`, expected a point to look at";
+            self.report(view.look_at.span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        Camera::new(eye, forward, up.get(), projection, resolution).ok_or_else(|| {
+            let conflict = "`up` is along the view from `eye` to `look_at`, expected a direction \
+                            across it, such as [0, 0, 1] for a view along y";
+            self.report(view.up.span, Problem::Conflict(conflict.to_owned()));
+            Reported
+        })
+    }
+
+    fn length(&mut self, key: &'static str, written: Spanned<f64>) -> Result<f64, Reported> {
+        let legal = |length| length > 0.0 && length <= LARGEST;
+        self.number(key, written, legal, "a length above 0, in scene units")
+    }
+
+    fn material(&mut self, entry: &scene::Entry<scene::Material>) -> Material {
+        let (scene::Material::Phong(lobes) | scene::Material::NormalizedPhong(lobes)) =
+            &entry.value;
+        let diffuse = self.color("diffuse", &lobes.diffuse);
+        let specular = self.color("specular", &lobes.specular);
+        let shininess = match lobes.shininess {
+            Some(written) => {
+                let legal = |n: f64| n > 0.0 && n <= LARGEST;
+                self.number("shininess", written, legal, "an exponent above 0")
+                    .unwrap_or(1.0)
+            }
+            None => {
+                if specular != [0.0; 3] {
+                    self.report(
+                        lobes.specular.span,
+                        Problem::Missing {
+                            what: "key",
+                            name: "shininess".to_owned(),
+                            expected: "the exponent n of the specular lobe, such as `shininess = 50`",
+                        },
+                    );
+                }
+                1.0
+            }
+        };
+        match entry.value {
+            scene::Material::Phong(_) => Material::phong(diffuse, specular, shininess),
+            scene::Material::NormalizedPhong(_) => {
+                let albedo: [f64; 3] = std::array::from_fn(|i| diffuse[i] + specular[i]);
+                if albedo.iter().any(|&albedo| albedo > LARGEST_ALBEDO) {
+                    let span = lobes.specular.span.max(lobes.diffuse.span);
+                    let expected = "an albedo of at most 1 in every channel";
+                    self.out_of_range("diffuse + specular", span, format!("{albedo:?}"), expected);
+                }
+                Material::normalized_phong(diffuse, specular, shininess)
+            }
+        }
+    }
+
+    fn light(&mut self, entry: &scene::Entry<scene::Light>) -> LightSource {
+        match &entry.value {
+            scene::Light::Point {
+                position,
+                intensity,
+            } => LightSource {
+                position: self
+                    .position("position", *position)
+                    .unwrap_or(Point(DVec3::ZERO)),
+                intensity: self.color("intensity", intensity),
+            },
+        }
+    }
+
+    fn object(
+        &mut self,
+        entry: &scene::Entry<scene::Object>,
+        world: &mut World,
+    ) -> Result<(usize, Shape), Reported> {
+        let id = world.objects.len() as u32;
+        let material = self.material_of(&entry.value);
+        let shape = match &entry.value {
+            scene::Object::Sphere { center, radius, .. } => {
+                let center = self.position("center", *center);
+                let radius = self.length("radius", *radius);
+                world.spheres.push(Sphere {
+                    center: center?,
+                    radius: radius?,
+                    object: id,
+                });
+                Shape::Sphere(world.spheres.len() - 1)
+            }
+            scene::Object::Plane { point, normal, .. } => {
+                let point = self.position("point", *point);
+                let normal = self.direction("normal", *normal);
+                world.planes.push(Plane {
+                    point: point?,
+                    normal: normal?,
+                    object: id,
+                });
+                Shape::Plane(world.planes.len() - 1)
+            }
+            scene::Object::Triangle { vertices, .. } => {
+                self.triangle(vertices, id, &mut world.triangles)?;
+                Shape::Mesh(world.triangles.meshes.len() - 1)
+            }
+            scene::Object::Mesh {
+                file,
+                scale,
+                rotate,
+                translate,
+                smooth,
+                geometry,
+                ..
+            } => {
+                let placement = self.placement(*scale, *rotate, *translate)?;
+                self.mesh(
+                    geometry,
+                    *smooth,
+                    &placement,
+                    id,
+                    file.span,
+                    &mut world.triangles,
+                )?;
+                Shape::Mesh(world.triangles.meshes.len() - 1)
+            }
+        };
+        Ok((material?, shape))
+    }
+
+    fn material_of(&mut self, object: &scene::Object) -> Result<usize, Reported> {
+        let Spanned { value: name, span } = object.material();
+        let materials = &self.scene.materials;
+        if let Some(index) = materials.iter().position(|material| material.name == *name) {
+            return Ok(index);
+        }
+        let expected: Vec<String> = materials.iter().map(|entry| entry.name.clone()).collect();
+        let problem = Problem::Unknown {
+            what: "material",
+            name: name.clone(),
+            nearest: nearest(name, expected.iter().map(String::as_str)).map(str::to_owned),
+            expected,
+        };
+        self.report(*span, problem);
+        Err(Reported)
+    }
+
+    fn triangle(
+        &mut self,
+        vertices: &Spanned<[[f64; 3]; 3]>,
+        object: u32,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
+        let mut corners = [DVec3::ZERO; 3];
+        for (corner, &value) in corners.iter_mut().zip(&vertices.value) {
+            *corner = self
+                .position("vertices", Spanned::new(value, vertices.span))?
+                .0;
+        }
+        if is_degenerate(corners) {
+            let value = format!("{:?}", vertices.value);
+            let expected = "three corners that are not on one line";
+            self.out_of_range("vertices", vertices.span, value, expected);
+            return Err(Reported);
+        }
+        let first_vertex = triangles.positions.len() as u32;
+        let start = triangles.len() as u32;
+        triangles.positions.extend(corners);
+        triangles
+            .corners
+            .push([first_vertex, first_vertex + 1, first_vertex + 2]);
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start..start + 1,
+            normals: None,
+            degenerate: 0,
+        });
+        Ok(())
+    }
+
+    fn placement(
+        &mut self,
+        scale: Spanned<[f64; 3]>,
+        rotate: Spanned<[f64; 3]>,
+        translate: Spanned<[f64; 3]>,
+    ) -> Result<Placement, Reported> {
+        let factors = self.vector("scale", scale);
+        let degrees = self.vector("rotate", rotate);
+        let moved = self.position("translate", translate);
+        let (factors, degrees, moved) = (factors?, degrees?, moved?);
+        if factors.to_array().contains(&0.0) {
+            let value = format!("{:?}", scale.value);
+            self.out_of_range("scale", scale.span, value, "factors that are not 0");
+            return Err(Reported);
+        }
+        let [x, y, z] = degrees.to_array().map(f64::to_radians);
+        let rotation = rotation_z(z) * rotation_y(y) * rotation_x(x);
+        Ok(Placement {
+            linear: rotation * DMat3::from_diagonal(factors),
+            // The inverse transpose of R S is R S⁻¹.
+            normals: rotation * DMat3::from_diagonal(factors.recip()),
+            moved: moved.0,
+        })
+    }
+
+    fn mesh(
+        &mut self,
+        file: &MeshFile,
+        smooth: bool,
+        placement: &Placement,
+        object: u32,
+        span: Span,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
+        let first_vertex = triangles.positions.len();
+        let start = triangles.len();
+        let fits = |count: usize| u32::try_from(count).is_ok();
+        if !fits(first_vertex + file.positions.len()) || !fits(start + file.triangles.len()) {
+            let conflict = "the meshes together have more than 4294967295 vertices or triangles";
+            self.report(span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        let positions = file
+            .positions
+            .iter()
+            .map(|&position| placement.linear * DVec3::from_array(position) + placement.moved);
+        triangles.positions.extend(positions);
+        let placed = &triangles.positions[first_vertex..];
+        if placed
+            .iter()
+            .any(|position| !(position.abs().max_element() <= LARGEST))
+        {
+            let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
+            self.report(span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+
+        let has_area: Vec<bool> = file
+            .triangles
+            .iter()
+            .map(|corners| !is_degenerate(corners.map(|corner| placed[corner as usize])))
+            .collect();
+        let kept = |corners: &[[u32; 3]], offset: u32| -> Vec<[u32; 3]> {
+            let kept = corners
+                .iter()
+                .zip(&has_area)
+                .filter(|&(_, &has_area)| has_area);
+            kept.map(|(corners, _)| corners.map(|corner| corner + offset))
+                .collect()
+        };
+        let corners = kept(&file.triangles, first_vertex as u32);
+        let degenerate = file.triangles.len() - corners.len();
+        if corners.is_empty() {
+            let conflict = "every triangle of the mesh is degenerate: none has an area";
+            self.report(span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        let normals = match &file.normals {
+            Some(normals) if smooth => Some(MeshNormals {
+                vectors: normals
+                    .vectors
+                    .iter()
+                    // A vector without a direction belongs to no triangle: the file's reader saw
+                    // to that.
+                    .map(|&normal| {
+                        Normal::new(placement.normals * DVec3::from_array(normal))
+                            .unwrap_or_else(any_normal)
+                    })
+                    .collect(),
+                corners: kept(normals.triangles.as_ref().unwrap_or(&file.triangles), 0),
+            }),
+            Some(_) | None => None,
+        };
+        triangles.corners.extend(corners);
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start as u32..triangles.len() as u32,
+            normals,
+            degenerate,
+        });
+        Ok(())
+    }
+}
+
+/// v ↦ R S v + T.
+struct Placement {
+    linear: DMat3,
+    normals: DMat3,
+    moved: DVec3,
+}
+
+/// A point light in f64, before anything is narrowed.
+struct LightSource {
+    position: Point,
+    intensity: [f64; 3],
+}
+
+impl LightSource {
+    fn point(&self) -> PointLight {
+        PointLight {
+            position: self.position,
+            intensity: Intensity(Rgb::narrowed(self.intensity)),
+        }
+    }
+
+    /// I · k of both lobes, narrowed to the precision of the film only here.
+    fn transport(&self, material: &Material) -> Lobes<ReflectedIntensity> {
+        let reflected = |reflectance: [f64; 3]| {
+            let product = std::array::from_fn(|i| self.intensity[i] * reflectance[i]);
+            ReflectedIntensity(Rgb::narrowed(product))
+        };
+        let reflectance = material.reflectance();
+        Lobes {
+            diffuse: reflected(reflectance.diffuse),
+            specular: reflected(reflectance.specular),
+        }
+    }
+}
+
+impl<T> Named<T> {
+    fn map<U>(&self, f: impl FnOnce(&T) -> U) -> Named<U> {
+        Named {
+            name: self.name.clone(),
+            value: f(&self.value),
+        }
+    }
+}
+
+fn named<T, U>(
+    entries: &[scene::Entry<T>],
+    mut f: impl FnMut(&scene::Entry<T>) -> U,
+) -> Vec<Named<U>> {
+    let named = entries.iter().map(|entry| Named {
+        name: entry.name.clone(),
+        value: f(entry),
+    });
+    named.collect()
+}
+
+/// What a mesh normal without a direction becomes, which no triangle uses.
+fn any_normal() -> Normal {
+    Normal::new(DVec3::Y).expect("the y axis has a direction")
+}
+
+/// Stands in after an error, in a world that is dropped.
+fn placeholder_camera() -> Camera {
+    let projection = Projection::Perspective { half_height: 1.0 };
+    Camera::new(Point(DVec3::ZERO), DVec3::Z, DVec3::Y, projection, [1, 1])
+        .expect("z and y make a frame")
+}
+
+fn not_yet(space: ColorSpace) -> Problem {
+    Problem::NotYet {
+        what: format!("the color space `{}`", space.name()),
+        instead: "write \"rec709\"",
+    }
+}
+
+/// Whether a triangle has no normal: its corners are on one line, or as good as.
+fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
+    Normal::new((b - a).cross(c - a)).is_none()
+}
+
+/// A value as linear Rec.709.
+fn linear(value: Value) -> [f64; 3] {
+    match value {
+        Value::Uniform(value) => [value; 3],
+        Value::Rgb { rgb, space: _ } => rgb,
+        Value::Srgb(codes) => codes.map(|code| srgb_decode(f64::from(code) / 255.0)),
+    }
+}
+
+/// The sRGB transfer function, coded to linear (IEC 61966-2-1).
+fn srgb_decode(coded: f64) -> f64 {
+    if coded <= 0.04045 {
+        coded / 12.92
+    } else {
+        // libm's own pow is the same on every machine.
+        libm::pow((coded + 0.055) / 1.055, 2.4)
+    }
+}
+
+fn rotation_x(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::X,
+        DVec3::new(0.0, cos, sin),
+        DVec3::new(0.0, -sin, cos),
+    )
+}
+
+fn rotation_y(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::new(cos, 0.0, -sin),
+        DVec3::Y,
+        DVec3::new(sin, 0.0, cos),
+    )
+}
+
+fn rotation_z(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::new(cos, sin, 0.0),
+        DVec3::new(-sin, cos, 0.0),
+        DVec3::Z,
+    )
+}
