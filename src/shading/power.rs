@@ -2,13 +2,29 @@
 
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
-/// Terms of the series of [`log2`]: s² is at most (3 − 2√2)² ≈ 0.0295, so the first term left out
-/// is below 0.0295¹¹ / 23 ≈ 6e-19 of the sum.
-const LOG_TERMS: u32 = 11;
+/// 1/(2k + 1), the coefficients of artanh(s)/s in s². s² is at most (3 − 2√2)² ≈ 0.0295, so the
+/// first term left out is below 0.0295¹¹ / 23 ≈ 6e-19 of the sum.
+const ARTANH: [f64; 11] = {
+    let mut coefficients = [0.0; 11];
+    let mut k = 0;
+    while k < coefficients.len() {
+        coefficients[k] = 1.0 / (2 * k + 1) as f64;
+        k += 1;
+    }
+    coefficients
+};
 
-/// Terms of the series of [`exp2`]: |x ln 2| is at most 0.3466, so the first term left out is below
-/// 0.3466¹⁴ / 14! ≈ 4e-18.
-const EXP_TERMS: u32 = 14;
+/// 1/k!, the coefficients of eˣ. |x| is at most ½ ln 2 ≈ 0.3466, so the first term left out is
+/// below 0.3466¹⁴ / 14! ≈ 4e-18.
+const EXPONENTIAL: [f64; 14] = {
+    let mut coefficients = [1.0; 14];
+    let mut k = 1;
+    while k < coefficients.len() {
+        coefficients[k] = coefficients[k - 1] / k as f64;
+        k += 1;
+    }
+    coefficients
+};
 
 /// Below this power of two, exp2 gives 0: the smallest normal f64 is 2⁻¹⁰²².
 const LOWEST_EXPONENT: f64 = -1022.0;
@@ -38,10 +54,7 @@ fn log2(x: f64) -> f64 {
     };
     let s = (mantissa - 1.0) / (mantissa + 1.0);
     let s2 = s * s;
-    let series = (0..LOG_TERMS)
-        .rev()
-        .fold(0.0, |sum, term| sum * s2 + 1.0 / f64::from(2 * term + 1));
-    f64::from(exponent) + 2.0 * LOG2_E * s * series
+    f64::from(exponent) + 2.0 * LOG2_E * s * polynomial(&ARTANH, s2)
 }
 
 /// 2ˣ for x up to 1023: the integer part by the exponent's bits, the rest, at most ½, by the series
@@ -52,10 +65,18 @@ fn exp2(x: f64) -> f64 {
     }
     let integer = x.round_ties_even();
     let rest = (x - integer) * LN_2;
-    let series = (1..EXP_TERMS)
-        .rev()
-        .fold(1.0, |sum, term| 1.0 + sum * rest / f64::from(term));
-    series * f64::from_bits(((integer as i64 + 1023) as u64) << 52)
+    polynomial(&EXPONENTIAL, rest) * f64::from_bits(((integer as i64 + 1023) as u64) << 52)
+}
+
+/// Σ coefficients[k] xᵏ, even and odd powers apart: two chains of dependent sums in place of one.
+fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
+    let x2 = x * x;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for pair in coefficients.chunks(2).rev() {
+        even = even * x2 + pair[0];
+        odd = odd * x2 + pair.get(1).copied().unwrap_or(0.0);
+    }
+    even + odd * x
 }
 
 #[cfg(test)]

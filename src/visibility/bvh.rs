@@ -292,7 +292,9 @@ impl Bvh {
                 }
                 Child::Node(index) => {
                     let node = &self.nodes[index as usize];
-                    node.meet(&slabs, limit, |child, enters| stack.push(Pending { child, enters }));
+                    node.meet(&slabs, limit, |child, enters| {
+                        stack.push(Pending { child, enters })
+                    });
                 }
             }
         }
@@ -326,9 +328,13 @@ impl Node {
     /// Shows `met` the children whose boxes the ray enters at t from 0 to `limit`, and where.
     #[inline(always)]
     fn meet(&self, ray: &SlabRay, limit: f32, mut met: impl FnMut(Child, f32)) {
-        let (near, far) = (ray.near.map(|row| &self.bounds[row]), ray.far.map(|row| &self.bounds[row]));
+        let (near, far) = (
+            ray.near.map(|row| &self.bounds[row]),
+            ray.far.map(|row| &self.bounds[row]),
+        );
         for half in 0..2 {
-            let near_at = |axis: usize| (near[axis][half] - ray.near_origin[axis]) * ray.inverse[axis];
+            let near_at =
+                |axis: usize| (near[axis][half] - ray.near_origin[axis]) * ray.inverse[axis];
             let far_at = |axis: usize| (far[axis][half] - ray.far_origin[axis]) * ray.inverse[axis];
             let enters = near_at(0).max(near_at(1)).max(near_at(2).max(Vec4::ZERO));
             let leaves = far_at(0).min(far_at(1)).min(far_at(2)) * SLAB_GIVES_WAY;

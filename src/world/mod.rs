@@ -8,6 +8,7 @@
 mod camera;
 mod geometry;
 pub mod material;
+pub mod physics;
 pub mod plan;
 mod validate;
 

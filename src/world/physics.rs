@@ -1,0 +1,198 @@
+//! What is legal but physically odd: materials that give more light than they get, lights inside
+//! of objects, a scene without light.
+
+use std::f64::consts::{PI, TAU};
+use std::fmt;
+
+use super::material::Model;
+use super::{Material, Mesh, Shape, World};
+use crate::math::{DVec3, Point};
+
+/// Something that is legal and rendered as written, but may not be meant.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Warning {
+    /// A material reflects more light than it receives.
+    ReflectsMore {
+        /// The material's name.
+        material: String,
+        /// Its [directional albedo at normal incidence](albedo_at_normal_incidence), per primary.
+        albedo: [f64; 3],
+    },
+    /// A light is inside of a closed object, so that it lights nothing but the inside.
+    LightInside {
+        /// The light's name.
+        light: String,
+        /// The object's name.
+        object: String,
+    },
+    /// There is no light: every surface is black.
+    NoLight,
+    /// A mesh has triangles without area, which were dropped.
+    Degenerate {
+        /// The mesh's name.
+        object: String,
+        /// How many.
+        triangles: usize,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ReflectsMore { material, albedo } => {
+                let largest = albedo.iter().copied().fold(0.0, f64::max);
+                write!(
+                    f,
+                    "material `{material}` reflects {largest:.2} times the light that it receives \
+                     at normal incidence (π k_d + 2π k_s/(n+2)), and more towards grazing; \
+                     `normalized_phong` never reflects more than it receives",
+                )
+            }
+            Self::LightInside { light, object } => {
+                write!(f, "light `{light}` is inside of object `{object}`")
+            }
+            Self::NoLight => write!(f, "the scene has no light, so every surface is black"),
+            Self::Degenerate { object, triangles } => write!(
+                f,
+                "{triangles} triangles of object `{object}` have no area and were dropped",
+            ),
+        }
+    }
+}
+
+/// The part of the light arriving along the normal that a material reflects into all directions,
+/// per primary:
+///
+/// ∫ L_o cos θ dω / (I/d²) = π k_d + 2π k_s / (n + 2),
+///
+/// because ω_r is the normal there, and ∫ cosⁿθ cos θ dω = 2π/(n+2) over the hemisphere. For
+/// `normalized_phong` this is ρ_d + ρ_s. Towards grazing incidence the specular part of `phong`
+/// grows as 1/cos θ_i, because L7 has no cosine of the incident light.
+pub fn albedo_at_normal_incidence(material: &Material) -> [f64; 3] {
+    let reflectance = material.reflectance();
+    let lobe = TAU / (material.shininess() + 2.0);
+    std::array::from_fn(|i| PI * reflectance.diffuse[i] + lobe * reflectance.specular[i])
+}
+
+/// Everything about a world that may not be meant, in the order of the file.
+pub fn warnings(world: &World) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    if world.lights().is_empty() {
+        warnings.push(Warning::NoLight);
+    }
+    for material in world.materials() {
+        let albedo = albedo_at_normal_incidence(&material.value);
+        // A normalized material cannot exceed 1 but by a rounding.
+        if material.value.model() == Model::Phong && albedo.iter().any(|&albedo| albedo > 1.0) {
+            warnings.push(Warning::ReflectsMore {
+                material: material.name.clone(),
+                albedo,
+            });
+        }
+    }
+    for object in world.objects() {
+        if let Shape::Mesh(mesh) = object.shape
+            && world.triangles().meshes()[mesh].degenerate > 0
+        {
+            warnings.push(Warning::Degenerate {
+                object: object.name.clone(),
+                triangles: world.triangles().meshes()[mesh].degenerate,
+            });
+        }
+        for light in world.lights() {
+            if is_inside(world, object.shape, light.value.position) {
+                warnings.push(Warning::LightInside {
+                    light: light.name.clone(),
+                    object: object.name.clone(),
+                });
+            }
+        }
+    }
+    warnings
+}
+
+fn is_inside(world: &World, shape: Shape, point: Point) -> bool {
+    match shape {
+        Shape::Sphere(index) => {
+            let sphere = &world.spheres()[index];
+            point.from(sphere.center).length() < sphere.radius
+        }
+        Shape::Plane(_) => false,
+        Shape::Mesh(index) => {
+            let mesh = &world.triangles().meshes()[index];
+            is_in_box(world, mesh, point) && winding_number(world, mesh, point).abs() > 0.5
+        }
+    }
+}
+
+fn is_in_box(world: &World, mesh: &Mesh, point: Point) -> bool {
+    let corners = || {
+        mesh.triangles
+            .clone()
+            .flat_map(|index| world.triangles().vertices(index))
+    };
+    let min = corners().fold(DVec3::INFINITY, DVec3::min);
+    let max = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+    point.0.cmpgt(min).all() && point.0.cmplt(max).all()
+}
+
+/// How often a mesh surrounds a point: its solid angle as seen from there over 4π. 0 outside of a
+/// closed mesh and ±1 inside; in between for a mesh with holes.
+///
+/// The solid angle of a triangle with corners a, b, c around the point is
+/// 2 atan2(a · (b × c), |a||b||c| + (a·b)|c| + (a·c)|b| + (b·c)|a|)
+/// (Van Oosterom & Strackee 1983).
+fn winding_number(world: &World, mesh: &Mesh, point: Point) -> f64 {
+    let solid_angle = |index: u32| {
+        let [a, b, c] = world
+            .triangles()
+            .vertices(index)
+            .map(|vertex| vertex - point.0);
+        let [la, lb, lc] = [a, b, c].map(DVec3::length);
+        let volume = a.dot(b.cross(c));
+        let around = la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la;
+        2.0 * libm::atan2(volume, around)
+    };
+    mesh.triangles.clone().map(solid_angle).sum::<f64>() / (2.0 * TAU)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The closed form against a quadrature over the hemisphere, at normal incidence.
+    #[test]
+    fn albedo_is_the_integral_over_the_hemisphere() {
+        for shininess in [0.5, 1.0, 20.0, 80.0] {
+            let material = Material::phong([0.2, 0.3, 0.4], [0.3, 0.1, 0.0], shininess);
+            let steps = 100_000;
+            let reflectance = material.reflectance();
+            let integral: [f64; 3] = std::array::from_fn(|i| {
+                let ring = |step: u32| {
+                    let theta = (f64::from(step) + 0.5) / f64::from(steps) * PI / 2.0;
+                    let (sin, cos) = theta.sin_cos();
+                    let reflected =
+                        reflectance.diffuse[i] + reflectance.specular[i] * cos.powf(shininess);
+                    TAU * sin * cos * reflected
+                };
+                (0..steps).map(ring).sum::<f64>() * PI / 2.0 / f64::from(steps)
+            });
+            let closed_form = albedo_at_normal_incidence(&material);
+            for (closed_form, integral) in closed_form.iter().zip(integral) {
+                assert!(
+                    (closed_form - integral).abs() < 1e-8,
+                    "{closed_form} {integral}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_normalized_material_reflects_its_albedos() {
+        let material = Material::normalized_phong([0.5, 0.2, 0.0], [0.5, 0.3, 0.1], 37.0);
+        let albedo = albedo_at_normal_incidence(&material);
+        for (albedo, expected) in albedo.iter().zip([1.0, 0.5, 0.1]) {
+            assert!((albedo - expected).abs() < 1e-15);
+        }
+    }
+}
