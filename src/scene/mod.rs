@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 pub use mesh::MeshFile;
+pub use read::{Broken, Reading};
 pub use value::{ColorSpace, Value};
 
 /// The text that a scene was read from, kept so that errors can show their line.
@@ -207,7 +208,7 @@ impl Scene {
     /// missing keys, wrong types, mesh files that cannot be read. Values out of range are found
     /// by [`crate::world::World::new`]; [`crate::load`] reports both together.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
-        todo!("{:?}", path.as_ref())
+        Reading::of_file(path.as_ref()).complete()
     }
 
     /// Reads a scene from text; mesh files are relative to the folder of `path`.
@@ -215,6 +216,14 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
-        todo!("{text}{:?}", path.as_ref())
+        Reading::of_text(text.to_owned(), path.as_ref()).complete()
+    }
+
+    /// The scene that is rendered where no file is named: the lecture's.
+    pub fn builtin() -> Self {
+        Self::parse(BUILTIN, "<lecture.toml>").expect("a test reads the built-in scene")
     }
 }
+
+/// The text of the built-in scene.
+const BUILTIN: &str = include_str!("../../scenes/lecture.toml");

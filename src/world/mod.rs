@@ -12,13 +12,15 @@ pub mod physics;
 pub mod plan;
 mod validate;
 
+use std::path::Path;
+
 pub use camera::{Camera, Projection};
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
 pub use material::Material;
 pub use plan::Plan;
 
 use crate::math::{DVec3, Point};
-use crate::scene::{ColorSpace, Diagnostics, Scene};
+use crate::scene::{ColorSpace, Diagnostics, Reading, Scene};
 use crate::units::{Intensity, Radiance, ReflectedIntensity};
 
 /// A legal scene.
@@ -96,6 +98,15 @@ impl World {
     /// objects, each with its place.
     pub fn new(scene: &Scene) -> Result<Self, Diagnostics> {
         validate::validate(scene)
+    }
+
+    /// Reads a scene file and validates it; what is wrong with its form and with its values is
+    /// reported together.
+    ///
+    /// # Errors
+    /// As [`Scene::load`] and [`World::new`].
+    pub fn load(path: impl AsRef<Path>) -> Result<(Scene, Self), Diagnostics> {
+        validate::validate_reading(Reading::of_file(path.as_ref()))
     }
 
     /// Width and height of the image in pixels.

@@ -7,10 +7,9 @@ use glam::{DMat3, DVec3};
 use super::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
 use super::{Camera, Lobes, Material, Named, Object, PointLight, Projection, Shape, World};
 use crate::math::{Normal, Point};
-use crate::scene::diagnostic::nearest;
 use crate::scene::{
-    self, ColorSpace, Diagnostic, Diagnostics, MAX_RESOLUTION, MeshFile, Problem, Scene, Span,
-    Spanned, Value,
+    self, Broken, ColorSpace, Diagnostic, Diagnostics, MAX_RESOLUTION, MeshFile, Problem, Reading,
+    Scene, Span, Spanned, Value,
 };
 use crate::units::{Intensity, Radiance, ReflectedIntensity, Rgb};
 
@@ -24,10 +23,29 @@ const LARGEST_ALBEDO: f64 = 1.0 + 1e-12;
 
 /// Validates a whole scene.
 pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
-    let (world, diagnostics) = Validator::run(scene);
+    let (world, diagnostics) = Validator::run(scene, &Broken::default());
     match Diagnostics::new(Arc::clone(&scene.source), diagnostics) {
         Some(diagnostics) => Err(diagnostics),
         None => Ok(world),
+    }
+}
+
+/// Validates what could be read of a scene; what is wrong with its form is reported as well.
+pub(super) fn validate_reading(reading: Reading) -> Result<(Scene, World), Diagnostics> {
+    let Reading {
+        source,
+        scene,
+        mut diagnostics,
+        broken,
+    } = reading;
+    let validated = scene.map(|scene| {
+        let (world, found) = Validator::run(&scene, &broken);
+        diagnostics.extend(found);
+        (scene, world)
+    });
+    match Diagnostics::new(source, diagnostics) {
+        Some(diagnostics) => Err(diagnostics),
+        None => Ok(validated.expect("a scene that cannot be read has a diagnostic")),
     }
 }
 
@@ -35,6 +53,8 @@ pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
 /// the result is not used.
 struct Validator<'a> {
     scene: &'a Scene,
+    /// What stands in the file, but was left out of the scene because of other errors.
+    broken: &'a Broken,
     anchor: DVec3,
     diagnostics: Vec<Diagnostic>,
 }
@@ -44,10 +64,11 @@ struct Validator<'a> {
 struct Reported;
 
 impl<'a> Validator<'a> {
-    fn run(scene: &'a Scene) -> (World, Vec<Diagnostic>) {
+    fn run(scene: &'a Scene, broken: &'a Broken) -> (World, Vec<Diagnostic>) {
         let look_at = DVec3::from_array(scene.camera.value.view().look_at.value);
         let mut validator = Validator {
             scene,
+            broken,
             anchor: if look_at.is_finite() {
                 look_at
             } else {
@@ -98,7 +119,8 @@ impl<'a> Validator<'a> {
                 });
             }
         }
-        if self.scene.objects.is_empty() {
+        let hidden = self.broken.lost_entries || !self.broken.objects.is_empty();
+        if self.scene.objects.is_empty() && !hidden {
             self.report(
                 Span::default(),
                 Problem::Missing {
@@ -387,14 +409,11 @@ impl<'a> Validator<'a> {
         if let Some(index) = materials.iter().position(|material| material.name == *name) {
             return Ok(index);
         }
-        let expected: Vec<String> = materials.iter().map(|entry| entry.name.clone()).collect();
-        let problem = Problem::Unknown {
-            what: "material",
-            name: name.clone(),
-            nearest: nearest(name, expected.iter().map(String::as_str)).map(str::to_owned),
-            expected,
-        };
-        self.report(*span, problem);
+        if !self.broken.lost_entries && !self.broken.materials.contains(name) {
+            let expected = materials.iter().map(|entry| entry.name.as_str());
+            let problem = Problem::unknown("material", name, expected);
+            self.report(*span, problem);
+        }
         Err(Reported)
     }
 

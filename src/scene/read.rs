@@ -1,1 +1,0 @@
-//! From TOML to a [`Scene`](super::Scene).

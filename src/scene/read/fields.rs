@@ -1,0 +1,294 @@
+//! The keys of one entry: present, of the right type, and none left over.
+
+use toml::de::{DeInteger, DeTable, DeValue};
+
+use super::super::diagnostic::{Diagnostic, Problem, Span, Spanned, shortened};
+use super::syntax::Damage;
+use super::{Meshes, Node};
+
+/// How many errors are collected; an entry in error after these is still left out.
+const MOST_ERRORS: usize = 1_000;
+
+/// Reads a tree and collects what is wrong with it.
+pub(super) struct Reader<'a> {
+    pub(super) text: &'a str,
+    pub(super) damage: Damage,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    pub(super) meshes: Meshes,
+}
+
+/// A key: its name, and its value as errors describe it.
+pub(super) struct Key {
+    pub(super) name: &'static str,
+    /// "a number of scene units, such as `0.5`"
+    pub(super) value: &'static str,
+    /// "a number of scene units, such as `radius = 0.5`"
+    pub(super) line: &'static str,
+}
+
+/// `key!("radius", "a number of scene units", "0.5")`: name, meaning, example.
+macro_rules! key {
+    ($name:literal, $meaning:literal, $example:literal) => {
+        $crate::scene::read::fields::Key {
+            name: $name,
+            value: concat!($meaning, ", such as `", $example, "`"),
+            line: concat!($meaning, ", such as `", $name, " = ", $example, "`"),
+        }
+    };
+}
+pub(super) use key;
+
+impl Reader<'_> {
+    /// Reports `problem`, unless a syntax error at the same place explains it.
+    pub(super) fn report(&mut self, span: Span, problem: Problem) {
+        let explained = if span == Span::default() {
+            self.damage.lost_entries()
+        } else {
+            self.damage.reaches(span.start)
+        };
+        if !explained && self.diagnostics.len() < MOST_ERRORS {
+            self.diagnostics.push(Diagnostic::new(span, problem));
+        }
+    }
+
+    /// Reports that `key` holds something else than it should.
+    pub(super) fn wrong_type(&mut self, key: &str, node: &Node<'_>, expected: &'static str) {
+        let problem = Problem::WrongType {
+            key: key.to_owned(),
+            found: described(node.get_ref()),
+            expected,
+        };
+        self.report(node.span().into(), problem);
+    }
+
+    /// An integer or float as f64; infinite and NaN where the file says `inf` and `nan`.
+    ///
+    /// `name` is the key's, or an element of it such as `center[1]`.
+    pub(super) fn number(&mut self, key: &Key, name: &str, node: &Node<'_>) -> Option<f64> {
+        let (number, written) = match node.get_ref() {
+            DeValue::Integer(integer) => (integer_as_f64(integer), integer.to_string()),
+            DeValue::Float(float) => {
+                let written = float.as_str();
+                let number = written.parse::<f64>().ok();
+                let overflow =
+                    |&n: &f64| n.is_finite() || !written.ends_with(|c: char| c.is_ascii_digit());
+                (number.filter(overflow), written.to_owned())
+            }
+            DeValue::String(_)
+            | DeValue::Boolean(_)
+            | DeValue::Datetime(_)
+            | DeValue::Array(_)
+            | DeValue::Table(_) => {
+                self.wrong_type(name, node, key.value);
+                return None;
+            }
+        };
+        if number.is_none() {
+            let problem = Problem::OutOfRange {
+                key: key.name,
+                value: written,
+                expected: "a number of at most 1.8e308, the largest in 64-bit floating point"
+                    .to_owned(),
+            };
+            self.report(node.span().into(), problem);
+        }
+        number
+    }
+
+    /// An array of exactly `N` items.
+    pub(super) fn items<'n, 'i, const N: usize>(
+        &mut self,
+        key: &Key,
+        name: &str,
+        node: &'n Node<'i>,
+    ) -> Option<&'n [Node<'i>; N]> {
+        let items = node
+            .get_ref()
+            .as_array()
+            .and_then(|items| <&[Node<'i>; N]>::try_from(&**items).ok());
+        if items.is_none() {
+            self.wrong_type(name, node, key.value);
+        }
+        items
+    }
+
+    /// An array of `N` numbers.
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        key: &Key,
+        name: &str,
+        node: &Node<'_>,
+    ) -> Option<[f64; N]> {
+        let items = self.items::<N>(key, name, node)?;
+        let mut numbers = [0.0; N];
+        let mut sound = true;
+        for (i, (number, item)) in numbers.iter_mut().zip(items).enumerate() {
+            let is_number = matches!(item.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
+            let read = if is_number {
+                self.number(key, name, item)
+            } else {
+                self.wrong_type(&format!("{name}[{i}]"), item, "a number");
+                None
+            };
+            sound &= read.is_some();
+            *number = read.unwrap_or_default();
+        }
+        sound.then_some(numbers)
+    }
+}
+
+/// The keys of one entry. What is asked for is known; [`Fields::finish`] reports the rest.
+pub(super) struct Fields<'r, 'a, 'i> {
+    pub(super) reader: &'r mut Reader<'a>,
+    table: &'r DeTable<'i>,
+    /// Where errors and defaults point that have no key of their own.
+    pub(super) header: Span,
+    known: Vec<&'static str>,
+    missing: Vec<&'static Key>,
+}
+
+impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
+    pub(super) const fn new(
+        reader: &'r mut Reader<'a>,
+        table: &'r DeTable<'i>,
+        header: Span,
+    ) -> Self {
+        Self {
+            reader,
+            table,
+            header,
+            known: Vec::new(),
+            missing: Vec::new(),
+        }
+    }
+
+    /// The value of `key`, if it is there.
+    pub(super) fn get(&mut self, key: &Key) -> Option<&'r Node<'i>> {
+        self.known.push(key.name);
+        self.table.get(key.name)
+    }
+
+    /// The value of `key`; that it is not there is an error.
+    pub(super) fn require(&mut self, key: &'static Key) -> Option<&'r Node<'i>> {
+        let node = self.get(key);
+        if node.is_none() {
+            self.missing.push(key);
+        }
+        node
+    }
+
+    pub(super) fn number(&mut self, key: &'static Key) -> Option<Spanned<f64>> {
+        let node = self.require(key)?;
+        spanned(self.reader.number(key, key.name, node), node)
+    }
+
+    /// `Some(None)` where the key is not there, `None` where its value is in error.
+    pub(super) fn optional_number(&mut self, key: &Key) -> Option<Option<Spanned<f64>>> {
+        match self.get(key) {
+            Some(node) => spanned(self.reader.number(key, key.name, node), node).map(Some),
+            None => Some(None),
+        }
+    }
+
+    pub(super) fn vector(&mut self, key: &'static Key) -> Option<Spanned<[f64; 3]>> {
+        let node = self.require(key)?;
+        spanned(self.reader.numbers(key, key.name, node), node)
+    }
+
+    pub(super) fn vector_or(&mut self, key: &Key, default: [f64; 3]) -> Option<Spanned<[f64; 3]>> {
+        match self.get(key) {
+            Some(node) => spanned(self.reader.numbers(key, key.name, node), node),
+            None => Some(Spanned::new(default, self.header)),
+        }
+    }
+
+    pub(super) fn string(&mut self, key: &'static Key) -> Option<Spanned<String>> {
+        let node = self.require(key)?;
+        self.string_of(key, node)
+    }
+
+    pub(super) fn optional_string(&mut self, key: &Key) -> Option<Option<Spanned<String>>> {
+        match self.get(key) {
+            Some(node) => self.string_of(key, node).map(Some),
+            None => Some(None),
+        }
+    }
+
+    fn string_of(&mut self, key: &Key, node: &Node<'_>) -> Option<Spanned<String>> {
+        let text = node.get_ref().as_str();
+        if text.is_none() {
+            self.reader.wrong_type(key.name, node, key.value);
+        }
+        spanned(text.map(str::to_owned), node)
+    }
+
+    pub(super) fn boolean_or(&mut self, key: &Key, default: bool) -> Option<bool> {
+        let Some(node) = self.get(key) else {
+            return Some(default);
+        };
+        let value = node.get_ref().as_bool();
+        if value.is_none() {
+            self.reader.wrong_type(key.name, node, key.value);
+        }
+        value
+    }
+
+    /// Reports the keys that nobody asked for and the ones that are missing; `None` if there are
+    /// any. A missing key that was only misspelt is one error, not two.
+    pub(super) fn finish(self) -> Option<()> {
+        let mut sound = self.missing.is_empty();
+        let mut missing = self.missing;
+        for key in self.table.keys() {
+            let name = key.get_ref();
+            if !self.known.iter().any(|known| known == name) {
+                let problem = Problem::unknown("key", name, self.known.iter().copied());
+                if let Some(meant) = problem.nearest() {
+                    missing.retain(|missing| missing.name != meant);
+                }
+                self.reader.report(key.span().into(), problem);
+                sound = false;
+            }
+        }
+        for key in missing {
+            let problem = Problem::Missing {
+                what: "key",
+                name: key.name.to_owned(),
+                expected: key.line,
+            };
+            self.reader.report(self.header, problem);
+        }
+        sound.then_some(())
+    }
+}
+
+pub(super) fn spanned<T>(value: Option<T>, node: &Node<'_>) -> Option<Spanned<T>> {
+    value.map(|value| Spanned::new(value, node.span().into()))
+}
+
+/// A TOML integer of any size, rounded to the nearest f64 where it has more than 53 bits.
+fn integer_as_f64(integer: &DeInteger<'_>) -> Option<f64> {
+    if integer.radix() == 10 {
+        return integer
+            .as_str()
+            .parse()
+            .ok()
+            .filter(|number: &f64| number.is_finite());
+    }
+    u128::from_str_radix(integer.as_str(), integer.radix())
+        .ok()
+        .map(|integer| integer as f64)
+}
+
+/// A value as errors name it.
+fn described(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => format!("the string \"{}\"", shortened(text)),
+        DeValue::Integer(integer) => format!("the integer {}", shortened(&integer.to_string())),
+        DeValue::Float(float) => format!("the number {}", shortened(float.as_str())),
+        DeValue::Boolean(value) => format!("`{value}`"),
+        DeValue::Datetime(_) => "a date or time".to_owned(),
+        DeValue::Array(items) if items.is_empty() => "an empty array".to_owned(),
+        DeValue::Array(items) => format!("an array of {}", items.len()),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}

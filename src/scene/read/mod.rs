@@ -1,0 +1,274 @@
+//! From the text of a scene file to a [`Scene`].
+//!
+//! The text becomes a tree with spans ([TOML](https://toml.io)); the tree is walked by hand, so
+//! that everything wrong is found in one go, each with its place. What follows from another error
+//! is not reported: an entry in error is left out, but its name stays known.
+
+mod entries;
+mod fields;
+mod sections;
+mod syntax;
+#[cfg(test)]
+mod tests;
+mod value;
+
+use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use toml::de::{DeTable, DeValue};
+
+use super::diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
+use super::mesh::MeshFile;
+use super::{Scene, Source};
+use fields::Reader;
+
+/// A value in the tree, with its place.
+type Node<'i> = toml::Spanned<DeValue<'i>>;
+
+/// The largest scene file in bytes. A million objects fit; triangles belong in mesh files.
+const LARGEST_FILE: u64 = 256_000_000;
+
+/// A scene file as far as it could be read, with everything that is wrong with its form.
+///
+/// What is in [`Reading::scene`] is sound by itself, so that ranges can be checked in the same
+/// run; names of entries that were left out for an error are known still.
+#[derive(Debug)]
+pub struct Reading {
+    /// The file.
+    pub source: Arc<Source>,
+    /// The scene without the entries in error. `None` where the image or the camera is in error.
+    pub scene: Option<Scene>,
+    /// What is wrong, in no particular order.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Names that stand in the file, but not in `scene`.
+    pub broken: Broken,
+}
+
+/// The names of entries that were left out of a scene because of errors in them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Broken {
+    /// Of `[materials]`.
+    pub materials: HashSet<String>,
+    /// Of `[lights]`.
+    pub lights: HashSet<String>,
+    /// Of `[objects]`.
+    pub objects: HashSet<String>,
+    /// Whether a syntax error or a misspelt section hides a part of the file, and with it entries
+    /// of any name.
+    pub lost_entries: bool,
+}
+
+impl Reading {
+    /// Reads a scene file and the meshes that it names.
+    pub fn of_file(path: &Path) -> Self {
+        match read_bytes(path) {
+            Ok(bytes) => Self::of_bytes(bytes, path),
+            Err(problem) => Self::failed(
+                path,
+                String::new(),
+                Diagnostic::new(Span::default(), problem),
+            ),
+        }
+    }
+
+    /// Reads a scene from text; mesh files are relative to the folder of `path`.
+    pub fn of_text(text: String, path: &Path) -> Self {
+        if text.len() as u64 > LARGEST_FILE {
+            let diagnostic = Diagnostic::new(Span::default(), too_large());
+            return Self::failed(path, String::new(), diagnostic);
+        }
+        let (scene, diagnostics, broken) = read(&text, path);
+        let source = Arc::new(Source {
+            path: path.to_owned(),
+            text,
+        });
+        Self {
+            scene: scene.map(|scene| scene.with(&source)),
+            source,
+            diagnostics,
+            broken,
+        }
+    }
+
+    fn of_bytes(bytes: Vec<u8>, path: &Path) -> Self {
+        match String::from_utf8(bytes) {
+            Ok(text) => Self::of_text(text, path),
+            Err(error) => {
+                let start = error.utf8_error().valid_up_to();
+                let byte = error.as_bytes()[start];
+                // The replacement character stands where the byte is.
+                let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+                let end = text.ceil_char_boundary(start + 1);
+                let span = Span::from(start..end);
+                Self::failed(path, text, Diagnostic::new(span, Problem::NotUtf8 { byte }))
+            }
+        }
+    }
+
+    fn failed(path: &Path, text: String, diagnostic: Diagnostic) -> Self {
+        let path = path.to_owned();
+        Self {
+            source: Arc::new(Source { path, text }),
+            scene: None,
+            diagnostics: vec![diagnostic],
+            broken: Broken {
+                lost_entries: true,
+                ..Broken::default()
+            },
+        }
+    }
+
+    /// Whether a material of this name is in the file, be it in error; true also where it could
+    /// be in a part that another error hides.
+    pub fn is_known_material(&self, name: &str) -> bool {
+        self.broken.lost_entries
+            || self.broken.materials.contains(name)
+            || self
+                .scene
+                .iter()
+                .flat_map(|scene| &scene.materials)
+                .any(|material| material.name == name)
+    }
+
+    /// The scene, if nothing is wrong with its form.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn complete(self) -> Result<Scene, Diagnostics> {
+        match Diagnostics::new(self.source, self.diagnostics) {
+            Some(diagnostics) => Err(diagnostics),
+            None => Ok(self
+                .scene
+                .expect("that image or camera cannot be read is among the diagnostics")),
+        }
+    }
+}
+
+/// The scene of [`Reading`] before its text has moved to where it stays.
+struct Unsourced {
+    image: super::Image,
+    camera: Spanned<super::Camera>,
+    materials: Vec<super::Entry<super::Material>>,
+    lights: Vec<super::Entry<super::Light>>,
+    objects: Vec<super::Entry<super::Object>>,
+}
+
+impl Unsourced {
+    fn with(self, source: &Arc<Source>) -> Scene {
+        Scene {
+            source: Arc::clone(source),
+            image: self.image,
+            camera: self.camera,
+            materials: self.materials,
+            lights: self.lights,
+            objects: self.objects,
+        }
+    }
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
+    let file = File::open(path).map_err(Problem::Unreadable)?;
+    let mut bytes = Vec::new();
+    // One byte more than allowed tells a file that is too large, also where it has no known size.
+    file.take(LARGEST_FILE + 1)
+        .read_to_end(&mut bytes)
+        .map_err(Problem::Unreadable)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(too_large());
+    }
+    Ok(bytes)
+}
+
+const fn too_large() -> Problem {
+    Problem::TooLarge {
+        limit: LARGEST_FILE / 1_000_000,
+    }
+}
+
+fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+    let (root, damage, diagnostics) = syntax::parse(text);
+    if root.is_empty() && diagnostics.is_empty() {
+        let diagnostic = Diagnostic::new(Span::default(), Problem::Empty);
+        return (None, vec![diagnostic], Broken::default());
+    }
+    let mut reader = Reader {
+        text,
+        damage,
+        diagnostics,
+        meshes: Meshes::beside(path),
+    };
+    let misspelt = unknown_sections(&mut reader, &root);
+    let image = sections::image(&mut reader, &root, &misspelt);
+    let camera = sections::camera(&mut reader, &root, &misspelt);
+    let materials = sections::MATERIALS.read(&mut reader, &root);
+    let lights = sections::LIGHTS.read(&mut reader, &root);
+    let objects = sections::OBJECTS.read(&mut reader, &root);
+    let broken = Broken {
+        materials: materials.broken.into_iter().collect(),
+        lights: lights.broken.into_iter().collect(),
+        objects: objects.broken.into_iter().collect(),
+        lost_entries: reader.damage.lost_entries() || !misspelt.is_empty(),
+    };
+    let scene = image.zip(camera).map(|(image, camera)| Unsourced {
+        image,
+        camera,
+        materials: materials.sound,
+        lights: lights.sound,
+        objects: objects.sound,
+    });
+    (scene, reader.diagnostics, broken)
+}
+
+/// Reports sections that there are not, and returns those that were meant.
+fn unknown_sections(reader: &mut Reader<'_>, root: &DeTable<'_>) -> Vec<String> {
+    let mut misspelt = Vec::new();
+    for key in root.keys() {
+        let name = key.get_ref();
+        if !sections::SECTIONS.contains(&name.as_ref()) {
+            let problem = Problem::unknown("section", name, sections::SECTIONS);
+            misspelt.extend(problem.nearest().map(str::to_owned));
+            reader.report(key.span().into(), problem);
+        }
+    }
+    misspelt
+}
+
+/// The mesh files of one scene, each read once.
+struct Meshes {
+    /// What paths in the scene are relative to.
+    folder: PathBuf,
+    /// `None` for a file that could not be read, which has been reported.
+    loaded: HashMap<PathBuf, Option<Arc<MeshFile>>>,
+}
+
+impl Meshes {
+    fn beside(scene: &Path) -> Self {
+        Self {
+            folder: scene.parent().unwrap_or(Path::new("")).to_owned(),
+            loaded: HashMap::new(),
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// The mesh in `file`; one that cannot be read is reported where it is named first.
+    fn mesh(&mut self, file: &Spanned<String>) -> Option<Arc<MeshFile>> {
+        let path = self.meshes.folder.join(&file.value);
+        if let Some(known) = self.meshes.loaded.get(&path) {
+            return known.clone();
+        }
+        let loaded = match MeshFile::load(&path) {
+            Ok(mesh) => Some(Arc::new(mesh)),
+            Err(error) => {
+                let path = path.clone();
+                self.report(file.span, Problem::Mesh { path, error });
+                None
+            }
+        };
+        self.meshes.loaded.insert(path, loaded.clone());
+        loaded
+    }
+}
