@@ -10,7 +10,9 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use exr::block::UncompressedBlock;
-use exr::block::chunk::{Chunk, TileCoordinates};
+use exr::block::chunk::{
+    Chunk, CompressedBlock, CompressedScanLineBlock, CompressedTileBlock, TileCoordinates,
+};
 use exr::meta::attribute::{AttributeValue, Compression, IntegerBounds, SampleType};
 use exr::meta::header::Header;
 use exr::meta::{MetaData, magic_number};
@@ -475,11 +477,43 @@ fn read_chunk(
                         level_index: Vec2(0, 0),
                     }
             });
-    if is_here {
-        Ok(chunk)
-    } else {
-        Err(damaged("a block is not where the header says"))
+    if !is_here {
+        return Err(damaged("a block is not where the header says"));
     }
+    if let (
+        Compression::DWAA(_) | Compression::DWAB(_),
+        CompressedBlock::ScanLine(CompressedScanLineBlock {
+            compressed_pixels_le: bytes,
+            ..
+        })
+        | CompressedBlock::Tile(CompressedTileBlock {
+            compressed_pixels_le: bytes,
+            ..
+        }),
+    ) = (header.compression, &chunk.compressed_block)
+    {
+        check_dwa_sizes(bytes, header)?;
+    }
+    Ok(chunk)
+}
+
+/// Holds the sizes at the start of a DWA block against the block's.
+///
+/// The decoder asks for memory by them, without a check: a damaged one aborts the process.
+fn check_dwa_sizes(bytes: &[u8], header: &Header) -> Result<(), ExrProblem> {
+    /// Version, seven section sizes, counts of AC and DC coefficients, coder.
+    const COUNTERS: usize = 11;
+    let (counters, _) = bytes.as_chunks::<8>();
+    // Any block of eight by eight values is full, of 4 bytes each; run lengths can double them.
+    let block = header.max_block_pixel_size();
+    let padded = block.width().next_multiple_of(8) * block.height().next_multiple_of(8);
+    let largest = 2 * 4 * padded * header.channels.list.len();
+    let is_raw = bytes.len() == header.max_block_byte_size();
+    let too_large = |counter: &[u8; 8]| u64::from_le_bytes(*counter) > largest as u64;
+    if !is_raw && counters.iter().take(COUNTERS).any(too_large) {
+        return Err(damaged("a DWA block claims more data than it has pixels"));
+    }
+    Ok(())
 }
 
 /// An upper bound of how many bytes of pixels one byte of the file can hold.
