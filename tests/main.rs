@@ -1,1 +1,5 @@
 //! One binary for all integration tests.
+
+mod display;
+mod exr;
+mod openimageio;
