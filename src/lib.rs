@@ -1,7 +1,10 @@
 //! candela: a renderer for direct light.
 
+pub mod color;
+pub mod display;
 pub mod film;
 pub mod math;
+pub mod output;
 pub mod scene;
 pub mod shading;
 pub mod units;

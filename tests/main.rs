@@ -1,3 +1,6 @@
 //! One binary for all integration tests.
 
 mod bad_scenes;
+mod display;
+mod exr;
+mod openimageio;

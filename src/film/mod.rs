@@ -1,5 +1,6 @@
 //! Radiance to pixels: the film, how it is filled, and the EXR that it becomes.
 
+pub mod exr;
 mod render;
 mod sampling;
 
@@ -39,7 +40,7 @@ pub struct Film {
 pub struct Metadata {
     /// The space of R, G, B: `colorInteropID`.
     pub color_space: ColorSpace,
-    /// World to camera space, for column vectors; camera space is left-handed, +x right, +y up,
+    /// World to camera space, for column vectors (p' = M p, `[row][column]`); camera space is left-handed, +x right, +y up,
     /// +z along the view.
     pub world_to_camera: [[f64; 4]; 4],
     /// World to normalized device coordinates, for column vectors, before the division by w:

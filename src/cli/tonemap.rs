@@ -1,0 +1,201 @@
+//! `candela tonemap`: a PNG of an EXR.
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use candela::display::{self, Alpha, Bits, DisplayError, Exposure, Settings, View};
+use candela::output::Unfinished;
+use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
+
+/// Make a PNG of an EXR: expose, map to the screen's range, encode as sRGB
+///
+/// Reads any OpenEXR file with channels R, G, B, from candela or elsewhere, as linear Rec.709, and
+/// shows its display window. 1.0 in the file becomes the screen's white, unless an exposure is
+/// given.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = "\
+Examples:
+  candela tonemap scene.exr
+      Make scene.png here, as it is
+  candela tonemap scene.exr -o bright.png --exposure 2
+      Four times as bright
+  candela tonemap scene.exr --auto-exposure --view reinhard
+      Bring any scene into view, without clipping
+  candela tonemap scene.exr --bits 16 --alpha opaque
+      16 bits, over black, without alpha")]
+pub(crate) struct Arguments {
+    /// The EXR file
+    #[arg(value_name = "IN.exr")]
+    input: PathBuf,
+
+    /// The PNG file [default: IN.png in the current folder]
+    #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
+    output: Option<PathBuf>,
+
+    /// Multiply the radiance by 2^EV; may be negative or a fraction
+    #[arg(
+        long,
+        value_name = "EV",
+        default_value_t = 0.0,
+        value_parser = finite,
+        allow_negative_numbers = true
+    )]
+    exposure: f64,
+
+    /// Choose the EV that brings the log-average luminance of what is lit to 18 % gray
+    #[arg(long, conflicts_with = "exposure")]
+    auto_exposure: bool,
+
+    /// How radiance beyond the screen's range is shown
+    ///
+    /// srgb: it clips, all below is as it is; reinhard: x / (1 + x) in each channel, nothing clips.
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = View::default().name(),
+        value_parser = PossibleValuesParser::new(View::ALL.map(View::name))
+            .try_map(|name| name.parse::<View>())
+    )]
+    view: View,
+
+    /// Bits of each sample
+    #[arg(
+        long,
+        default_value = "8",
+        value_parser = PossibleValuesParser::new(["8", "16"])
+            .map(|bits| if bits == "16" { Bits::Sixteen } else { Bits::Eight })
+    )]
+    bits: Bits,
+
+    /// What becomes of coverage
+    ///
+    /// keep: the PNG has an alpha channel where the EXR has one, RGB divided by it; opaque: no
+    /// alpha, the premultiplied light as it is, over black.
+    #[arg(
+        long,
+        default_value = Alpha::default().name(),
+        value_parser = PossibleValuesParser::new(Alpha::ALL.map(Alpha::name))
+            .map(|name| if name == Alpha::Opaque.name() { Alpha::Opaque } else { Alpha::Keep })
+    )]
+    alpha: Alpha,
+}
+
+/// Makes the PNG; warnings, and the exposure if it was chosen, go to `messages`.
+pub(crate) fn run(
+    arguments: &Arguments,
+    unfinished: &Unfinished,
+    messages: &mut impl Write,
+) -> Result<(), DisplayError> {
+    let settings = Settings {
+        exposure: if arguments.auto_exposure {
+            Exposure::Auto
+        } else {
+            Exposure::Ev(arguments.exposure)
+        },
+        view: arguments.view,
+        bits: arguments.bits,
+        alpha: arguments.alpha,
+    };
+    let default = default_output(&arguments.input);
+    let output = arguments.output.as_deref().unwrap_or(&default);
+    let report = display::convert(&arguments.input, output, &settings, unfinished)?;
+
+    // Nowhere is left to report that the messages themselves cannot be written.
+    for warning in report.warnings {
+        let _ = writeln!(
+            messages,
+            "warning: {}: {warning}",
+            arguments.input.display()
+        );
+    }
+    if arguments.auto_exposure {
+        let _ = writeln!(messages, "exposure: {:.3} EV", report.ev);
+    }
+    Ok(())
+}
+
+/// IN.png in the current folder. An input without a name cannot be read, which is found later.
+fn default_output(input: &Path) -> PathBuf {
+    Path::new(input.file_name().unwrap_or_default()).with_extension("png")
+}
+
+/// A path whose name does not promise another format, such as the input's.
+fn png_path() -> impl TypedValueParser<Value = PathBuf> {
+    OsStringValueParser::new().try_map(|path| {
+        let path = PathBuf::from(path);
+        match path.extension() {
+            Some(extension) if !extension.eq_ignore_ascii_case(OsStr::new("png")) => Err(format!(
+                "candela tonemap writes PNG; name the file {}",
+                path.with_extension("png").display()
+            )),
+            _ => Ok(path),
+        }
+    })
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("expected a finite number of EV, such as 1.5 or -2".to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    struct Command {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    fn parse(line: &str) -> Result<Arguments, clap::Error> {
+        Command::try_parse_from(["tonemap"].into_iter().chain(line.split_whitespace()))
+            .map(|command| command.arguments)
+    }
+
+    #[test]
+    fn defaults() {
+        let arguments = parse("a/b.c.exr").unwrap();
+        assert_eq!(arguments.exposure, 0.0);
+        assert_eq!(
+            (arguments.view, arguments.bits, arguments.alpha),
+            (View::Srgb, Bits::Eight, Alpha::Keep)
+        );
+        assert_eq!(default_output(&arguments.input), Path::new("b.c.png"));
+    }
+
+    #[test]
+    fn everything_said() {
+        let arguments =
+            parse("a.exr -o x.PNG --exposure -1.5 --view reinhard --bits 16 --alpha opaque")
+                .unwrap();
+        assert_eq!(arguments.output.as_deref(), Some(Path::new("x.PNG")));
+        assert_eq!(arguments.exposure, -1.5);
+        assert_eq!(
+            (arguments.view, arguments.bits, arguments.alpha),
+            (View::Reinhard, Bits::Sixteen, Alpha::Opaque)
+        );
+        assert!(parse("a.exr --auto-exposure").unwrap().auto_exposure);
+    }
+
+    #[test]
+    fn wrong_usage() {
+        for line in [
+            "",
+            "a.exr --exposure inf",
+            "a.exr --exposure nan",
+            "a.exr --exposure bright",
+            "a.exr --exposure 1 --auto-exposure",
+            "a.exr --view film",
+            "a.exr --bits 12",
+            "a.exr --alpha drop",
+            "a.exr -o a.exr",
+        ] {
+            assert_eq!(parse(line).unwrap_err().exit_code(), 2, "{line}");
+        }
+    }
+}

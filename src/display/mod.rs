@@ -1,0 +1,401 @@
+//! From radiance to a picture on a screen.
+//!
+//! ```text
+//! EXR ─ picture ─ exposure ─ view ─ transfer ─ quantize ─ PNG
+//!         │          │         │        │          │
+//!         │          │         │        │          nearest of 2⁸ or 2¹⁶ codes
+//!         │          │         │        light 0 to 1 → sRGB code value 0 to 1
+//!         │          │         radiance 0 to ∞ → light 0 to 1
+//!         │          × 2^EV, given or from the log-average luminance
+//!         display window of R, G, B, A; NaN → 0; RGB ÷ A where alpha is kept
+//! ```
+//!
+//! All of it is computed in f64, one pixel by itself: the same picture gives the same PNG, to the
+//! byte, for any number of threads.
+
+pub mod exposure;
+mod picture;
+mod png;
+pub mod transfer;
+pub mod view;
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+pub use exposure::Exposure;
+pub use picture::Picture;
+pub use view::View;
+
+use crate::film::exr::{self, ExrError};
+use crate::output::{OutputError, Unfinished};
+
+/// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// What the radiance is multiplied by.
+    pub exposure: Exposure,
+    /// How radiance becomes light on the screen.
+    pub view: View,
+    /// Bits of each sample.
+    pub bits: Bits,
+    /// What becomes of coverage.
+    pub alpha: Alpha,
+}
+
+/// Bits of each sample of the PNG.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bits {
+    /// 256 codes.
+    #[default]
+    Eight,
+    /// 65 536 codes.
+    Sixteen,
+}
+
+impl Bits {
+    /// The code of full light.
+    pub const fn largest(self) -> u16 {
+        match self {
+            Self::Eight => u8::MAX as u16,
+            Self::Sixteen => u16::MAX,
+        }
+    }
+
+    const fn bytes(self) -> usize {
+        match self {
+            Self::Eight => 1,
+            Self::Sixteen => 2,
+        }
+    }
+
+    /// The nearest code of a value from 0 to 1; values outside clip.
+    fn quantize(self, value: f64) -> u16 {
+        // `as` saturates, and rounds down what has half a code added.
+        let code = value * f64::from(self.largest()) + 0.5;
+        (code as u16).min(self.largest())
+    }
+}
+
+/// What becomes of the picture's coverage A.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Alpha {
+    /// It becomes the PNG's alpha, and RGB is divided by it, since PNG's is not premultiplied.
+    /// Where A is 0, such as before a background, the color stays as it is. A picture without A
+    /// gives a PNG without alpha.
+    #[default]
+    Keep,
+    /// The PNG has no alpha and shows the premultiplied light as it is: the picture over black.
+    Opaque,
+}
+
+impl Alpha {
+    /// Every choice, in the order of the documentation.
+    pub const ALL: [Self; 2] = [Self::Keep, Self::Opaque];
+
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Keep => "keep",
+            Self::Opaque => "opaque",
+        }
+    }
+}
+
+/// An sRGB-coded picture, ready for a PNG.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    resolution: [u32; 2],
+    has_alpha: bool,
+    bits: Bits,
+    /// Row by row from the top, R, G, B and A where there is alpha; 16 bits have the high byte
+    /// first, as in a PNG.
+    samples: Vec<u8>,
+}
+
+impl Image {
+    /// Width and height.
+    pub const fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+
+    /// Whether pixels have a fourth sample, A, by which RGB is not multiplied.
+    pub const fn has_alpha(&self) -> bool {
+        self.has_alpha
+    }
+
+    /// Bits of each sample.
+    pub const fn bits(&self) -> Bits {
+        self.bits
+    }
+
+    /// The samples row by row from the top, R, G, B and A where there is alpha; of 16 bits the
+    /// high byte first.
+    pub fn samples(&self) -> &[u8] {
+        &self.samples
+    }
+}
+
+/// What was done with an EXR file, and what was noticed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// The exposure in EV, which may have been chosen from the picture.
+    pub ev: f64,
+    /// What the user should know about the file, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// An EXR file could not be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum DisplayError {
+    /// The EXR could not be read.
+    #[error(transparent)]
+    Read(#[from] ExrError),
+    /// The PNG could not be written.
+    #[error(transparent)]
+    Write(#[from] OutputError),
+}
+
+/// Makes a PNG of an EXR file, whole or not at all.
+///
+/// # Errors
+/// If the EXR cannot be read or the PNG cannot be written; the target is then as it was.
+pub fn convert(
+    exr: &Path,
+    png: &Path,
+    settings: &Settings,
+    unfinished: &Unfinished,
+) -> Result<Report, DisplayError> {
+    let picture = Picture::new(exr::read(exr)?);
+    let ev = settings.exposure.ev(&picture);
+    let settings = Settings {
+        exposure: Exposure::Ev(ev),
+        ..*settings
+    };
+    tonemap(&picture, &settings).write_png(png, unfinished)?;
+    Ok(Report {
+        ev,
+        warnings: picture.warnings(),
+    })
+}
+
+/// Exposes, views, encodes and quantizes a picture.
+pub fn tonemap(picture: &Picture<'_>, settings: &Settings) -> Image {
+    let has_alpha = picture.has_alpha() && settings.alpha == Alpha::Keep;
+    let develop = Develop {
+        scale: exposure::scale(settings.exposure.ev(picture)),
+        view: settings.view,
+        bits: settings.bits,
+        has_alpha,
+    };
+    let channels = if has_alpha { 4 } else { 3 };
+    let [width, height] = picture.resolution().map(|side| side as usize);
+    let row_bytes = width * channels * settings.bits.bytes();
+
+    // What no data covers is black, and transparent where there is alpha.
+    let mut outside = vec![0; row_bytes];
+    for sample in outside.chunks_exact_mut(channels * settings.bits.bytes()) {
+        develop.pixel([0.0; 4], sample);
+    }
+    let mut samples = vec![0; row_bytes * height];
+    samples
+        .par_chunks_exact_mut(row_bytes)
+        .enumerate()
+        .for_each(|(y, row)| {
+            row.copy_from_slice(&outside);
+            let (left, pixels) = picture.row(y);
+            let samples = row.chunks_exact_mut(channels * settings.bits.bytes());
+            for (&pixel, sample) in pixels.iter().zip(samples.skip(left)) {
+                develop.pixel(pixel, sample);
+            }
+        });
+    Image {
+        resolution: picture.resolution(),
+        has_alpha,
+        bits: settings.bits,
+        samples,
+    }
+}
+
+/// The settings, as far as one pixel needs them.
+struct Develop {
+    scale: f64,
+    view: View,
+    bits: Bits,
+    has_alpha: bool,
+}
+
+impl Develop {
+    /// One pixel from R, G, B, A to the samples of the image.
+    fn pixel(&self, pixel: [f32; 4], samples: &mut [u8]) {
+        let [r, g, b, alpha] = pixel.map(f64::from);
+        let per_coverage = if self.has_alpha && alpha > 0.0 && alpha.is_finite() {
+            1.0 / alpha
+        } else {
+            1.0
+        };
+        let light = self
+            .view
+            .apply([r, g, b].map(|radiance| radiance * per_coverage * self.scale));
+        let [r, g, b] = light.map(|light| self.bits.quantize(transfer::srgb_encode(light)));
+        let codes = [r, g, b, self.bits.quantize(alpha)];
+        match self.bits {
+            Bits::Eight => {
+                for (sample, code) in samples.iter_mut().zip(codes) {
+                    *sample = code as u8;
+                }
+            }
+            Bits::Sixteen => {
+                for (sample, code) in samples.chunks_exact_mut(2).zip(codes) {
+                    sample.copy_from_slice(&code.to_be_bytes());
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Window;
+    use crate::film::exr::{ColorTag, ExrImage};
+
+    /// A picture whose data window is the whole display window, one row.
+    fn row(pixels: &[[f32; 4]], has_alpha: bool) -> Picture<'static> {
+        let width = pixels.len() as u32;
+        Picture::new(ExrImage {
+            resolution: [width, 1],
+            window: Some(Window {
+                x: 0,
+                y: 0,
+                width,
+                height: 1,
+            }),
+            pixels: pixels.to_vec(),
+            has_alpha,
+            color: ColorTag::default(),
+        })
+    }
+
+    fn samples(pixels: &[[f32; 4]], has_alpha: bool, settings: Settings) -> Vec<u8> {
+        tonemap(&row(pixels, has_alpha), &settings).samples
+    }
+
+    #[test]
+    fn codes_are_rounded_to_the_nearest() {
+        // The light that is coded halfway between two codes divides them.
+        for code in 0..255_u8 {
+            let border = transfer::srgb_decode((f64::from(code) + 0.5) / 255.0) as f32;
+            let (below, above) = (border * (1.0 - 1e-5), border * (1.0 + 1e-5));
+            let got = samples(&[[below, above, border, 1.0]], false, Settings::default());
+            assert_eq!(got[..2], [code, code + 1]);
+        }
+    }
+
+    #[test]
+    fn sixteen_bits_are_stored_high_byte_first() {
+        let settings = Settings {
+            bits: Bits::Sixteen,
+            ..Settings::default()
+        };
+        // 0.18 is coded as 0.461356, × 65535 = 30234.99.
+        let [high, low] = 30_235_u16.to_be_bytes();
+        let got = samples(&[[0.18, 1.0, 0.0, 1.0]], false, settings);
+        assert_eq!(got, [high, low, 255, 255, 0, 0]);
+    }
+
+    #[test]
+    fn alpha_is_divided_out_before_the_view() {
+        // A white of radiance 3, half covered: reinhard sees 3, not 1.5.
+        let settings = Settings {
+            view: View::Reinhard,
+            ..Settings::default()
+        };
+        let covered = samples(&[[3.0, 3.0, 3.0, 1.0]], true, settings);
+        let half = samples(&[[1.5, 1.5, 1.5, 0.5]], true, settings);
+        assert_eq!(covered[..3], half[..3]);
+        assert_eq!((covered[3], half[3]), (255, 128));
+    }
+
+    #[test]
+    fn light_without_coverage_keeps_its_color() {
+        assert_eq!(
+            samples(&[[1.0, 0.0, 0.5, 0.0]], true, Settings::default()),
+            [255, 0, 188, 0]
+        );
+    }
+
+    #[test]
+    fn opaque_shows_the_premultiplied_light() {
+        let settings = Settings {
+            alpha: Alpha::Opaque,
+            ..Settings::default()
+        };
+        assert_eq!(
+            samples(&[[0.5, 0.5, 0.5, 0.5]], true, settings),
+            [188, 188, 188]
+        );
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_black_and_infinity_white() {
+        let pixels = [[f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.0]];
+        for view in View::ALL {
+            let settings = Settings {
+                view,
+                ..Settings::default()
+            };
+            assert_eq!(samples(&pixels, false, settings), [0, 255, 0], "{view:?}");
+        }
+        let infinite_alpha = [[f32::INFINITY, 1.0, f32::NAN, f32::INFINITY]];
+        assert_eq!(
+            samples(&infinite_alpha, true, Settings::default()),
+            [255, 255, 0, 255]
+        );
+    }
+
+    #[test]
+    fn any_finite_exposure_gives_a_picture() {
+        for (ev, expected) in [
+            (f64::MAX, [0, 255, 255]),
+            (f64::MIN, [0, 0, 0]),
+            (1.0, [0, 255, 188]),
+        ] {
+            let settings = Settings {
+                exposure: Exposure::Ev(ev),
+                ..Settings::default()
+            };
+            assert_eq!(samples(&[[0.0, 0.5, 0.25, 1.0]], false, settings), expected);
+        }
+    }
+
+    #[test]
+    fn outside_of_the_data_is_nothing() {
+        let picture = |has_alpha| {
+            Picture::new(ExrImage {
+                resolution: [3, 2],
+                window: Some(Window {
+                    x: 1,
+                    y: 1,
+                    width: 1,
+                    height: 1,
+                }),
+                pixels: vec![[1.0; 4]],
+                has_alpha,
+                color: ColorTag::default(),
+            })
+        };
+        let mut expected = vec![0; 3 * 2 * 4];
+        expected[(3 + 1) * 4..][..4].fill(255);
+        assert_eq!(
+            tonemap(&picture(true), &Settings::default()).samples,
+            expected
+        );
+        let mut expected = vec![0; 3 * 2 * 3];
+        expected[(3 + 1) * 3..][..3].fill(255);
+        assert_eq!(
+            tonemap(&picture(false), &Settings::default()).samples,
+            expected
+        );
+    }
+}

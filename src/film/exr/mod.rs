@@ -1,0 +1,162 @@
+//! OpenEXR out and in.
+
+mod read;
+mod write;
+
+use std::fmt;
+use std::str::FromStr;
+
+pub use read::{ColorTag, ExrError, ExrImage, ExrProblem, read};
+
+use crate::color::Primaries;
+use crate::scene::ColorSpace;
+
+/// How a film is stored as OpenEXR.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExrOptions {
+    /// The type of every channel. Default: [`Precision::Float`].
+    pub precision: Precision,
+    /// Default: [`Compression::Zip`].
+    pub compression: Compression,
+    /// Whether a `chromaticities` attribute goes beside `colorInteropID`, for readers older than
+    /// the latter. Default: no, as the ASWF Color Interop Forum recommends.
+    pub chromaticities: bool,
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExrReport {
+    /// Values beyond ±65 504, stored as that; always 0 with [`Precision::Float`].
+    pub clamped_to_half: u64,
+    /// The file's length in bytes.
+    pub bytes: u64,
+}
+
+/// The type of a channel's values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 32 bits (FLOAT): the film's own values.
+    #[default]
+    Float,
+    /// 16 bits (HALF): 11 significant bits, up to 65 504.
+    Half,
+}
+
+/// How the pixels are compressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Compression {
+    /// Not at all.
+    None,
+    /// Run lengths; lossless.
+    Rle,
+    /// Deflate, each line by itself; lossless.
+    Zips,
+    /// Deflate, blocks of 16 lines; lossless.
+    #[default]
+    Zip,
+    /// Wavelets, blocks of 32 lines; lossless, for grainy images.
+    Piz,
+    /// Deflate on 24 bits; lossless with HALF, relative error up to 2⁻¹⁶ with FLOAT.
+    Pxr24,
+    /// DCT as in JPEG, blocks of 32 lines; lossy, at the standard level 45.
+    Dwaa,
+    /// DCT as in JPEG, blocks of 256 lines; lossy, at the standard level 45.
+    Dwab,
+}
+
+impl Compression {
+    /// Every compression, in the order of the documentation.
+    pub const ALL: [Self; 8] = [
+        Self::None,
+        Self::Rle,
+        Self::Zips,
+        Self::Zip,
+        Self::Piz,
+        Self::Pxr24,
+        Self::Dwaa,
+        Self::Dwab,
+    ];
+
+    /// The name that users and OpenEXR's own tools know it by.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Rle => "rle",
+            Self::Zips => "zips",
+            Self::Zip => "zip",
+            Self::Piz => "piz",
+            Self::Pxr24 => "pxr24",
+            Self::Dwaa => "dwaa",
+            Self::Dwab => "dwab",
+        }
+    }
+
+    /// Whether values of this precision come back as they were, to the bit.
+    pub const fn is_lossless(self, precision: Precision) -> bool {
+        match (self, precision) {
+            (Self::None | Self::Rle | Self::Zips | Self::Zip | Self::Piz, _)
+            | (Self::Pxr24, Precision::Half) => true,
+            (Self::Pxr24, Precision::Float) | (Self::Dwaa | Self::Dwab, _) => false,
+        }
+    }
+}
+
+impl fmt::Display for Compression {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that is not that of a [`Compression`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown compression `{0}`, expected {expected}", expected = Compression::ALL.map(Compression::name).join(", "))]
+pub struct UnknownCompression(pub String);
+
+impl FromStr for Compression {
+    type Err = UnknownCompression;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Self::ALL
+            .into_iter()
+            .find(|compression| compression.name() == name)
+            .ok_or_else(|| UnknownCompression(name.to_string()))
+    }
+}
+
+/// The attribute that names the color space of R, G, B.
+const COLOR_INTEROP_ID: &str = "colorInteropID";
+
+/// The identifier that the ASWF Color Interop Forum gives a space's linear, scene-referred form.
+pub const fn color_interop_id(space: ColorSpace) -> &'static str {
+    match space {
+        ColorSpace::Rec709 => "lin_rec709_scene",
+        ColorSpace::P3D65 => "lin_p3d65_scene",
+        ColorSpace::Rec2020 => "lin_rec2020_scene",
+        ColorSpace::AcesCg => "lin_ap1_scene",
+    }
+}
+
+const fn primaries(space: ColorSpace) -> Primaries {
+    match space {
+        ColorSpace::Rec709 => Primaries::REC709,
+        ColorSpace::P3D65 => Primaries::P3_D65,
+        ColorSpace::Rec2020 => Primaries::REC2020,
+        ColorSpace::AcesCg => Primaries::AP1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn compressions_have_names() {
+        for compression in Compression::ALL {
+            assert_eq!(compression.name().parse(), Ok(compression));
+        }
+        assert_eq!(
+            "zap".parse::<Compression>().unwrap_err().to_string(),
+            "unknown compression `zap`, expected none, rle, zips, zip, piz, pxr24, dwaa, dwab"
+        );
+    }
+}

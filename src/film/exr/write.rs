@@ -1,0 +1,320 @@
+//! Writes a film as OpenEXR: one part, scan lines, channels R, G, B, A.
+//!
+//! The `exr` crate validates the header, serializes attributes and compresses blocks. The file
+//! is put together here, because the crate's own writer puts custom attributes in the order of a
+//! hash map, which differs from run to run, and starts a thread pool of its own: here attributes
+//! are sorted by name, blocks are compressed on the current `rayon` pool and written in order, so
+//! that one film makes one file to the byte, and the film is never copied as a whole.
+
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock};
+use exr::meta::attribute::{
+    self, AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, SampleType,
+    Text,
+};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::meta::{BlockDescription, Requirements, magic_number, sequence_end};
+use exr::prelude::{SmallVec, Vec2};
+use half::f16;
+use rayon::prelude::*;
+
+use super::{COLOR_INTEROP_ID, Compression, ExrOptions, ExrReport, Precision};
+use super::{color_interop_id, primaries};
+use crate::film::{Film, Metadata};
+use crate::output::{self, OutputError, Unfinished};
+
+/// The channels in the file's order, which is the alphabet's, and where a pixel has them.
+const CHANNELS: [(&str, usize); 4] = [("A", 3), ("B", 2), ("G", 1), ("R", 0)];
+
+/// Blocks that each thread compresses before the batch is written: enough for threads to even out,
+/// few enough to stay small beside the film.
+const BLOCKS_PER_THREAD: usize = 8;
+
+impl Film {
+    /// Writes the film as an OpenEXR file, whole or not at all.
+    ///
+    /// One film and one set of options make one file, to the byte, for any number of threads.
+    ///
+    /// # Errors
+    /// If the file cannot be written, or the run is canceled; the target is then as it was.
+    pub fn write_exr(
+        &self,
+        path: &Path,
+        options: &ExrOptions,
+        unfinished: &Unfinished,
+    ) -> Result<ExrReport, OutputError> {
+        output::write(path, unfinished, |mut sink| {
+            self.write_exr_to(&mut sink, options)
+        })
+    }
+
+    /// Writes the film as OpenEXR into `sink`, from the sink's start.
+    ///
+    /// # Errors
+    /// What the sink reports; `InvalidInput` if the metadata cannot be stored, which is where a
+    /// provenance key is longer than 247 bytes or holds a zero.
+    pub fn write_exr_to(
+        &self,
+        sink: &mut (impl Write + Seek),
+        options: &ExrOptions,
+    ) -> io::Result<ExrReport> {
+        let header = self.header(options);
+        let mut head = head(&header).map_err(into_io)?;
+        let table_start = head.len();
+        let mut offsets: Vec<u64> = Vec::with_capacity(header.chunk_count);
+        head.resize(table_start + header.chunk_count * size_of::<u64>(), 0);
+        sink.write_all(&head)?;
+        let mut position = head.len() as u64;
+
+        let mut clamped_to_half = 0;
+        let mut bytes = Vec::new();
+        let batch = BLOCKS_PER_THREAD * rayon::current_num_threads();
+        for first in (0..header.chunk_count).step_by(batch) {
+            let last = header.chunk_count.min(first + batch);
+            let blocks: Vec<Block> = (first..last)
+                .into_par_iter()
+                .map(|index| self.compressed(&header, options.precision, index))
+                .collect::<exr::error::Result<_>>()
+                .map_err(into_io)?;
+            for block in blocks {
+                bytes.clear();
+                block.chunk.write(&mut bytes, 1).map_err(into_io)?;
+                sink.write_all(&bytes)?;
+                offsets.push(position);
+                position += bytes.len() as u64;
+                clamped_to_half += block.clamped;
+            }
+        }
+
+        sink.seek(SeekFrom::Start(table_start as u64))?;
+        for offset in offsets {
+            sink.write_all(&offset.to_le_bytes())?;
+        }
+        sink.flush()?;
+        Ok(ExrReport {
+            clamped_to_half,
+            bytes: position,
+        })
+    }
+
+    fn header(&self, options: &ExrOptions) -> Header {
+        let sample_type = match options.precision {
+            Precision::Float => SampleType::F32,
+            Precision::Half => SampleType::F16,
+        };
+        let channels: SmallVec<[ChannelDescription; 5]> = CHANNELS
+            .into_iter()
+            .map(|(name, _)| ChannelDescription::new(name, sample_type, false))
+            .collect();
+        let (window, [width, height]) = (self.window(), self.resolution());
+
+        let mut image =
+            ImageAttributes::new(IntegerBounds::from_dimensions((width as _, height as _)));
+        if options.chromaticities {
+            image.chromaticities = Some(chromaticities(self.metadata()));
+        }
+        Header::new(
+            Text::from(""),
+            (window.width as usize, window.height as usize),
+            channels,
+        )
+        .with_encoding(
+            options.compression.into(),
+            BlockDescription::ScanLines,
+            LineOrder::Increasing,
+        )
+        .with_shared_attributes(image)
+        .with_attributes(LayerAttributes {
+            // The scene's limit on the resolution is far below the largest i32.
+            layer_position: Vec2(window.x as i32, window.y as i32),
+            ..attributes(self.metadata())
+        })
+    }
+
+    /// The block of lines with this index, from the top, compressed.
+    fn compressed(
+        &self,
+        header: &Header,
+        precision: Precision,
+        index: usize,
+    ) -> exr::error::Result<Block> {
+        let width = header.layer_size.width();
+        let lines = header.compression.scan_lines_per_block();
+        let top = index * lines;
+        let pixels = &self.pixels()[top * width..];
+        let pixels = &pixels[..pixels.len().min(lines * width)];
+        let height = pixels.len() / width;
+
+        let mut clamped = 0;
+        let mut bytes = Vec::with_capacity(pixels.len() * header.channels.bytes_per_pixel);
+        for row in pixels.chunks_exact(width) {
+            for (_, channel) in CHANNELS {
+                let values = row.iter().map(|pixel| pixel[channel]);
+                match precision {
+                    Precision::Float => bytes.extend(values.flat_map(f32::to_ne_bytes)),
+                    Precision::Half => bytes.extend(values.flat_map(|value| {
+                        let (half, is_clamped) = to_half(value);
+                        clamped += u64::from(is_clamped);
+                        half.to_ne_bytes()
+                    })),
+                }
+            }
+        }
+
+        let section = IntegerBounds::new((0, top as i32), (width, height));
+        let compressed_pixels_le = header
+            .compression
+            .compress_image_section_to_le(header, bytes, section)?;
+        Ok(Block {
+            chunk: Chunk {
+                layer_index: 0,
+                compressed_block: CompressedBlock::ScanLine(CompressedScanLineBlock {
+                    y_coordinate: header.own_attributes.layer_position.y() + top as i32,
+                    compressed_pixels_le,
+                }),
+            },
+            clamped,
+        })
+    }
+}
+
+/// A block of lines, ready to be written.
+struct Block {
+    chunk: Chunk,
+    /// Values that were too large for a half.
+    clamped: u64,
+}
+
+/// Rounds to the nearest half, values beyond the largest to that; whether it was beyond.
+fn to_half(value: f32) -> (f16, bool) {
+    let largest = f16::MAX.to_f32();
+    (
+        f16::from_f32(value.clamp(-largest, largest)),
+        value.abs() > largest,
+    )
+}
+
+/// The file up to the offset table, attributes sorted by name.
+fn head(header: &Header) -> exr::error::Result<Vec<u8>> {
+    let mut requirements = Requirements {
+        file_format_version: 2,
+        is_single_layer_and_tiled: false,
+        has_long_names: false,
+        has_deep_data: false,
+        has_multiple_layers: false,
+    };
+    header.validate(false, &mut requirements.has_long_names, true)?;
+    for name in header.own_attributes.other.keys() {
+        if name.as_slice().contains(&0) {
+            return Err(exr::error::Error::Invalid(
+                "an attribute's name holds a zero".into(),
+            ));
+        }
+    }
+
+    let mut attributes: Vec<(&[u8], AttributeValue)> = header.all_named_attributes().collect();
+    attributes.sort_by_key(|&(name, _)| name);
+
+    let mut bytes = Vec::new();
+    magic_number::write(&mut bytes)?;
+    requirements.write(&mut bytes)?;
+    for (name, value) in &attributes {
+        attribute::write(name, value, &mut bytes)?;
+    }
+    sequence_end::write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// What the header says beside windows and channels. The film's unit is cd/m², hence
+/// `whiteLuminance` = 1.
+fn attributes(metadata: &Metadata) -> LayerAttributes {
+    let text = |string: &str| Text::from_slice_unchecked(string.as_bytes());
+    let mut attributes = LayerAttributes {
+        white_luminance: Some(1.0),
+        world_to_camera: Some(for_row_vectors(&metadata.world_to_camera)),
+        world_to_normalized_device: Some(for_row_vectors(&metadata.world_to_ndc)),
+        software_name: Some(text(concat!("candela ", env!("CARGO_PKG_VERSION")))),
+        ..LayerAttributes::default()
+    };
+    let interop_id = text(color_interop_id(metadata.color_space));
+    attributes
+        .other
+        .insert(text(COLOR_INTEROP_ID), AttributeValue::Text(interop_id));
+    for (key, value) in &metadata.provenance {
+        let key = text(&format!("candela:{key}"));
+        attributes
+            .other
+            .insert(key, AttributeValue::Text(text(value)));
+    }
+    attributes
+}
+
+/// An M44f in Imath's convention, p' = p M with p a row, from a matrix for columns, p' = M p.
+fn for_row_vectors(matrix: &[[f64; 4]; 4]) -> [f32; 16] {
+    std::array::from_fn(|i| matrix[i % 4][i / 4] as f32)
+}
+
+fn chromaticities(metadata: &Metadata) -> Chromaticities {
+    let xy = |[x, y]: [f64; 2]| Vec2(x as f32, y as f32);
+    let primaries = primaries(metadata.color_space);
+    Chromaticities {
+        red: xy(primaries.red),
+        green: xy(primaries.green),
+        blue: xy(primaries.blue),
+        white: xy(primaries.white),
+    }
+}
+
+impl From<Compression> for attribute::Compression {
+    fn from(compression: Compression) -> Self {
+        match compression {
+            Compression::None => Self::Uncompressed,
+            Compression::Rle => Self::RLE,
+            Compression::Zips => Self::ZIP1,
+            Compression::Zip => Self::ZIP16,
+            Compression::Piz => Self::PIZ,
+            Compression::Pxr24 => Self::PXR24,
+            Compression::Dwaa => Self::DWAA(None),
+            Compression::Dwab => Self::DWAB(None),
+        }
+    }
+}
+
+fn into_io(error: exr::error::Error) -> io::Error {
+    match error {
+        exr::error::Error::Io(error) => error,
+        error => io::Error::new(io::ErrorKind::InvalidInput, error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_rounded_and_clamped() {
+        assert_eq!(to_half(1.0), (f16::ONE, false));
+        assert_eq!(to_half(65_504.0), (f16::MAX, false));
+        assert_eq!(to_half(65_505.0), (f16::MAX, true));
+        assert_eq!(to_half(-1e30), (f16::MIN, true));
+        // Halfway between 1 and the next half, 1 + 2⁻¹⁰: to even.
+        assert_eq!(to_half(1.0 + 1.0 / 2048.0), (f16::ONE, false));
+    }
+
+    #[test]
+    fn matrices_are_transposed() {
+        // Column vectors keep the translation in the last column, row vectors in the last row.
+        let matrix = [
+            [1.0, 0.0, 0.0, 5.0],
+            [0.0, 1.0, 0.0, 6.0],
+            [0.0, 0.0, 1.0, 7.0],
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        let expected = [
+            1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0, 1.0,
+        ];
+        assert_eq!(for_row_vectors(&matrix), expected);
+    }
+}

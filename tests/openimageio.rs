@@ -1,0 +1,96 @@
+//! OpenImageIO's tools as judges, and images as they see them.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A tool of the environment that `tests/openimageio.sh` makes.
+fn tool(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("target/openimageio/bin")
+        .join(name);
+    assert!(
+        path.exists(),
+        "{} is missing; run ./check, which installs it",
+        path.display()
+    );
+    path
+}
+
+fn run(command: &mut Command) -> Output {
+    let output = command.output().unwrap();
+    assert!(
+        output.status.success(),
+        "{command:?}\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+/// Runs oiiotool in `folder` with arguments split at spaces; what it prints.
+pub(crate) fn oiiotool(folder: &Path, arguments: &str) -> String {
+    let mut command = Command::new(tool("oiiotool"));
+    command
+        .current_dir(folder)
+        .args(arguments.split_whitespace());
+    String::from_utf8(run(&mut command).stdout).unwrap()
+}
+
+/// Whether idiff finds no difference above its defaults between two images.
+pub(crate) fn idiff_agrees(a: &Path, b: &Path) -> bool {
+    let mut command = Command::new(tool("idiff"));
+    command.arg(a).arg(b).output().unwrap().status.success()
+}
+
+/// The first part of an image as OpenImageIO decodes it.
+#[derive(Debug)]
+pub(crate) struct Decoded {
+    /// The names of the channels, in OpenImageIO's order.
+    pub(crate) channels: Vec<String>,
+    /// x, y, width and height of the data window.
+    pub(crate) data_window: [i32; 4],
+    /// x, y, width and height of the display window.
+    pub(crate) display_window: [i32; 4],
+    /// Every channel of every pixel of the data window.
+    pub(crate) values: Vec<f32>,
+}
+
+impl Decoded {
+    /// Channels of a pixel by column and row of the data window.
+    pub(crate) fn pixel(&self, x: usize, y: usize) -> &[f32] {
+        let width = self.data_window[2] as usize;
+        &self.values[(y * width + x) * self.channels.len()..][..self.channels.len()]
+    }
+}
+
+/// Decodes an image by OpenImageIO, bit for bit.
+pub(crate) fn decode(path: &Path) -> Decoded {
+    const SCRIPT: &str = "
+import sys, OpenImageIO as oiio
+image = oiio.ImageBuf(sys.argv[1])
+spec = image.spec()
+print(' '.join(spec.channelnames))
+print(spec.x, spec.y, spec.width, spec.height)
+print(spec.full_x, spec.full_y, spec.full_width, spec.full_height, flush=True)
+sys.stdout.buffer.write(image.get_pixels(oiio.FLOAT).astype('<f4').tobytes())
+";
+    let mut command = Command::new(tool("python"));
+    let output = run(command.arg("-c").arg(SCRIPT).arg(path)).stdout;
+    let mut parts = output.splitn(4, |&byte| byte == b'\n');
+    let mut line = || std::str::from_utf8(parts.next().unwrap()).unwrap();
+    let window = |line: &str| -> [i32; 4] {
+        let numbers: Vec<i32> = line.split(' ').map(|n| n.parse().unwrap()).collect();
+        numbers.try_into().unwrap()
+    };
+    let channels = line().split(' ').map(str::to_string).collect();
+    let data_window = window(line());
+    let display_window = window(line());
+    let (values, rest) = parts.next().unwrap().as_chunks::<4>();
+    assert!(rest.is_empty());
+    Decoded {
+        channels,
+        data_window,
+        display_window,
+        values: values.iter().map(|&b| f32::from_le_bytes(b)).collect(),
+    }
+}
