@@ -2,5 +2,6 @@
 
 pub mod film;
 pub mod math;
+pub mod oracle;
 pub mod scene;
 pub mod units;
