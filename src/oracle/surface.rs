@@ -207,22 +207,40 @@ fn ray_triangle(ray: &Ray, vertices: &[Vector; 3], normal: Vector) -> Option<f64
 /// The barycentric coordinates at which a line passes through a triangle, edges included, or
 /// `None` where it passes outside.
 ///
-/// They are as the volumes ω·(p × q) that the line spans with the edges p q, seen from `origin`.
-/// 2 (p × q) is computed as (p − q) × (p + q): its rounding error is relative to the edge, not to
-/// its distance, and for the edge q p of a neighbor it is the same number with the other sign. So
-/// no line slips through between two triangles that share an edge.
+/// The corners are projected along the line onto a plane through two axes, where the line is the
+/// point (0, 0); the coordinates are as the areas x y' − y x' that this point spans with the
+/// edges (Woop, Benthin & Wald 2013). Rounding moves a corner in the same way for all triangles
+/// that share it, and cannot turn the sign of an area, only make it 0, which counts as inside. So
+/// no line slips through where triangles share an edge or a corner.
 pub(super) fn barycentric(
     origin: Vector,
     direction: Vector,
     vertices: &[Vector; 3],
 ) -> Option<[f64; 3]> {
-    let [a, b, c] = vertices.map(|vertex| subtract(vertex, origin));
-    let volume = |p, q| dot(direction, cross(subtract(p, q), add(p, q)));
-    let volumes = [volume(b, c), volume(c, a), volume(a, b)];
-    let inside =
-        volumes.iter().all(|&volume| volume >= 0.0) || volumes.iter().all(|&volume| volume <= 0.0);
-    let sum = volumes[0] + volumes[1] + volumes[2];
-    (inside && sum != 0.0).then(|| volumes.map(|volume| volume / sum))
+    let z = longest_axis(direction);
+    let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+    let (slope_x, slope_y) = (direction[x] / direction[z], direction[y] / direction[z]);
+    let [a, b, c] = vertices.map(|vertex| {
+        let v = subtract(vertex, origin);
+        [v[x] - slope_x * v[z], v[y] - slope_y * v[z]]
+    });
+    let area = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+    let areas = [area(b, c), area(c, a), area(a, b)];
+    let inside = areas.iter().all(|&area| area >= 0.0) || areas.iter().all(|&area| area <= 0.0);
+    let sum = areas[0] + areas[1] + areas[2];
+    (inside && sum != 0.0).then(|| areas.map(|area| area / sum))
+}
+
+/// The axis along which a vector is longest.
+fn longest_axis(v: Vector) -> usize {
+    let [x, y, z] = v.map(f64::abs);
+    if x >= y && x >= z {
+        0
+    } else if y >= z {
+        1
+    } else {
+        2
+    }
 }
 
 /// Whether a root of L2 counts: in front of the origin. Infinite or NaN where a plane is parallel.
