@@ -5,6 +5,7 @@ pub mod display;
 pub mod film;
 pub mod math;
 pub mod output;
+pub mod oracle;
 pub mod scene;
 pub mod shading;
 pub mod units;

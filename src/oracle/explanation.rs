@@ -1,0 +1,159 @@
+//! What the equations say about one point of the image, term by term.
+
+use serde::Serialize;
+
+use super::hit::Hit;
+use super::lighting::Model;
+use super::vector::add;
+use super::{Oracle, PointLight};
+
+/// L9 at one point of the image with all its terms, as `candela probe --json` writes it.
+///
+/// Lengths are in meters, positions and directions in world space, colors linear Rec.709.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Explanation {
+    /// What the primary ray hits (L1, L2); `None` where that is nothing.
+    pub hit: Option<HitTerms>,
+    /// The terms of the sum, in the order of the file; empty where nothing is hit.
+    pub lights: Vec<LightTerms>,
+    /// L9: L_o in cd/m²; the background where nothing is hit.
+    pub radiance: [f64; 3],
+}
+
+/// The nearest surface along the primary ray.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HitTerms {
+    /// The object's name.
+    pub object: String,
+    /// The name of the mesh's group, where the file has groups.
+    pub group: Option<String>,
+    /// The triangle's index in the mesh file, where the object is a mesh.
+    pub triangle: Option<usize>,
+    /// The material's name.
+    pub material: String,
+    /// What the material says.
+    pub reflectance: MaterialTerms,
+    /// p
+    pub position: [f64; 3],
+    /// n, turned towards the viewer; interpolated where a mesh has vertex normals.
+    pub normal: [f64; 3],
+    /// The normal of the surface itself, turned towards the viewer.
+    pub geometric_normal: [f64; 3],
+    /// ω_o, the unit direction from p to the viewer.
+    pub to_viewer: [f64; 3],
+    /// t of L1: from the eye, or from the image plane of an orthographic camera, to p.
+    pub distance: f64,
+}
+
+/// The constants of L5 and L7.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MaterialTerms {
+    /// `phong` or `normalized_phong`.
+    pub model: &'static str,
+    /// k_d or ρ_d
+    pub diffuse: [f64; 3],
+    /// k_s or ρ_s
+    pub specular: [f64; 3],
+    /// n, if it was written.
+    pub shininess: Option<f64>,
+}
+
+/// One light's term of L9: `radiance` = `incident` · (`diffuse` + `specular`) · V.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LightTerms {
+    /// The light's name.
+    pub name: String,
+    /// I in candela.
+    pub intensity: [f64; 3],
+    /// d
+    pub distance: f64,
+    /// L3: I / d² in lux; 0 where d is 0.
+    pub incident: [f64; 3],
+    /// ω_i, the unit direction from p to the light; 0 where d is 0.
+    pub to_light: [f64; 3],
+    /// cos(n, ω_i), below 0 counted as 0.
+    pub cos_incident: f64,
+    /// L6: ω_r; 0 where d is 0.
+    pub reflected: [f64; 3],
+    /// cos(ω_o, ω_r), below 0 counted as 0.
+    pub cos_lobe: f64,
+    /// L5: r_d in sr⁻¹, cosine included; 0 where the light is below the surface.
+    pub diffuse: [f64; 3],
+    /// L7: r_s in sr⁻¹, with all factors of the model; 0 where the light is below the surface.
+    pub specular: [f64; 3],
+    /// What becomes of this light here.
+    pub outcome: Outcome,
+    /// L4: whether V is 1.
+    pub visible: bool,
+    /// The name of the object that stands between, the nearest to p; `None` where V is 1.
+    pub occluder: Option<String>,
+    /// The light's share of L9 in cd/m².
+    pub radiance: [f64; 3],
+}
+
+/// What becomes of one light at one point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It adds its term to L9.
+    Lit,
+    /// It is above the surface, but something stands between: V = 0.
+    Occluded,
+    /// It is below the surface, n·ω_i ≤ 0 for the geometric normal: it adds nothing.
+    Below,
+    /// It is at the point itself, d = 0: it adds nothing.
+    AtPoint,
+}
+
+impl Oracle {
+    /// L1 and L2, for reading.
+    pub(super) fn hit_terms(&self, hit: &Hit) -> HitTerms {
+        let object = self.object(hit.surface);
+        let triangle = self.surfaces[hit.surface].triangle;
+        HitTerms {
+            object: object.name.clone(),
+            group: triangle.and_then(|triangle| object.group(triangle)),
+            triangle,
+            material: object.material_name.clone(),
+            reflectance: MaterialTerms {
+                model: match object.material.model {
+                    Model::Phong => "phong",
+                    Model::NormalizedPhong => "normalized_phong",
+                },
+                diffuse: object.material.diffuse,
+                specular: object.material.specular,
+                shininess: object.material.shininess,
+            },
+            position: add(hit.position, self.reference),
+            normal: hit.normal,
+            geometric_normal: hit.geometric_normal,
+            to_viewer: hit.to_viewer,
+            distance: hit.distance,
+        }
+    }
+
+    /// L3 to L8 for one light, for reading.
+    pub(super) fn light_terms(&self, hit: &Hit, light: &PointLight) -> LightTerms {
+        let term = self.term(hit, light);
+        let occluder = match term.outcome {
+            Outcome::Lit | Outcome::AtPoint => None,
+            Outcome::Occluded | Outcome::Below => self.occluder(hit, &self.segment(hit, light)),
+        };
+        LightTerms {
+            name: light.name.clone(),
+            intensity: light.intensity,
+            distance: term.distance,
+            incident: term.incident,
+            to_light: term.to_light,
+            cos_incident: term.cos_incident,
+            reflected: term.reflected,
+            cos_lobe: term.cos_lobe,
+            diffuse: term.reflectance.diffuse,
+            specular: term.reflectance.specular,
+            outcome: term.outcome,
+            visible: occluder.is_none(),
+            occluder: occluder.map(|surface| self.object(surface).name.clone()),
+            radiance: term.radiance,
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The nearest hit of a primary ray: p, n and ω_o.
+
+use super::camera::Ray;
+use super::surface::{Shape, barycentric};
+use super::vector::{Vector, add, dot, negate, scale, subtract, unit};
+
+/// The nearest point along a primary ray.
+pub(super) struct Hit {
+    /// The index of its surface.
+    pub(super) surface: usize,
+    /// t
+    pub(super) distance: f64,
+    /// p
+    pub(super) position: Vector,
+    /// Towards the viewer.
+    pub(super) geometric_normal: Vector,
+    /// n: interpolated where the mesh is smooth, on the side of the geometric normal.
+    pub(super) normal: Vector,
+    /// ω_o
+    pub(super) to_viewer: Vector,
+}
+
+impl Hit {
+    pub(super) fn new(surface: usize, shape: &Shape, ray: &Ray, distance: f64) -> Self {
+        let to_viewer = negate(ray.direction);
+        let on_ray = ray.at(distance);
+        let (position, outward) = match shape {
+            Shape::Plane { normal, .. } | Shape::Triangle { normal, .. } => (on_ray, *normal),
+            Shape::Sphere { center, radius } => {
+                let normal = unit(subtract(on_ray, *center)).unwrap_or(to_viewer);
+                // Back onto the sphere: from far away, rounding has moved the point off it.
+                (add(*center, scale(normal, *radius)), normal)
+            }
+        };
+        let geometric_normal = turned_towards(outward, to_viewer);
+        Self {
+            surface,
+            distance,
+            position,
+            geometric_normal,
+            normal: interpolated_normal(shape, ray).map_or(geometric_normal, |normal| {
+                turned_towards(normal, geometric_normal)
+            }),
+            to_viewer,
+        }
+    }
+}
+
+/// Surfaces are two-sided: the normal, or its opposite, on the side of `side`.
+fn turned_towards(normal: Vector, side: Vector) -> Vector {
+    if dot(normal, side) < 0.0 {
+        negate(normal)
+    } else {
+        normal
+    }
+}
+
+/// The vertex normals of a smooth triangle, weighted by the barycentric coordinates of the hit.
+/// `None` for anything else, and where the weighted normals cancel.
+fn interpolated_normal(shape: &Shape, ray: &Ray) -> Option<Vector> {
+    match shape {
+        Shape::Triangle {
+            vertices,
+            vertex_normals: Some([a, b, c]),
+            ..
+        } => {
+            let [in_a, in_b, in_c] = barycentric(ray.origin, ray.direction, vertices)?;
+            unit(add(add(scale(*a, in_a), scale(*b, in_b)), scale(*c, in_c)))
+        }
+        Shape::Triangle {
+            vertex_normals: None,
+            ..
+        }
+        | Shape::Sphere { .. }
+        | Shape::Plane { .. } => None,
+    }
+}
+
+/// Whether the way from a point of a sphere to the light starts into the sphere.
+pub(super) fn starts_inwards(hit: &Hit, center: Vector, way: Vector) -> bool {
+    let outward = turned_towards(hit.geometric_normal, subtract(hit.position, center));
+    dot(outward, way) < 0.0
+}

@@ -1,0 +1,128 @@
+//! L3 and L5 to L8: light that arrives, and how a surface reflects it.
+
+use super::value::linear_rgb;
+use super::vector::{Vector, ZERO, add, dot, scale, subtract};
+use crate::scene;
+
+/// L3: L_i = I / d², the light that a point light sends to a point at distance d, in lux.
+pub(super) fn incident_light(intensity: Vector, distance: f64) -> Vector {
+    scale(intensity, 1.0 / (distance * distance))
+}
+
+/// The cosine of the angle between two unit vectors; below 0 it counts as 0.
+pub(super) fn cosine(a: Vector, b: Vector) -> f64 {
+    dot(a, b).clamp(0.0, 1.0)
+}
+
+/// L5: r_d = k_d cos(n, ω_i), Lambert's diffuse reflectance.
+pub(super) fn diffuse_reflectance(k_d: Vector, cos_incident: f64) -> Vector {
+    scale(k_d, cos_incident)
+}
+
+/// L6: ω_r = 2 (n·ω_i) n − ω_i, the ideal reflection direction.
+pub(super) fn ideal_reflection(n: Vector, to_light: Vector) -> Vector {
+    subtract(scale(n, 2.0 * dot(n, to_light)), to_light)
+}
+
+/// L7: r_s = k_s cosⁿ(ω_o, ω_r), the specular reflectance with shininess n.
+pub(super) fn specular_reflectance(k_s: Vector, cos_lobe: f64, shininess: f64) -> Vector {
+    scale(k_s, cos_lobe.powf(shininess))
+}
+
+/// L8: r = r_d + r_s, kept apart, in sr⁻¹: the radiance per lux from a light at ω_i.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reflectance {
+    /// r_d
+    pub(super) diffuse: Vector,
+    /// r_s
+    pub(super) specular: Vector,
+}
+
+impl Reflectance {
+    pub(super) const ZERO: Self = Self {
+        diffuse: ZERO,
+        specular: ZERO,
+    };
+
+    /// L8: r = r_d + r_s.
+    pub(super) fn sum(&self) -> Vector {
+        add(self.diffuse, self.specular)
+    }
+}
+
+/// The two models that L8 stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Model {
+    Phong,
+    NormalizedPhong,
+}
+
+/// A material with its colors as linear Rec.709.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Material {
+    pub(super) model: Model,
+    /// k_d or ρ_d
+    pub(super) diffuse: Vector,
+    /// k_s or ρ_s
+    pub(super) specular: Vector,
+    /// n, where it was written. A lobe without n reflects nothing: a legal one has k_s = 0.
+    pub(super) shininess: Option<f64>,
+}
+
+impl Material {
+    /// A surface that reflects nothing.
+    pub(super) const BLACK: Self = Self {
+        model: Model::Phong,
+        diffuse: ZERO,
+        specular: ZERO,
+        shininess: None,
+    };
+
+    pub(super) fn new(material: &scene::Material) -> Self {
+        let (model, lobes) = match material {
+            scene::Material::Phong(lobes) => (Model::Phong, lobes),
+            scene::Material::NormalizedPhong(lobes) => (Model::NormalizedPhong, lobes),
+        };
+        Self {
+            model,
+            diffuse: linear_rgb(&lobes.diffuse.value),
+            specular: linear_rgb(&lobes.specular.value),
+            shininess: lobes.shininess.as_ref().map(|shininess| shininess.value),
+        }
+    }
+
+    /// L8, by the material's model, from cos(n, ω_i) and cos(ω_o, ω_r).
+    pub(super) fn reflectance(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
+        match self.model {
+            Model::Phong => self.phong(cos_incident, cos_lobe),
+            Model::NormalizedPhong => self.normalized_phong(cos_incident, cos_lobe),
+        }
+    }
+
+    /// L8, the lecture's model to the letter: r = k_d cos(n, ω_i) + k_s cosⁿ(ω_o, ω_r).
+    fn phong(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
+        Reflectance {
+            diffuse: diffuse_reflectance(self.diffuse, cos_incident),
+            specular: match self.shininess {
+                Some(n) => specular_reflectance(self.specular, cos_lobe, n),
+                None => ZERO,
+            },
+        }
+    }
+
+    /// L8, normalized (Lafortune & Willems 1994):
+    /// r = cos(n, ω_i) [ρ_d/π + ρ_s (n+2)/(2π) cosⁿ(ω_o, ω_r)].
+    fn normalized_phong(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
+        use std::f64::consts::{FRAC_1_PI, TAU};
+        Reflectance {
+            diffuse: diffuse_reflectance(scale(self.diffuse, FRAC_1_PI), cos_incident),
+            specular: match self.shininess {
+                Some(n) => scale(
+                    specular_reflectance(self.specular, cos_lobe, n),
+                    (n + 2.0) / TAU * cos_incident,
+                ),
+                None => ZERO,
+            },
+        }
+    }
+}

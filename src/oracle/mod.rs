@@ -1,0 +1,410 @@
+//! The lecture's equations in plain f64: the truth that the renderer is compared with.
+//!
+//! One small function for each equation, brute force, from the scene as it was written. Nothing
+//! here is shared with the renderer, neither its vectors nor its materials nor its search for the
+//! nearest hit, so that no mistake can hide on both sides.
+//!
+//! | | equation | function |
+//! | --- | --- | --- |
+//! | L1 | r(t) = o + t ω | `camera`: `perspective_ray`, `orthographic_ray` |
+//! | L2 | ‖r(t) − c‖² = R² | `surface`: `ray_sphere`, `ray_plane`, `ray_triangle` |
+//! | L3 | L_i = I / d² | `lighting`: `incident_light` |
+//! | L4 | V ∈ {0, 1} | `occlusion`: `sphere_between`, `plane_between`, `triangle_between` |
+//! | L5 | r_d = k_d cos(n, ω_i) | `lighting`: `diffuse_reflectance` |
+//! | L6 | ω_r = 2 (n·ω_i) n − ω_i | `lighting`: `ideal_reflection` |
+//! | L7 | r_s = k_s cosⁿ(ω_o, ω_r) | `lighting`: `specular_reflectance` |
+//! | L8 | r = r_d + r_s | `lighting`: `phong`, `normalized_phong` |
+//! | L9 | L_o = Σ L_i r V | [`Oracle::radiance`] |
+//!
+//! All positions are taken relative to the eye before anything else, so that a scene far from the
+//! origin loses no precision.
+//!
+//! The scene must be legal, as [`crate::world`] decides. One that is not gives wrong numbers, but
+//! no panic: a material that is not there is black, a camera without a direction sees the
+//! background.
+
+mod camera;
+mod explanation;
+mod hit;
+mod lighting;
+mod occlusion;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod value;
+mod vector;
+
+use crate::scene::mesh::MeshGroup;
+use crate::scene::{Light, Object, Scene};
+
+use camera::{Camera, Ray};
+pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
+use hit::{Hit, starts_inwards};
+use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
+use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
+use surface::{Shape, Surface};
+use value::linear_rgb;
+use vector::{Vector, ZERO, add, dot, length, multiply, scale, subtract, unit};
+
+/// A scene, ready for the equations.
+#[derive(Clone, Debug)]
+pub struct Oracle {
+    resolution: [u32; 2],
+    /// The eye as written: the origin of all positions below.
+    reference: Vector,
+    camera: Camera,
+    /// Radiance where nothing is hit.
+    background: Vector,
+    /// In the order of the file, each mesh triangle by triangle.
+    surfaces: Vec<Surface>,
+    /// In the order of the file.
+    objects: Vec<NamedObject>,
+    /// In the order of the file.
+    lights: Vec<PointLight>,
+}
+
+/// What the surfaces of one object have in common.
+#[derive(Clone, Debug)]
+struct NamedObject {
+    name: String,
+    groups: Vec<MeshGroup>,
+    material_name: String,
+    material: Material,
+}
+
+#[derive(Clone, Debug)]
+struct PointLight {
+    name: String,
+    /// p_L
+    position: Vector,
+    /// I in candela.
+    intensity: Vector,
+}
+
+/// The value of a point of the image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// L_o (L9) in cd/m², linear Rec.709; the background where nothing is hit.
+    pub radiance: [f64; 3],
+    /// 1 where something is hit, else 0.
+    pub coverage: f64,
+}
+
+/// Which surface a ray hits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct HitId {
+    /// The object's index in the scene.
+    pub object: usize,
+    /// For a mesh, the triangle's index in the mesh file.
+    pub triangle: Option<usize>,
+}
+
+/// The decisions behind a radiance. Between two points of the image that agree in them, radiance
+/// changes smoothly; where two computations differ in them, rounding decided at an edge.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Decisions {
+    /// What the primary ray hits.
+    pub hit: Option<HitId>,
+    /// What becomes of each light, in the order of the file; empty where nothing is hit.
+    pub lights: Vec<Outcome>,
+}
+
+/// One light's term of L9 and what it is made of.
+struct Term {
+    distance: f64,
+    incident: Vector,
+    to_light: Vector,
+    cos_incident: f64,
+    reflected: Vector,
+    cos_lobe: f64,
+    reflectance: Reflectance,
+    outcome: Outcome,
+    radiance: Vector,
+}
+
+impl Oracle {
+    /// Prepares a legal scene: transforms its meshes and turns its colors into linear Rec.709.
+    pub fn new(scene: &Scene) -> Self {
+        let resolution = scene.image.resolution.value;
+        let reference = scene.camera.value.view().eye.value;
+        let surfaces = scene.objects.iter().enumerate();
+        Self {
+            resolution,
+            reference,
+            camera: Camera::new(&scene.camera.value, resolution),
+            background: linear_rgb(&scene.image.background.value),
+            surfaces: surfaces
+                .flat_map(|(index, object)| Surface::all_of(index, &object.value, reference))
+                .collect(),
+            objects: scene
+                .objects
+                .iter()
+                .map(|object| NamedObject::new(scene, &object.name, &object.value))
+                .collect(),
+            lights: scene
+                .lights
+                .iter()
+                .map(|light| PointLight::new(&light.name, &light.value, reference))
+                .collect(),
+        }
+    }
+
+    /// Width and height of the image in pixels.
+    pub fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+
+    /// L9 at a point of the image: L_o(ω_o) = Σ L_i(p) r(ω_i, ω_o) V(p), over the lights in the
+    /// order of the file.
+    ///
+    /// `px` and `py` are in pixels from the top left corner of the image; the center of pixel
+    /// (x, y) is (x + 0.5, y + 0.5).
+    pub fn radiance(&self, px: f64, py: f64) -> Sample {
+        match self.nearest(&self.camera.primary_ray(px, py)) {
+            None => Sample {
+                radiance: self.background,
+                coverage: 0.0,
+            },
+            Some(hit) => Sample {
+                radiance: self.sum_over_lights(&hit),
+                coverage: 1.0,
+            },
+        }
+    }
+
+    /// What the primary ray hits; coordinates as in [`Oracle::radiance`].
+    pub fn trace(&self, px: f64, py: f64) -> Option<HitId> {
+        let hit = self.nearest(&self.camera.primary_ray(px, py))?;
+        Some(self.id(&hit))
+    }
+
+    /// What is decided on the way to the radiance; coordinates as in [`Oracle::radiance`].
+    pub fn decisions(&self, px: f64, py: f64) -> Decisions {
+        let hit = self.nearest(&self.camera.primary_ray(px, py));
+        let outcome = |hit, light| self.term(hit, light).outcome;
+        Decisions {
+            hit: hit.as_ref().map(|hit| self.id(hit)),
+            lights: hit.as_ref().map_or_else(Vec::new, |hit| {
+                self.lights
+                    .iter()
+                    .map(|light| outcome(hit, light))
+                    .collect()
+            }),
+        }
+    }
+
+    /// L9 with all its terms; coordinates as in [`Oracle::radiance`].
+    pub fn explain(&self, px: f64, py: f64) -> Explanation {
+        match self.nearest(&self.camera.primary_ray(px, py)) {
+            None => Explanation {
+                hit: None,
+                lights: Vec::new(),
+                radiance: self.background,
+            },
+            Some(hit) => Explanation {
+                hit: Some(self.hit_terms(&hit)),
+                lights: self
+                    .lights
+                    .iter()
+                    .map(|light| self.light_terms(&hit, light))
+                    .collect(),
+                radiance: self.sum_over_lights(&hit),
+            },
+        }
+    }
+
+    /// L1 and L2: the nearest hit. Of equally near ones the first in the file counts.
+    fn nearest(&self, ray: &Ray) -> Option<Hit> {
+        let mut nearest: Option<(usize, f64)> = None;
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            if let Some(t) = surface.intersect(ray)
+                && nearest.is_none_or(|(_, smallest)| t < smallest)
+            {
+                nearest = Some((index, t));
+            }
+        }
+        let (surface, distance) = nearest?;
+        Some(Hit::new(
+            surface,
+            &self.surfaces[surface].shape,
+            ray,
+            distance,
+        ))
+    }
+
+    /// L9: the sum over all lights.
+    fn sum_over_lights(&self, hit: &Hit) -> Vector {
+        self.lights
+            .iter()
+            .map(|light| self.term(hit, light).radiance)
+            .fold(ZERO, add)
+    }
+
+    /// L3 to L8: one light's term of L9.
+    fn term(&self, hit: &Hit, light: &PointLight) -> Term {
+        let segment = self.segment(hit, light);
+        let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {
+            return Term::NOTHING;
+        };
+        let distance = length(segment.vector());
+        let incident = incident_light(light.intensity, distance);
+        let cos_incident = cosine(hit.normal, to_light);
+        let reflected = ideal_reflection(hit.normal, to_light);
+        let cos_lobe = cosine(hit.to_viewer, reflected);
+
+        let outcome = if !self.light_is_above(hit, &segment, to_light) {
+            Outcome::Below
+        } else if self.occluder(hit, &segment).is_some() {
+            Outcome::Occluded
+        } else {
+            Outcome::Lit
+        };
+        let reflectance = match outcome {
+            Outcome::Lit | Outcome::Occluded => {
+                self.material(hit).reflectance(cos_incident, cos_lobe)
+            }
+            Outcome::Below | Outcome::AtPoint => Reflectance::ZERO,
+        };
+        let visibility = match outcome {
+            Outcome::Lit => 1.0,
+            Outcome::Occluded | Outcome::Below | Outcome::AtPoint => 0.0,
+        };
+        Term {
+            distance,
+            incident,
+            to_light,
+            cos_incident,
+            reflected,
+            cos_lobe,
+            reflectance,
+            outcome,
+            radiance: scale(multiply(incident, reflectance.sum()), visibility),
+        }
+    }
+
+    /// Whether n·ω_i > 0 for the geometric normal. For what is flat, the light itself tells,
+    /// without the rounding of p: one in the plane of a floor is not above it.
+    fn light_is_above(&self, hit: &Hit, segment: &Segment, to_light: Vector) -> bool {
+        match &self.surfaces[hit.surface].shape {
+            Shape::Sphere { .. } => dot(hit.geometric_normal, to_light) > 0.0,
+            Shape::Plane { point, .. }
+            | Shape::Triangle {
+                vertices: [point, ..],
+                ..
+            } => segment.side_of_plane(segment.to, *point, hit.geometric_normal) == Side::Above,
+        }
+    }
+
+    /// L4: V = 0 where there is one; the surface that stands strictly between p and p_L, of
+    /// several the nearest to p.
+    fn occluder(&self, hit: &Hit, segment: &Segment) -> Option<usize> {
+        let mut nearest: Option<(usize, f64)> = None;
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let own = index == hit.surface;
+            let part = match &surface.shape {
+                // A flat surface never stands before its own points.
+                Shape::Plane { .. } | Shape::Triangle { .. } if own => None,
+                Shape::Plane { point, normal } => plane_between(segment, *point, *normal),
+                Shape::Triangle {
+                    vertices, normal, ..
+                } => triangle_between(segment, vertices, *normal),
+                Shape::Sphere { center, radius } => {
+                    let own = own.then(|| OwnSphere {
+                        starts_inwards: starts_inwards(hit, *center, segment.vector()),
+                    });
+                    sphere_between(segment, *center, *radius, own)
+                }
+            };
+            if let Some(part) = part
+                && nearest.is_none_or(|(_, smallest)| part < smallest)
+            {
+                nearest = Some((index, part));
+            }
+        }
+        nearest.map(|(index, _)| index)
+    }
+
+    fn segment(&self, hit: &Hit, light: &PointLight) -> Segment {
+        Segment {
+            from: hit.position,
+            to: light.position,
+            reference: length(self.reference),
+        }
+    }
+
+    fn id(&self, hit: &Hit) -> HitId {
+        let surface = &self.surfaces[hit.surface];
+        HitId {
+            object: surface.object,
+            triangle: surface.triangle,
+        }
+    }
+
+    fn object(&self, surface: usize) -> &NamedObject {
+        &self.objects[self.surfaces[surface].object]
+    }
+
+    fn material(&self, hit: &Hit) -> &Material {
+        &self.object(hit.surface).material
+    }
+}
+
+impl NamedObject {
+    fn new(scene: &Scene, name: &str, object: &Object) -> Self {
+        let material_name = &object.material().value;
+        let written = scene
+            .materials
+            .iter()
+            .find(|material| material.name == *material_name);
+        Self {
+            name: name.to_owned(),
+            groups: match object {
+                Object::Mesh { geometry, .. } => geometry.groups.clone(),
+                Object::Sphere { .. } | Object::Plane { .. } | Object::Triangle { .. } => {
+                    Vec::new()
+                }
+            },
+            material_name: material_name.clone(),
+            material: written.map_or(Material::BLACK, |entry| Material::new(&entry.value)),
+        }
+    }
+
+    /// The name of the group that a triangle of the mesh belongs to.
+    fn group(&self, triangle: usize) -> Option<String> {
+        let triangle = u32::try_from(triangle).ok()?;
+        self.groups
+            .iter()
+            .find(|group| group.triangles.contains(&triangle))
+            .map(|group| group.name.clone())
+    }
+}
+
+impl PointLight {
+    fn new(name: &str, light: &Light, reference: Vector) -> Self {
+        match light {
+            Light::Point {
+                position,
+                intensity,
+            } => Self {
+                name: name.to_owned(),
+                position: subtract(position.value, reference),
+                intensity: linear_rgb(&intensity.value),
+            },
+        }
+    }
+}
+
+impl Term {
+    /// d = 0, the model's singularity: the light adds nothing.
+    const NOTHING: Self = Self {
+        distance: 0.0,
+        incident: ZERO,
+        to_light: ZERO,
+        cos_incident: 0.0,
+        reflected: ZERO,
+        cos_lobe: 0.0,
+        reflectance: Reflectance::ZERO,
+        outcome: Outcome::AtPoint,
+        radiance: ZERO,
+    };
+}

@@ -1,0 +1,249 @@
+//! The scene's surfaces as plain geometry, and L2: where a ray meets them.
+
+use super::camera::Ray;
+use super::vector::{Vector, add, cross, dot, length, multiply, scale, subtract, unit};
+use crate::scene::{MeshFile, Object};
+
+/// A sphere, a plane or one triangle, in the oracle's coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    /// The index of its object in the scene.
+    pub(super) object: usize,
+    /// For a triangle of a mesh, its index in the mesh file.
+    pub(super) triangle: Option<usize>,
+    pub(super) shape: Shape,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Shape {
+    Sphere {
+        center: Vector,
+        radius: f64,
+    },
+    Plane {
+        point: Vector,
+        /// Of unit length.
+        normal: Vector,
+    },
+    Triangle {
+        vertices: [Vector; 3],
+        /// The geometric normal, of unit length.
+        normal: Vector,
+        /// Unit normals at the vertices of a smooth mesh.
+        vertex_normals: Option<[Vector; 3]>,
+    },
+}
+
+impl Surface {
+    /// The surfaces of one object, in the order of the file, with `reference` as the origin.
+    ///
+    /// A triangle without an area is left out, and so is a plane without a normal.
+    pub(super) fn all_of(index: usize, object: &Object, reference: Vector) -> Vec<Self> {
+        let surface = |triangle, shape| Self {
+            object: index,
+            triangle,
+            shape,
+        };
+        match object {
+            Object::Sphere { center, radius, .. } => vec![surface(
+                None,
+                Shape::Sphere {
+                    center: subtract(center.value, reference),
+                    radius: radius.value,
+                },
+            )],
+            Object::Plane { point, normal, .. } => unit(normal.value)
+                .map(|normal| {
+                    let point = subtract(point.value, reference);
+                    surface(None, Shape::Plane { point, normal })
+                })
+                .into_iter()
+                .collect(),
+            Object::Triangle { vertices, .. } => {
+                let vertices = vertices.value.map(|vertex| subtract(vertex, reference));
+                Shape::triangle(vertices, None)
+                    .map(|shape| surface(None, shape))
+                    .into_iter()
+                    .collect()
+            }
+            Object::Mesh {
+                scale,
+                rotate,
+                translate,
+                smooth,
+                geometry,
+                ..
+            } => {
+                let transform = Transform {
+                    scale: scale.value,
+                    rotate: rotate.value,
+                    // Together first: far from the origin the two nearly cancel.
+                    translate: subtract(translate.value, reference),
+                };
+                (0..geometry.triangles.len())
+                    .filter_map(|triangle| {
+                        let shape = transform.triangle(geometry, triangle, *smooth)?;
+                        Some(surface(Some(triangle), shape))
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// L2: the distance along the ray to where it first meets the surface, above 0.
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
+        match &self.shape {
+            Shape::Sphere { center, radius } => ray_sphere(ray, *center, *radius),
+            Shape::Plane { point, normal } => ray_plane(ray, *point, *normal),
+            Shape::Triangle {
+                vertices, normal, ..
+            } => ray_triangle(ray, vertices, *normal),
+        }
+    }
+}
+
+impl Shape {
+    /// A triangle, or `None` where its edges span no area.
+    fn triangle(vertices: [Vector; 3], vertex_normals: Option<[Vector; 3]>) -> Option<Self> {
+        let [a, b, c] = vertices;
+        Some(Self::Triangle {
+            vertices,
+            normal: unit(cross(subtract(b, a), subtract(c, a)))?,
+            vertex_normals,
+        })
+    }
+}
+
+/// v ↦ T R S v with R = R_z R_y R_x.
+struct Transform {
+    scale: Vector,
+    /// Degrees about x, y and z.
+    rotate: Vector,
+    translate: Vector,
+}
+
+impl Transform {
+    /// One triangle of a mesh file, transformed.
+    fn triangle(&self, mesh: &MeshFile, triangle: usize, smooth: bool) -> Option<Shape> {
+        let corners = |vectors: &[Vector], indices: &[u32; 3]| -> Option<[Vector; 3]> {
+            let corner = |i: usize| vectors.get(indices[i] as usize).copied();
+            Some([corner(0)?, corner(1)?, corner(2)?])
+        };
+        let positions = mesh.triangles.get(triangle)?;
+        let vertices = corners(&mesh.positions, positions)?.map(|vertex| self.point(vertex));
+        let vertex_normals = mesh
+            .normals
+            .as_ref()
+            .filter(|_| smooth)
+            .and_then(|normals| {
+                let indices = match &normals.triangles {
+                    Some(triangles) => triangles.get(triangle)?,
+                    None => positions,
+                };
+                let [a, b, c] = corners(&normals.vectors, indices)?;
+                Some([self.normal(a)?, self.normal(b)?, self.normal(c)?])
+            });
+        Shape::triangle(vertices, vertex_normals)
+    }
+
+    /// T R S v
+    fn point(&self, v: Vector) -> Vector {
+        add(self.rotated(multiply(self.scale, v)), self.translate)
+    }
+
+    /// A normal is transformed by the inverse transpose, (R S)⁻ᵀ = R S⁻¹, and normalized.
+    fn normal(&self, n: Vector) -> Option<Vector> {
+        let inverse = self.scale.map(|factor| 1.0 / factor);
+        unit(self.rotated(multiply(inverse, n)))
+    }
+
+    /// R_z R_y R_x v
+    fn rotated(&self, [x, y, z]: Vector) -> Vector {
+        let [about_x, about_y, about_z] = self
+            .rotate
+            .map(|degrees| degrees.to_radians().sin_cos())
+            .map(|(sin, cos)| move |a: f64, b: f64| (cos * a - sin * b, sin * a + cos * b));
+        let (y, z) = about_x(y, z);
+        let (z, x) = about_y(z, x);
+        let (x, y) = about_z(x, y);
+        [x, y, z]
+    }
+}
+
+/// L2, sphere: ‖o + t ω − c‖² = R².
+///
+/// With the vector m = c − o, its part b = m·ω along the ray and the rest m − b ω across it,
+/// t = b ∓ √(R² − ‖m − b ω‖²). For small spheres far away this form does not cancel, as the
+/// textbook's b² − 4ac does. Of the two roots the smaller comes from their product ‖m‖² − R², for
+/// the same reason.
+fn ray_sphere(ray: &Ray, center: Vector, radius: f64) -> Option<f64> {
+    let m = subtract(center, ray.origin);
+    let b = dot(m, ray.direction);
+    let across = length(subtract(m, scale(ray.direction, b)));
+    let discriminant = (radius - across) * (radius + across);
+    if discriminant < 0.0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    let larger = if b < 0.0 { b - root } else { b + root };
+    let distance = length(m);
+    let other = (distance - radius) * (distance + radius) / larger;
+    let (near, far) = (larger.min(other), larger.max(other));
+    [near, far].into_iter().find(|&t| counts(t))
+}
+
+/// L2, plane through a with normal n: n·(o + t ω − a) = 0, so t = n·(a − o) / n·ω.
+fn ray_plane(ray: &Ray, point: Vector, normal: Vector) -> Option<f64> {
+    let t = dot(normal, subtract(point, ray.origin)) / dot(normal, ray.direction);
+    counts(t).then_some(t)
+}
+
+/// L2, triangle: where the ray meets its plane, if that is inside all three edges.
+fn ray_triangle(ray: &Ray, vertices: &[Vector; 3], normal: Vector) -> Option<f64> {
+    barycentric(ray.origin, ray.direction, vertices)?;
+    ray_plane(ray, vertices[0], normal)
+}
+
+/// The barycentric coordinates at which a line passes through a triangle, edges included, or
+/// `None` where it passes outside.
+///
+/// The corners are projected along the line onto a plane through two axes, where the line is the
+/// point (0, 0); the coordinates are as the areas x y' − y x' that this point spans with the
+/// edges (Woop, Benthin & Wald 2013). Rounding moves a corner in the same way for all triangles
+/// that share it, and cannot turn the sign of an area, only make it 0, which counts as inside. So
+/// no line slips through where triangles share an edge or a corner.
+pub(super) fn barycentric(
+    origin: Vector,
+    direction: Vector,
+    vertices: &[Vector; 3],
+) -> Option<[f64; 3]> {
+    let z = longest_axis(direction);
+    let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+    let (slope_x, slope_y) = (direction[x] / direction[z], direction[y] / direction[z]);
+    let [a, b, c] = vertices.map(|vertex| {
+        let v = subtract(vertex, origin);
+        [v[x] - slope_x * v[z], v[y] - slope_y * v[z]]
+    });
+    let area = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+    let areas = [area(b, c), area(c, a), area(a, b)];
+    let inside = areas.iter().all(|&area| area >= 0.0) || areas.iter().all(|&area| area <= 0.0);
+    let sum = areas[0] + areas[1] + areas[2];
+    (inside && sum != 0.0).then(|| areas.map(|area| area / sum))
+}
+
+/// The axis along which a vector is longest.
+fn longest_axis(v: Vector) -> usize {
+    let [x, y, z] = v.map(f64::abs);
+    if x >= y && x >= z {
+        0
+    } else if y >= z {
+        1
+    } else {
+        2
+    }
+}
+
+/// Whether a root of L2 counts: in front of the origin. Infinite or NaN where a plane is parallel.
+fn counts(t: f64) -> bool {
+    t > 0.0 && t.is_finite()
+}
