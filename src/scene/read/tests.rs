@@ -376,6 +376,21 @@ fn a_file_that_is_not_text_shows_the_byte() {
     assert!(reading.complete().unwrap_err().to_string().contains("0xFF"));
 }
 
+#[test]
+fn in_a_large_file_the_first_syntax_error_is_told_alone() {
+    let spheres: String = (0..5_000)
+        .map(|i| {
+            format!("[objects.s{i}.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 0]\nradius = 1\n")
+        })
+        .collect();
+    let entry = "[materials.m.phong]\n";
+    let text = format!("{FRAME}{entry}{spheres}{entry}diffuse = 0,5\nspeculer = 1\n");
+    assert_eq!(
+        errors(&text),
+        [("material `m` is there twice".to_owned(), (20_008, 1))]
+    );
+}
+
 /// The time that hostile input may take, with reserve for a busy machine; typical are 50 ms.
 const HOSTILE_TIME: Duration = Duration::from_secs(5);
 
