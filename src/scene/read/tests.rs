@@ -384,7 +384,7 @@ fn in_a_large_file_the_first_syntax_error_is_told_alone() {
         })
         .collect();
     let entry = "[materials.m.phong]\n";
-    let text = format!("{FRAME}{entry}{spheres}{entry}diffuse = 0,5\nspeculer = 1\n");
+    let text = format!("{FRAME}{entry}{spheres}{entry}speculer = 1\n");
     assert_eq!(
         errors(&text),
         [("material `m` is there twice".to_owned(), (20_008, 1))]
