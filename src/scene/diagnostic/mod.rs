@@ -185,6 +185,9 @@ pub enum Problem {
     Conflict(String),
 }
 
+/// How many errors of one scene are collected; an entry in error after these is still left out.
+pub(super) const MOST_COLLECTED: usize = 1_000;
+
 /// How many of the possible names an error keeps; a scene can have a million materials.
 const EXPECTED_KEPT: usize = 12;
 
@@ -216,34 +219,10 @@ impl Problem {
 
     /// The name that an unknown one was meant to be, as far as one can tell.
     pub fn nearest(&self) -> Option<&str> {
-        match self {
-            Self::Unknown { nearest, .. } => nearest.as_deref(),
-            _ => None,
-        }
-    }
-
-    /// What is said right under the caret, if anything.
-    fn label(&self) -> Option<String> {
-        match self {
-            Self::Unknown {
-                nearest: Some(nearest),
-                ..
-            } => Some(format!("did you mean `{nearest}`?")),
-            Self::Unknown { nearest: None, .. }
-            | Self::Unreadable(_)
-            | Self::TooLarge { .. }
-            | Self::NotUtf8 { .. }
-            | Self::Empty
-            | Self::Syntax(_)
-            | Self::BadName { .. }
-            | Self::NoVariant { .. }
-            | Self::Missing { .. }
-            | Self::WrongType { .. }
-            | Self::OutOfRange { .. }
-            | Self::Duplicate { .. }
-            | Self::NotYet { .. }
-            | Self::Mesh { .. }
-            | Self::Conflict(_) => None,
+        if let Self::Unknown { nearest, .. } = self {
+            nearest.as_deref()
+        } else {
+            None
         }
     }
 

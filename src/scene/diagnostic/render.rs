@@ -3,7 +3,7 @@
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
 use super::super::Source;
-use super::{Diagnostic, Diagnostics, Problem, Span};
+use super::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span};
 
 /// How many errors are printed; whoever has more mends these first.
 const PRINTED: usize = 20;
@@ -35,6 +35,9 @@ impl Diagnostics {
         match self.list.len().saturating_sub(PRINTED) {
             0 => {}
             1 => messages.push("and 1 more error".to_owned()),
+            more if self.list.len() >= MOST_COLLECTED => {
+                messages.push(format!("and at least {more} more errors"));
+            }
             more => messages.push(format!("and {more} more errors")),
         }
         messages.join("\n\n")
@@ -55,9 +58,11 @@ impl Diagnostic {
                     .line_start(line)
                     .path(path.clone())
                     .annotation(
-                        AnnotationKind::Primary
-                            .span(span.start..span.end)
-                            .label(self.problem.label()),
+                        AnnotationKind::Primary.span(span.start..span.end).label(
+                            self.problem
+                                .nearest()
+                                .map(|nearest| format!("did you mean `{nearest}`?")),
+                        ),
                     ),
             ),
         };

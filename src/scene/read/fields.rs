@@ -2,12 +2,9 @@
 
 use toml::de::{DeInteger, DeTable, DeValue};
 
-use super::super::diagnostic::{Diagnostic, Problem, Span, Spanned, shortened};
+use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned, shortened};
 use super::syntax::Damage;
 use super::{Meshes, Node};
-
-/// How many errors are collected; an entry in error after these is still left out.
-const MOST_ERRORS: usize = 1_000;
 
 /// Reads a tree and collects what is wrong with it.
 pub(super) struct Reader<'a> {
@@ -46,7 +43,7 @@ impl Reader<'_> {
         } else {
             self.damage.reaches(span.start)
         };
-        if !explained && self.diagnostics.len() < MOST_ERRORS {
+        if !explained && self.diagnostics.len() < MOST_COLLECTED {
             self.diagnostics.push(Diagnostic::new(span, problem));
         }
     }

@@ -171,8 +171,12 @@ impl Unsourced {
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     let file = File::open(path).map_err(Problem::Unreadable)?;
+    if file.metadata().map_err(Problem::Unreadable)?.len() > LARGEST_FILE {
+        return Err(too_large());
+    }
     let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that is too large, also where it has no known size.
+    // One byte more than allowed tells a file that is too large, also where it is a pipe
+    // or a device without a known size.
     file.take(LARGEST_FILE + 1)
         .read_to_end(&mut bytes)
         .map_err(Problem::Unreadable)?;

@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue, Error};
 
-use super::super::diagnostic::{Diagnostic, Problem, Span, shortened};
+use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, shortened};
 use super::Node;
 use super::entries::header;
 
-/// The size in bytes up to which more than the first syntax error is looked for. A mebibyte of
-/// nothing but errors costs 100 MB of messages.
-const RECOVERED_SIZE: usize = 1 << 20;
+/// The size in bytes up to which more than the first syntax error is looked for: text that is
+/// nothing but errors costs 300 times its size in messages.
+const RECOVERED_SIZE: usize = 128 << 10;
 
 /// For how many duplicates the first one is looked up; more are not printed.
 const FIRSTS_SHOWN: usize = 20;
@@ -64,23 +64,46 @@ impl Damage {
 
 /// The tree of `text` as far as it could be read, and the syntax errors.
 pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
+    // TOML has no lone carriage returns, and its parser takes quadratic time for many of them.
+    if let Some(span) = lone_return(text) {
+        let message = "a carriage return without a line feed; lines end in LF or CR LF";
+        return hopeless(span, Problem::Syntax(message.to_owned()));
+    }
     let first = match DeTable::parse(text) {
         Ok(root) => return (root.into_inner(), Damage::none(), Vec::new()),
         Err(error) => error,
     };
     if text.len() > RECOVERED_SIZE {
-        let damage = Damage {
-            lost_from: 0,
-            ..Damage::none()
-        };
         let span = place(text, &first);
-        let diagnostic = Diagnostic::new(span, syntax(text, first.message(), span));
-        return (DeTable::new(), damage, vec![diagnostic]);
+        let line = line_around(text, span.start);
+        if first.message() == "duplicate key" && text[line.clone()].trim_start().starts_with('[') {
+            let Diagnostic { span, problem } = duplicate_header(text, line, true);
+            return hopeless(span, problem);
+        }
+        return hopeless(span, syntax(text, first.message(), span));
     }
     let (root, errors) = DeTable::parse_recoverable(text);
     let root = root.into_inner();
     let (damage, diagnostics) = assess(text, &root, &errors);
     (root, damage, diagnostics)
+}
+
+/// One error, after which nothing is looked at.
+fn hopeless<'i>(span: Span, problem: Problem) -> (DeTable<'i>, Damage, Vec<Diagnostic>) {
+    let damage = Damage {
+        lost_from: 0,
+        ..Damage::none()
+    };
+    (DeTable::new(), damage, vec![Diagnostic::new(span, problem)])
+}
+
+/// The first carriage return that no line feed follows.
+fn lone_return(text: &str) -> Option<Span> {
+    let bytes = text.as_bytes();
+    text.match_indices('\r')
+        .map(|(start, _)| start)
+        .find(|start| bytes.get(start + 1) != Some(&b'\n'))
+        .map(|start| Span::from(start..start + 1))
 }
 
 /// Tells the errors that stay within their line from those after which nothing is certain, and
@@ -100,10 +123,13 @@ fn assess(text: &str, root: &DeTable<'_>, errors: &[Error]) -> (Damage, Vec<Diag
         .iter()
         .map(|error| (place(text, error), error.message()))
         .collect();
+    errors.sort_by_key(|&(span, _)| span);
+    let first = errors.first().map(|&(span, _)| span.start);
     let open = errors.iter().find_map(|&(span, message)| {
         let what = unclosed(message)?;
-        let start = outermost_value(root, span.start)?.start;
-        Some((start, what))
+        // Some brackets end in the tree where the first error is, not where the file ends.
+        let value = outermost_value(root, span.start).or_else(|| outermost_value(root, first?))?;
+        Some((value.start, what))
     });
     if let Some((start, what)) = open {
         // An unclosed bracket swallows what follows: that is one error, at the bracket.
@@ -117,6 +143,10 @@ fn assess(text: &str, root: &DeTable<'_>, errors: &[Error]) -> (Damage, Vec<Diag
     let mut last_line = None;
     for (span, message) in errors {
         let line = line_around(text, span.start);
+        if diagnostics.len() == MOST_COLLECTED {
+            damage.lost_from = damage.lost_from.min(line.start);
+            break;
+        }
         if last_line.replace(line.start) == Some(line.start) {
             continue;
         }

@@ -376,6 +376,36 @@ fn a_file_that_is_not_text_shows_the_byte() {
     assert!(reading.complete().unwrap_err().to_string().contains("0xFF"));
 }
 
+#[test]
+fn in_a_large_file_the_first_syntax_error_is_told_alone() {
+    let spheres: String = (0..5_000)
+        .map(|i| {
+            format!("[objects.s{i}.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 0]\nradius = 1\n")
+        })
+        .collect();
+    let entry = "[materials.m.phong]\n";
+    let text = format!("{FRAME}{entry}{spheres}{entry}speculer = 1\n");
+    assert_eq!(
+        errors(&text),
+        [("material `m` is there twice".to_owned(), (20_008, 1))]
+    );
+}
+
+#[test]
+fn a_file_too_large_is_not_read() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    file.as_file().set_len(LARGEST_FILE + 1).unwrap();
+    let error = Scene::load(file.path()).unwrap_err();
+    let path = file.path().display();
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "error: the scene file is larger than 256 MB\n--> {path}\n \
+             = help: put triangles into a mesh file and name it in `[objects.NAME.mesh]`"
+        )
+    );
+}
+
 /// The time that hostile input may take, with reserve for a busy machine; typical are 50 ms.
 const HOSTILE_TIME: Duration = Duration::from_secs(5);
 
