@@ -1,1 +1,6 @@
+//! The command line.
+
+#[cfg(test)]
+mod cli;
+
 fn main() {}
