@@ -291,7 +291,10 @@ impl Oracle {
             | Shape::Triangle {
                 vertices: [point, ..],
                 ..
-            } => segment.side_of_plane(segment.to, *point, hit.geometric_normal) == Side::Above,
+            } => {
+                let (_, light) = segment.sides_of_plane(*point, hit.geometric_normal);
+                light == Side::Above
+            }
         }
     }
 
@@ -328,6 +331,7 @@ impl Oracle {
         Segment {
             from: hit.position,
             to: light.position,
+            magnitude: length(hit.position) + self.surfaces[hit.surface].shape.magnitude(),
             reference: length(self.reference),
         }
     }

@@ -17,9 +17,9 @@ use super::vector::{Vector, dot, length, scale, subtract};
 ///
 /// With u = ε/2, M = |p| + |a|, and |o|, t ≤ |p|: in t = n·(a − o) / n·ω the numerator is off by
 /// 4u M, the denominator by 3u, the quotient by u more, which moves o + t ω off the plane by 8u M;
-/// the sum itself by 2u M. Measuring n·(p − a) is off by 4u M, and a unit normal by 4u. In all
-/// 18u M = 9 ε M, and up to half an ε for each coordinate as written; 16 leaves room for the
-/// normals of triangles.
+/// the sum itself by 2u |p|. Measuring n'·(p − a') for another surface is off by 4u M', and a unit
+/// normal by 4u. In all 18u (M + M') = 9 ε (M + M'), and up to half an ε for each coordinate as
+/// written; 16 leaves room for the normals of triangles.
 const ROUNDING: f64 = 16.0;
 
 /// The segment from a shaded point to a light.
@@ -29,6 +29,8 @@ pub(super) struct Segment {
     pub(super) from: Vector,
     /// p_L
     pub(super) to: Vector,
+    /// |p| + |a|: the size of the coordinates that p was computed from.
+    pub(super) magnitude: f64,
     /// How far the oracle's origin is from the scene's: written coordinates are rounded there.
     pub(super) reference: f64,
 }
@@ -52,8 +54,7 @@ impl Segment {
 
     /// Whether light and point are at one place, as far as f64 can tell: d = 0.
     pub(super) fn is_a_point(&self) -> bool {
-        let rounding = self.rounding(length(self.from) + length(self.to));
-        length(self.vector()) <= rounding
+        length(self.vector()) <= self.rounding(self.magnitude + length(self.to))
     }
 
     /// What rounding alone can make of a distance 0 between points of this `magnitude`.
@@ -71,24 +72,31 @@ impl Segment {
         }
     }
 
-    /// The side on which `end` (p or p_L) is of the plane through `point`.
-    pub(super) fn side_of_plane(&self, end: Vector, point: Vector, normal: Vector) -> Side {
-        let distance = dot(normal, subtract(end, point));
-        self.side(distance, length(end) + length(point))
+    /// The sides of the plane through `point` on which p and p_L are.
+    pub(super) fn sides_of_plane(&self, point: Vector, normal: Vector) -> (Side, Side) {
+        let distance = |end| dot(normal, subtract(end, point));
+        self.sides(distance, length(point))
     }
 
-    /// The side on which `end` (p or p_L) is of a sphere.
-    pub(super) fn side_of_sphere(&self, end: Vector, center: Vector, radius: f64) -> Side {
-        let distance = length(subtract(end, center)) - radius;
-        self.side(distance, length(end) + length(center) + radius)
+    /// The sides of a sphere on which p and p_L are.
+    fn sides_of_sphere(&self, center: Vector, radius: f64) -> (Side, Side) {
+        let distance = |end| length(subtract(end, center)) - radius;
+        self.sides(distance, length(center) + radius)
+    }
+
+    /// The sides of a surface on which p and p_L are, from their signed distances to it and its
+    /// own `magnitude`.
+    fn sides(&self, distance: impl Fn(Vector) -> f64, magnitude: f64) -> (Side, Side) {
+        (
+            self.side(distance(self.from), self.magnitude + magnitude),
+            self.side(distance(self.to), length(self.to) + magnitude),
+        )
     }
 }
 
 /// L4, plane: the part of the way from p to p_L at which the plane stands between, if it does.
 pub(super) fn plane_between(segment: &Segment, point: Vector, normal: Vector) -> Option<f64> {
-    let from = segment.side_of_plane(segment.from, point, normal);
-    let to = segment.side_of_plane(segment.to, point, normal);
-    match (from, to) {
+    match segment.sides_of_plane(point, normal) {
         (Side::Above, Side::Below) | (Side::Below, Side::Above) => {
             let height = dot(normal, subtract(segment.from, point)).abs();
             let depth = dot(normal, subtract(segment.to, point)).abs();
@@ -128,11 +136,8 @@ pub(super) fn sphere_between(
 ) -> Option<f64> {
     let (m, k) = (subtract(segment.from, center), subtract(segment.to, center));
     let way = segment.vector();
-    let from = match own {
-        Some(_) => Side::On,
-        None => segment.side_of_sphere(segment.from, center, radius),
-    };
-    let to = segment.side_of_sphere(segment.to, center, radius);
+    let (from, to) = segment.sides_of_sphere(center, radius);
+    let from = own.map_or(from, |_| Side::On);
     let starts_inwards = match own {
         Some(OwnSphere { starts_inwards }) => starts_inwards,
         None => dot(m, way) < 0.0,

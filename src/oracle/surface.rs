@@ -112,6 +112,15 @@ impl Shape {
             vertex_normals,
         })
     }
+
+    /// The largest coordinates that go into a hit with it, as a length.
+    pub(super) fn magnitude(&self) -> f64 {
+        match self {
+            Self::Sphere { center, radius } => length(*center) + radius,
+            Self::Plane { point, .. } => length(*point),
+            Self::Triangle { vertices, .. } => vertices.map(length).into_iter().fold(0.0, f64::max),
+        }
+    }
 }
 
 /// v ↦ T R S v with R = R_z R_y R_x.
@@ -194,14 +203,26 @@ fn ray_sphere(ray: &Ray, center: Vector, radius: f64) -> Option<f64> {
 
 /// L2, plane through a with normal n: n·(o + t ω − a) = 0, so t = n·(a − o) / n·ω.
 fn ray_plane(ray: &Ray, point: Vector, normal: Vector) -> Option<f64> {
-    let t = dot(normal, subtract(point, ray.origin)) / dot(normal, ray.direction);
+    let t = plane_parameter(ray, point, normal);
     counts(t).then_some(t)
 }
 
+/// n·(a − o) / n·ω, infinite or NaN where the ray is parallel to the plane.
+fn plane_parameter(ray: &Ray, point: Vector, normal: Vector) -> f64 {
+    dot(normal, subtract(point, ray.origin)) / dot(normal, ray.direction)
+}
+
 /// L2, triangle: where the ray meets its plane, if that is inside all three edges.
+///
+/// The corners bound t: the plane of a sliver, whose normal is mostly rounding, may be met far
+/// outside of them.
 fn ray_triangle(ray: &Ray, vertices: &[Vector; 3], normal: Vector) -> Option<f64> {
     barycentric(ray.origin, ray.direction, vertices)?;
-    ray_plane(ray, vertices[0], normal)
+    let [a, b, c] = vertices.map(|vertex| dot(subtract(vertex, ray.origin), ray.direction));
+    let t = plane_parameter(ray, vertices[0], normal)
+        .max(a.min(b).min(c))
+        .min(a.max(b).max(c));
+    counts(t).then_some(t)
 }
 
 /// The barycentric coordinates at which a line passes through a triangle, edges included, or
@@ -243,7 +264,7 @@ fn longest_axis(v: Vector) -> usize {
     }
 }
 
-/// Whether a root of L2 counts: in front of the origin. Infinite or NaN where a plane is parallel.
+/// Whether a root of L2 counts: in front of the origin.
 fn counts(t: f64) -> bool {
     t > 0.0 && t.is_finite()
 }

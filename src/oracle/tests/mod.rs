@@ -193,6 +193,8 @@ fn globe(rows: u32) -> Arc<MeshFile> {
     for row in 0..=rows {
         for column in 0..columns {
             let (sin_polar, cos_polar) = angle(f64::from(row), rows).sin_cos();
+            // sin π is not 0 in f64: the pole would be a ring.
+            let sin_polar = if row == rows { 0.0 } else { sin_polar };
             let turned = f64::from(column) + 0.5 * f64::from(row % 2);
             let (sin, cos) = angle(2.0 * turned, columns).sin_cos();
             mesh.positions

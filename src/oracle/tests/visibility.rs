@@ -143,6 +143,19 @@ fn coincident_surfaces_do_not_shade_each_other() {
             assert_eq!(decisions.lights, [Outcome::Lit], "{distance} {x} {y}");
         }
     }
+    // A huge triangle, seen close to the middle, on a plane and on a small triangle.
+    let huge = triangle.map(|vertex| scale(vertex, 1e6));
+    for eye in [[0.5, 0.9, -0.4], [3.0, 0.1, 0.2], [0.2, 2.5, 7.0]] {
+        let scene = Builder::new([16, 16], perspective(eye, [0.0; 3], 5.0))
+            .triangle(huge)
+            .triangle(triangle)
+            .plane([0.0; 3], tilted)
+            .light([0.3, 0.4, 0.5], 1.0);
+        for object in 0..3 {
+            let seen = outcomes(&scene, object);
+            assert_eq!(count(&seen, Outcome::Lit), seen.len(), "{eye:?}");
+        }
+    }
     let camera = perspective([4.0, 5.0, 6.0], [0.1, 0.2, 0.3], 20.0);
     let spheres = Builder::new([40, 40], camera)
         .sphere([0.1, 0.2, 0.3], 0.7)

@@ -1,0 +1,344 @@
+//! The table for people: the equations with the numbers put in.
+
+use std::fmt::Write;
+
+use candela::oracle::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
+
+use super::Report;
+
+/// A line of the table.
+enum Line {
+    /// Text as it is.
+    Text(String),
+    /// A name or an equation, three numbers and their unit or a remark.
+    Row {
+        label: String,
+        cells: [String; 3],
+        remark: String,
+    },
+}
+
+/// Lines, of which the rows are aligned at their decimal points.
+struct Table(Vec<Line>);
+
+/// One explained pixel as text.
+pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
+    let mut table = Table(Vec::new());
+    let [x, y] = report.pixel;
+    let [width, height] = resolution;
+    let explanation = &report.explanation;
+    match &explanation.hit {
+        None => {
+            table.text(format!(
+                "Pixel ({x}, {y}) of {width} × {height}: nothing is there"
+            ));
+            table.gap();
+            table.header(["R", "G", "B"]);
+            table.row("background", explanation.radiance, "cd/m²");
+        }
+        Some(hit) => {
+            table.text(format!(
+                "Pixel ({x}, {y}) of {width} × {height}: {}",
+                place(hit)
+            ));
+            table.text("L_o = Σ L_i (r_d + r_s) V    L_i = I/d²");
+            table.text(model(&hit.reflectance));
+            table.hit(hit);
+            table.material(&hit.reflectance);
+            for light in &explanation.lights {
+                table.light(&hit.reflectance, light);
+            }
+            table.sum(explanation);
+        }
+    }
+    table.gap();
+    let rendered = report.renderer.radiance.map(f64::from);
+    table.row("renderer, in f32", rendered, "cd/m²");
+    table.row("renderer − equation", report.renderer.difference, "cd/m²");
+    table.written()
+}
+
+/// What is hit: object `ball`, material `clay`, t = 5.8 m
+fn place(hit: &HitTerms) -> String {
+    let mut text = format!("object `{}`", hit.object);
+    if let Some(group) = &hit.group {
+        let _ = write!(text, ", group `{group}`");
+    }
+    if let Some(triangle) = hit.triangle {
+        let _ = write!(text, ", triangle {triangle}");
+    }
+    let distance = number(hit.distance);
+    let _ = write!(text, ", material `{}`, t = {distance} m", hit.material);
+    text
+}
+
+/// The names of the material's constants k_d and k_s, by its model.
+fn constants(material: &MaterialTerms) -> [&'static str; 2] {
+    if is_normalized(material) {
+        ["ρ_d", "ρ_s"]
+    } else {
+        ["k_d", "k_s"]
+    }
+}
+
+fn is_normalized(material: &MaterialTerms) -> bool {
+    material.model == "normalized_phong"
+}
+
+/// L5 and L7, as the material's model has them.
+fn model(material: &MaterialTerms) -> &'static str {
+    if is_normalized(material) {
+        "r_d = ρ_d/π cos(n, ω_i)    r_s = ρ_s (n+2)/(2π) cosⁿ(ω_o, ω_r) cos(n, ω_i)"
+    } else {
+        "r_d = k_d cos(n, ω_i)    r_s = k_s cosⁿ(ω_o, ω_r)"
+    }
+}
+
+/// Why a light adds nothing, if so.
+fn obstacle(light: &LightTerms) -> Option<String> {
+    match light.outcome {
+        Outcome::Lit => None,
+        Outcome::Occluded => Some(stands_between(light)),
+        Outcome::Below => Some("below the surface".to_owned()),
+        Outcome::AtPoint => Some("at p itself, d = 0".to_owned()),
+    }
+}
+
+fn stands_between(light: &LightTerms) -> String {
+    match &light.occluder {
+        Some(occluder) => format!("`{occluder}` stands between"),
+        None => "nothing stands between".to_owned(),
+    }
+}
+
+impl Table {
+    fn text(&mut self, text: impl Into<String>) {
+        self.0.push(Line::Text(text.into()));
+    }
+
+    fn gap(&mut self) {
+        self.text("");
+    }
+
+    fn header(&mut self, names: [&str; 3]) {
+        self.0.push(Line::Row {
+            label: String::new(),
+            cells: names.map(str::to_owned),
+            remark: String::new(),
+        });
+    }
+
+    fn row(&mut self, label: impl Into<String>, values: [f64; 3], remark: impl Into<String>) {
+        self.0.push(Line::Row {
+            label: label.into(),
+            cells: values.map(number),
+            remark: remark.into(),
+        });
+    }
+
+    /// L1 and L2: where the ray ends.
+    fn hit(&mut self, hit: &HitTerms) {
+        self.gap();
+        self.header(["x", "y", "z"]);
+        self.row("L2  p", hit.position, "m");
+        if hit.normal == hit.geometric_normal {
+            self.row("    n", hit.normal, "");
+        } else {
+            self.row("    n, interpolated", hit.normal, "");
+            self.row("    n of the triangle", hit.geometric_normal, "");
+        }
+        self.row("    ω_o, to the viewer", hit.to_viewer, "");
+    }
+
+    fn material(&mut self, material: &MaterialTerms) {
+        let [diffuse, specular] = constants(material);
+        self.gap();
+        self.header(["R", "G", "B"]);
+        self.row(format!("    {diffuse}"), material.diffuse, "");
+        let shininess = match material.shininess {
+            Some(n) => format!("n = {}", number(n)),
+            None => String::new(),
+        };
+        self.row(format!("    {specular}"), material.specular, shininess);
+    }
+
+    /// L3 to L8 and the light's term of L9.
+    fn light(&mut self, material: &MaterialTerms, light: &LightTerms) {
+        self.gap();
+        let distance = number(light.distance);
+        match light.outcome {
+            Outcome::AtPoint => {
+                self.text(format!(
+                    "Light `{}` is at p itself, d = 0: it adds nothing",
+                    light.name
+                ));
+                return;
+            }
+            Outcome::Below => {
+                self.text(format!(
+                    "Light `{}`, d = {distance} m, is below the surface: it adds nothing",
+                    light.name
+                ));
+            }
+            Outcome::Lit | Outcome::Occluded => {
+                self.text(format!("Light `{}`, d = {distance} m", light.name));
+            }
+        }
+        let (to_light, reflected) = (vector(light.to_light), vector(light.reflected));
+        let width = to_light.chars().count().max(reflected.chars().count());
+        let (cos_incident, cos_lobe) = (number(light.cos_incident), number(light.cos_lobe));
+        self.text(format!(
+            "    ω_i = {to_light:width$}    cos(n, ω_i)   = {cos_incident}"
+        ));
+        if light.outcome == Outcome::Below {
+            return;
+        }
+        self.text(format!(
+            "L6  ω_r = {reflected:width$}    cos(ω_o, ω_r) = {cos_lobe}"
+        ));
+
+        let [diffuse, specular] = constants(material);
+        let shininess = material.shininess.map_or_else(|| "n".to_owned(), number);
+        let (diffuse, specular) = if is_normalized(material) {
+            (
+                format!("L5  r_d = {diffuse}/π · {cos_incident}"),
+                format!(
+                    "L7  r_s = {specular} · {} · {cos_lobe}^{shininess} · {cos_incident}",
+                    material.shininess.map_or_else(
+                        || "(n+2)/(2π)".to_owned(),
+                        |n| number((n + 2.0) / std::f64::consts::TAU)
+                    )
+                ),
+            )
+        } else {
+            (
+                format!("L5  r_d = {diffuse} · {cos_incident}"),
+                format!("L7  r_s = {specular} · {cos_lobe}^{shininess}"),
+            )
+        };
+        self.row("    I", light.intensity, "cd");
+        self.row(format!("L3  L_i = I / {distance}²"), light.incident, "lx");
+        self.row(diffuse, light.diffuse, "1/sr");
+        self.row(specular, light.specular, "1/sr");
+        let reflectance = std::array::from_fn(|i| light.diffuse[i] + light.specular[i]);
+        self.row("L8  r   = r_d + r_s", reflectance, "1/sr");
+        let visibility = if light.visible { 1.0 } else { 0.0 };
+        self.row("L4  V", [visibility; 3], stands_between(light));
+        self.row("    L_i · r · V", light.radiance, "cd/m²");
+    }
+
+    /// L9: what the lights add up to.
+    fn sum(&mut self, explanation: &Explanation) {
+        self.gap();
+        self.text("Sum over the lights");
+        for light in &explanation.lights {
+            let remark = obstacle(light).unwrap_or_default();
+            self.row(format!("    {}", light.name), light.radiance, remark);
+        }
+        self.row("L9  L_o = Σ L_i r V", explanation.radiance, "cd/m²");
+    }
+
+    /// The lines, with labels, decimal points and remarks below each other.
+    fn written(self) -> String {
+        let (mut label_width, mut whole_width, mut fraction_width) = (0, 0, 0);
+        for line in &self.0 {
+            if let Line::Row { label, cells, .. } = line {
+                label_width = label_width.max(label.chars().count());
+                for (whole, fraction) in cells.iter().map(|cell| at_point(cell)) {
+                    whole_width = whole_width.max(whole.chars().count());
+                    fraction_width = fraction_width.max(fraction.chars().count());
+                }
+            }
+        }
+        let mut text = String::new();
+        for line in &self.0 {
+            let mut written = String::new();
+            match line {
+                Line::Text(text) => written.push_str(text),
+                Line::Row {
+                    label,
+                    cells,
+                    remark,
+                } => {
+                    let _ = write!(written, "{label:label_width$}");
+                    for (whole, fraction) in cells.iter().map(|cell| at_point(cell)) {
+                        let _ =
+                            write!(written, "  {whole:>whole_width$}{fraction:fraction_width$}");
+                    }
+                    let _ = write!(written, "  {remark}");
+                }
+            }
+            text.push_str(written.trim_end());
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// A number before its decimal point, and from there on.
+fn at_point(number: &str) -> (&str, &str) {
+    let point = number.find(['.', 'e']).unwrap_or(number.len());
+    number.split_at(point)
+}
+
+/// (x, y, z)
+fn vector(v: [f64; 3]) -> String {
+    let [x, y, z] = v.map(number);
+    format!("({x}, {y}, {z})")
+}
+
+/// A number with six significant digits and no zeros at its end: for reading; JSON has them all.
+fn number(value: f64) -> String {
+    const DIGITS: i32 = 6;
+    if value == 0.0 || !value.is_finite() {
+        // Without the sign that −0 has.
+        return format!("{}", value + 0.0);
+    }
+    // Rounded first: 0.99999996 has its first digit before the point.
+    let scientific = format!("{value:.*e}", (DIGITS - 1) as usize);
+    let Some((mantissa, exponent)) = scientific.split_once('e') else {
+        return scientific;
+    };
+    match exponent.parse::<i32>() {
+        Ok(exponent @ -4..=DIGITS) => {
+            let decimals = (DIGITS - 1 - exponent).max(0);
+            without_zeros(&format!("{value:.*}", decimals as usize)).to_owned()
+        }
+        Ok(_) | Err(_) => format!("{}e{exponent}", without_zeros(mantissa)),
+    }
+}
+
+/// `1.50` → `1.5`, `2.00` → `2`, `100` → `100`
+fn without_zeros(number: &str) -> &str {
+    if number.contains('.') {
+        number.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        number
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_significant_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1"),
+            (-30.0, "-30"),
+            (0.1 + 0.2, "0.3"),
+            (2.0 / 3.0, "0.666667"),
+            (1e6 / 3.0, "333333"),
+            (0.999_999_96, "1"),
+            (0.000_123_456_78, "0.000123457"),
+            (1.234_567_8e-9, "1.23457e-9"),
+            (1.5e11, "1.5e11"),
+            (1_234_567.0, "1234567"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+}

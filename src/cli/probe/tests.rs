@@ -1,0 +1,245 @@
+use std::sync::Arc;
+
+use candela::scene::{
+    Camera, Entry, Image, Light, Lobes, Material, Object, Source, Span, Spanned, Value, View,
+};
+use clap::Parser;
+use serde_json::Value as Json;
+
+use super::*;
+
+fn entry<T>(name: &str, value: T) -> Entry<T> {
+    Entry {
+        name: name.to_owned(),
+        span: Span::default(),
+        value,
+    }
+}
+
+/// A ball on a floor: `key` lights both, `under` is below the floor, `lamp` lies on it where the
+/// middle of the image is, `back` is behind the ball.
+fn scene() -> Scene {
+    let rgb = |rgb| Value::Rgb {
+        rgb,
+        space: candela::scene::ColorSpace::Rec709,
+    };
+    let lobes = |diffuse, specular, shininess: Option<f64>| Lobes {
+        diffuse: Spanned::from(diffuse),
+        specular: Value::Uniform(specular).into(),
+        shininess: shininess.map(Spanned::from),
+    };
+    let light = |position: [f64; 3], intensity| Light::Point {
+        position: position.into(),
+        intensity: Spanned::from(intensity),
+    };
+    Scene {
+        source: Arc::new(Source {
+            path: "ball.toml".into(),
+            text: String::new(),
+        }),
+        image: Image {
+            resolution: [65, 49].into(),
+            color_space: Spanned::default(),
+            background: rgb([0.01, 0.02, 0.03]).into(),
+        },
+        camera: Camera::Perspective {
+            view: View {
+                eye: [0.0, 1.0, 4.0].into(),
+                look_at: [0.0, 0.0, 1.0].into(),
+                up: [0.0, 1.0, 0.0].into(),
+            },
+            vertical_fov: 60.0.into(),
+        }
+        .into(),
+        materials: vec![
+            entry(
+                "clay",
+                Material::Phong(lobes(rgb([0.7, 0.3, 0.2]), 0.3, Some(50.0))),
+            ),
+            entry(
+                "stone",
+                Material::NormalizedPhong(lobes(Value::Uniform(0.5), 0.25, Some(12.5))),
+            ),
+        ],
+        lights: vec![
+            entry("key", light([3.0, 4.0, 3.0], Value::Uniform(30.0))),
+            entry("under", light([0.0, -2.0, 0.0], Value::Uniform(5.0))),
+            entry("lamp", light([0.0, 0.0, 1.0], rgb([3.0, 2.0, 1.0]))),
+            entry("back", light([0.0, 0.5, -3.0], Value::Uniform(1e-3))),
+        ],
+        objects: vec![
+            entry(
+                "ball",
+                Object::Sphere {
+                    material: "clay".to_owned().into(),
+                    center: [0.0, 0.5, 0.0].into(),
+                    radius: 0.5.into(),
+                },
+            ),
+            entry(
+                "floor",
+                Object::Plane {
+                    material: "stone".to_owned().into(),
+                    point: [0.0; 3].into(),
+                    normal: [0.0, 1.0, 0.0].into(),
+                },
+            ),
+        ],
+    }
+}
+
+#[derive(Parser)]
+struct Line {
+    #[command(flatten)]
+    arguments: Arguments,
+}
+
+fn output(pixel: &str, json: bool) -> Result<String, ProbeError> {
+    let mut line = vec!["candela", "ball.toml", "--pixel", pixel];
+    line.extend(json.then_some("--json"));
+    let arguments = Line::parse_from(line).arguments;
+    assert_eq!(arguments.scene, PathBuf::from("ball.toml"));
+    let mut output = Vec::new();
+    let renderer = |_| [0.5, 0.25, 0.125];
+    run(&arguments, &scene(), renderer, &mut output)?;
+    Ok(String::from_utf8(output).unwrap())
+}
+
+fn json(pixel: &str) -> Json {
+    serde_json::from_str(&output(pixel, true).unwrap()).unwrap()
+}
+
+/// Reading a decimal number may be off by one in the last place of f64.
+const DIGITS: f64 = 1e-15;
+
+#[test]
+fn json_has_every_term() {
+    let report = json("32,24");
+    assert_eq!(report["pixel"], serde_json::json!([32, 24]));
+    assert_eq!(report["hit"]["object"], "floor");
+    assert_eq!(report["hit"]["material"], "stone");
+    for key in ["position", "normal", "geometric_normal"] {
+        assert_eq!(report["hit"][key].as_array().unwrap().len(), 3, "{key}");
+    }
+    assert_eq!(report["hit"]["group"], Json::Null);
+    assert!(report["hit"]["distance"].as_f64().unwrap() > 3.0);
+    let lights = report["lights"].as_array().unwrap();
+    let names: Vec<_> = lights.iter().map(|light| &light["name"]).collect();
+    assert_eq!(names, ["key", "under", "lamp", "back"]);
+    let outcomes: Vec<_> = lights.iter().map(|light| &light["outcome"]).collect();
+    assert_eq!(outcomes, ["lit", "below", "at_point", "occluded"]);
+    assert_eq!(lights[0]["visible"], true);
+    assert_eq!(lights[0]["occluder"], Json::Null);
+    assert_eq!(lights[3]["visible"], false);
+    assert_eq!(lights[3]["occluder"], "ball");
+    for light in lights {
+        for key in ["incident", "diffuse", "specular", "radiance"] {
+            let triple = light[key].as_array().unwrap();
+            assert!(triple.len() == 3 && triple.iter().all(Json::is_number));
+        }
+        for key in ["distance", "cos_incident", "cos_lobe"] {
+            assert!(light[key].is_number(), "{key}");
+        }
+    }
+    for (i, rendered) in [0.5, 0.25, 0.125].into_iter().enumerate() {
+        let shares = lights
+            .iter()
+            .map(|light| light["radiance"][i].as_f64().unwrap());
+        let radiance = report["radiance"][i].as_f64().unwrap();
+        assert!((shares.sum::<f64>() - radiance).abs() < DIGITS);
+        assert_eq!(report["renderer"]["radiance"][i], rendered);
+        let difference = report["renderer"]["difference"][i].as_f64().unwrap();
+        assert!((rendered - radiance - difference).abs() < DIGITS);
+    }
+}
+
+#[test]
+fn json_of_the_background() {
+    let report = json("0,0");
+    assert_eq!(report["hit"], Json::Null);
+    assert_eq!(report["lights"], serde_json::json!([]));
+    assert_eq!(report["radiance"], serde_json::json!([0.01, 0.02, 0.03]));
+}
+
+#[test]
+fn the_table_of_the_background() {
+    let expected = "\
+Pixel (0, 0) of 65 × 49: nothing is there
+
+                     R      G      B
+background           0.01   0.02   0.03   cd/m²
+
+renderer, in f32     0.5    0.25   0.125  cd/m²
+renderer − equation  0.49   0.23   0.095  cd/m²
+";
+    assert_eq!(output("0,0", false).unwrap(), expected);
+}
+
+#[test]
+fn the_table_of_a_floor() {
+    let expected = "\
+Pixel (32, 24) of 65 × 49: object `floor`, material `stone`, t = 3.16228 m
+L_o = Σ L_i (r_d + r_s) V    L_i = I/d²
+r_d = ρ_d/π cos(n, ω_i)    r_s = ρ_s (n+2)/(2π) cosⁿ(ω_o, ω_r) cos(n, ω_i)
+
+                                                     x            y            z
+L2  p                                                0            0            1           m
+    n                                                0            1            0
+    ω_o, to the viewer                               0            0.316228     0.948683
+
+                                                     R            G            B
+    ρ_d                                              0.5          0.5          0.5
+    ρ_s                                              0.25         0.25         0.25        n = 12.5
+
+Light `key`, d = 5.38516 m
+    ω_i = (0.557086, 0.742781, 0.371391)      cos(n, ω_i)   = 0.742781
+L6  ω_r = (-0.557086, 0.742781, -0.371391)    cos(ω_o, ω_r) = 0
+    I                                               30           30           30           cd
+L3  L_i = I / 5.38516²                               1.03448      1.03448      1.03448     lx
+L5  r_d = ρ_d/π · 0.742781                           0.118217     0.118217     0.118217    1/sr
+L7  r_s = ρ_s · 2.30775 · 0^12.5 · 0.742781          0            0            0           1/sr
+L8  r   = r_d + r_s                                  0.118217     0.118217     0.118217    1/sr
+L4  V                                                1            1            1           nothing stands between
+    L_i · r · V                                      0.122294     0.122294     0.122294    cd/m²
+
+Light `under`, d = 2.23607 m, is below the surface: it adds nothing
+    ω_i = (0, -0.894427, -0.447214)    cos(n, ω_i)   = 0
+
+Light `lamp` is at p itself, d = 0: it adds nothing
+
+Light `back`, d = 4.03113 m
+    ω_i = (0, 0.124035, -0.992278)    cos(n, ω_i)   = 0.124035
+L6  ω_r = (0, 0.124035, 0.992278)     cos(ω_o, ω_r) = 0.980581
+    I                                                0.001        0.001        0.001       cd
+L3  L_i = I / 4.03113²                               6.15385e-5   6.15385e-5   6.15385e-5  lx
+L5  r_d = ρ_d/π · 0.124035                           0.0197407    0.0197407    0.0197407   1/sr
+L7  r_s = ρ_s · 2.30775 · 0.980581^12.5 · 0.124035   0.0560032    0.0560032    0.0560032   1/sr
+L8  r   = r_d + r_s                                  0.075744     0.075744     0.075744    1/sr
+L4  V                                                0            0            0           `ball` stands between
+    L_i · r · V                                      0            0            0           cd/m²
+
+Sum over the lights
+    key                                              0.122294     0.122294     0.122294
+    under                                            0            0            0           below the surface
+    lamp                                             0            0            0           at p itself, d = 0
+    back                                             0            0            0           `ball` stands between
+L9  L_o = Σ L_i r V                                  0.122294     0.122294     0.122294    cd/m²
+
+renderer, in f32                                     0.5          0.25         0.125       cd/m²
+renderer − equation                                  0.377706     0.127706     0.00270622  cd/m²
+";
+    assert_eq!(output("32,24", false).unwrap(), expected);
+}
+
+#[test]
+fn a_pixel_that_is_not_there() {
+    for pixel in ["65,0", "0,49", "4294967295,4294967295"] {
+        let error = output(pixel, false).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("pixel {pixel} is outside")));
+        assert!(error.contains("65 × 49") && error.ends_with("X is 0 to 64, Y is 0 to 48"));
+    }
+    for text in ["", "1", "1,2,3", "-1,2", "1.5,2", "4294967296,0", "a,b"] {
+        assert!(pixel(text).unwrap_err().contains("640,360"), "{text}");
+    }
+    assert_eq!(pixel("3, 4"), Ok([3, 4]));
+}
