@@ -148,6 +148,25 @@ pub fn write<T>(
     })
 }
 
+/// Finds out whether a file could be written, without leaving anything behind: for long work whose
+/// result goes there.
+///
+/// # Errors
+/// As [`write`], as far as it can be known before.
+pub fn check(path: &Path) -> Result<(), OutputError> {
+    let checked = match resolve(path) {
+        Ok(Target::File { path: target, .. }) => tempfile::tempfile_in(folder_of(&target))
+            .map(drop)
+            .map_err(|error| folder_problem(&target, error)),
+        Ok(Target::Stream) => Ok(()),
+        Err(problem) => Err(problem),
+    };
+    checked.map_err(|problem| OutputError {
+        path: path.to_path_buf(),
+        problem,
+    })
+}
+
 /// As many symbolic links in a row as Linux follows.
 const MAX_LINKS: usize = 40;
 

@@ -1,14 +1,43 @@
-//! One file per command.
+//! The command line: arguments to the library to an exit code. One file per command.
 
+mod check;
+mod completions;
+mod probe;
+mod render;
 mod tonemap;
 
+use std::error::Error;
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
+use candela::film::{self, Options, Window};
 use candela::output::Unfinished;
+use candela::scene::Diagnostics;
+use candela::world::World;
 use clap::{Parser, Subcommand};
 
+/// What a shell reports of a program that Ctrl-C ended: 128 + SIGINT.
+const INTERRUPTED: i32 = 130;
+
+/// A renderer for direct light: exact, fast, deterministic
+///
+/// Renders a scene file to a linear OpenEXR image in cd/m² and makes a PNG of it in a step of its
+/// own.
 #[derive(Debug, Parser)]
-#[command(version, about, max_term_width = 100)]
+#[command(version, max_term_width = 100)]
+#[command(after_long_help = "\
+Examples:
+  candela render
+      Render the built-in scene to lecture.exr
+  candela render scene.toml -o scene.exr --samples 16 --preview scene.png
+      Render a scene, and make a picture of it
+  candela check scene.toml
+      Is it legal, what will be computed, what will it cost
+  candela probe scene.toml --pixel 640,360
+      The sum at one pixel, term by term
+
+Exit codes: 0 done; 1 something is wrong with a file, a value or the machine; 2 wrong usage;
+130 interrupted.")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -16,18 +45,88 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Render(render::Arguments),
     Tonemap(tonemap::Arguments),
+    Check(check::Arguments),
+    Probe(probe::Arguments),
+    Completions(completions::Arguments),
 }
 
+/// What a command failed with; [`main`] alone prints it.
+type Failure = Box<dyn Error + Send + Sync>;
+
+/// Runs the command that the arguments name.
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let unfinished = Unfinished::new();
-    let Command::Tonemap(arguments) = &arguments.command;
-    match tonemap::run(arguments, &unfinished, &mut std::io::stderr()) {
+    let result = at_interrupt(&unfinished).and_then(|()| run(&arguments.command, &unfinished));
+    match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
+        // Whoever reads the output has stopped to, as `head` does.
+        Err(failure) if is_broken_pipe(&*failure) => ExitCode::SUCCESS,
+        Err(failure) => {
+            print(&*failure);
             ExitCode::FAILURE
         }
     }
+}
+
+fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
+    match command {
+        Command::Render(arguments) => render::run(arguments, unfinished),
+        Command::Tonemap(arguments) => Ok(tonemap::run(arguments, unfinished, &mut io::stderr())?),
+        Command::Check(arguments) => check::run(arguments, &mut io::stdout().lock()),
+        Command::Probe(arguments) => {
+            let (scene, world) = World::load(&arguments.scene)?;
+            let renderer = |[x, y]: [u32; 2]| {
+                let pixel = Window {
+                    x,
+                    y,
+                    width: 1,
+                    height: 1,
+                };
+                let options = Options {
+                    window: Some(pixel),
+                    ..Options::default()
+                };
+                let [r, g, b, _] = film::render(&world, &options).pixels()[0];
+                [r, g, b]
+            };
+            Ok(probe::run(
+                arguments,
+                &scene,
+                renderer,
+                &mut io::stdout().lock(),
+            )?)
+        }
+        Command::Completions(arguments) => completions::run(arguments, &mut io::stdout().lock()),
+    }
+}
+
+/// Makes Ctrl-C, SIGTERM and SIGHUP end the run at once, without a file half-written.
+fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
+    let unfinished = unfinished.clone();
+    ctrlc::set_handler(move || {
+        unfinished.cancel();
+        std::process::exit(INTERRUPTED);
+    })?;
+    Ok(())
+}
+
+fn is_broken_pipe(failure: &(dyn Error + 'static)) -> bool {
+    failure
+        .downcast_ref::<io::Error>()
+        .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// Prints a failure, with lines of the scene file where it is about one.
+fn print(failure: &(dyn Error + 'static)) {
+    let stderr = io::stderr();
+    let color = stderr.is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let message = match failure.downcast_ref::<Diagnostics>() {
+        Some(diagnostics) => diagnostics.render(color),
+        None => format!("error: {failure}"),
+    };
+    // Nowhere is left to report that the message itself cannot be written.
+    let _ = writeln!(stderr.lock(), "{message}");
 }

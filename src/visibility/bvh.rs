@@ -293,7 +293,7 @@ impl Bvh {
                 Child::Node(index) => {
                     let node = &self.nodes[index as usize];
                     node.meet(&slabs, limit, |child, enters| {
-                        stack.push(Pending { child, enters })
+                        stack.push(Pending { child, enters });
                     });
                 }
             }

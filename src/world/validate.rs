@@ -101,7 +101,7 @@ impl<'a> Validator<'a> {
             materials,
             lights: lights
                 .iter()
-                .map(|light| light.map(|light| light.point()))
+                .map(|light| light.map(LightSource::point))
                 .collect(),
             objects: Vec::with_capacity(self.scene.objects.len()),
             spheres: Vec::new(),
@@ -165,7 +165,7 @@ impl<'a> Validator<'a> {
 
     fn resolution(&mut self) -> [u32; 2] {
         let Spanned { value, span } = self.scene.image.resolution;
-        if value.iter().any(|&side| side < 1 || side > MAX_RESOLUTION) {
+        if value.iter().any(|side| !(1..=MAX_RESOLUTION).contains(side)) {
             let expected = format!("a width and a height from 1 to {MAX_RESOLUTION} pixels");
             self.out_of_range("resolution", span, format!("{value:?}"), &expected);
             return [1, 1];
@@ -500,7 +500,7 @@ impl<'a> Validator<'a> {
         let placed = &triangles.positions[first_vertex..];
         if placed
             .iter()
-            .any(|position| !(position.abs().max_element() <= LARGEST))
+            .any(|position| position.is_nan() || position.abs().max_element() > LARGEST)
         {
             let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
             self.report(span, Problem::Conflict(conflict.to_owned()));

@@ -1,0 +1,182 @@
+//! `candela check`: is a scene legal, what will be modeled, what will it cost.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use candela::visibility::Visibility;
+use candela::world::material::Model;
+use candela::world::plan::Acceleration;
+use candela::world::{Plan, Shape, World, physics};
+
+use super::Failure;
+
+/// Check a scene without rendering it: is it legal, what will be computed and what left out, what
+/// will it cost
+///
+/// Prints the scene's objects, materials and lights, the plan with its reasons, the memory it
+/// takes, and warnings about what is legal but physically odd.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = "\
+Example:
+  candela check scenes/lecture.toml")]
+pub(crate) struct Arguments {
+    /// The scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+}
+
+pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), Failure> {
+    let (scene, world) = World::load(&arguments.scene)?;
+    drop(scene);
+    let plan = Plan::new(&world);
+    let visibility = Visibility::new(&world, &plan);
+
+    let [width, height] = world.resolution();
+    writeln!(output, "{} is legal", arguments.scene.display())?;
+    writeln!(
+        output,
+        "\nimage      {width} × {height}, {}",
+        world.color_space().name()
+    )?;
+    print_objects(&world, output)?;
+    print_materials(&world, output)?;
+    print_lights(&world, output)?;
+    print_plan(&world, &plan, output)?;
+
+    let film = u64::from(width) * u64::from(height) * size_of::<[f32; 4]>() as u64;
+    let shapes = (world.triangles().memory() + visibility.memory()) as u64;
+    writeln!(
+        output,
+        "\nmemory     {} film, {} shapes and trees",
+        size(film),
+        size(shapes)
+    )?;
+    let shadow_rays = world.lights().len();
+    let pixels = u64::from(width) * u64::from(height);
+    writeln!(
+        output,
+        "rays       {pixels} camera rays a sample, and up to {shadow_rays} shadow rays for each",
+    )?;
+
+    let warnings = physics::warnings(&world);
+    if !warnings.is_empty() {
+        writeln!(output, "\nwarnings   {}", warnings.len())?;
+        for warning in warnings {
+            writeln!(output, "  {warning}")?;
+        }
+    }
+    Ok(())
+}
+
+/// More entries of a kind than this are counted, not listed.
+const LISTED: usize = 20;
+
+fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> {
+    let objects = world.objects();
+    let triangles = world.triangles().len();
+    writeln!(
+        output,
+        "\nobjects    {}, with {triangles} triangles",
+        objects.len()
+    )?;
+    for object in objects.iter().take(LISTED) {
+        let material = &world.materials()[object.material].name;
+        let shape = match object.shape {
+            Shape::Sphere(_) => "sphere".to_owned(),
+            Shape::Plane(_) => "plane".to_owned(),
+            Shape::Mesh(index) => {
+                let mesh = &world.triangles().meshes()[index];
+                let normals = if mesh.normals.is_some() {
+                    "smooth"
+                } else {
+                    "flat"
+                };
+                match mesh.triangles.len() {
+                    1 => "1 triangle".to_owned(),
+                    count => format!("{count} triangles, {normals}"),
+                }
+            }
+        };
+        writeln!(output, "  {:<20} {shape}, of {material}", object.name)?;
+    }
+    print_rest(objects.len(), output)
+}
+
+fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure> {
+    writeln!(output, "\nmaterials  {}", world.materials().len())?;
+    for material in world.materials().iter().take(LISTED) {
+        let model = match material.value.model() {
+            Model::Phong => "phong",
+            Model::NormalizedPhong => "normalized_phong",
+        };
+        let lobes = if material.value.is_specular() {
+            format!(
+                "diffuse and specular, shininess {}",
+                material.value.shininess()
+            )
+        } else {
+            "diffuse".to_owned()
+        };
+        let albedo = physics::albedo_at_normal_incidence(&material.value);
+        let albedo = albedo.map(|channel| format!("{channel:.3}")).join(" ");
+        writeln!(
+            output,
+            "  {:<20} {model}: {lobes}; reflects [{albedo}] of the light along its normal",
+            material.name,
+        )?;
+    }
+    print_rest(world.materials().len(), output)
+}
+
+fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
+    writeln!(output, "\nlights     {}", world.lights().len())?;
+    for light in world.lights().iter().take(LISTED) {
+        let [r, g, b] = light.value.intensity.0.0;
+        writeln!(output, "  {:<20} point, [{r} {g} {b}] cd", light.name)?;
+    }
+    print_rest(world.lights().len(), output)
+}
+
+fn print_rest(count: usize, output: &mut impl Write) -> Result<(), Failure> {
+    if count > LISTED {
+        writeln!(output, "  and {} more", count - LISTED)?;
+    }
+    Ok(())
+}
+
+fn print_plan(world: &World, plan: &Plan, output: &mut impl Write) -> Result<(), Failure> {
+    let (included, left_out): (Vec<_>, Vec<_>) = plan
+        .decisions(world)
+        .into_iter()
+        .partition(|decision| decision.included);
+    writeln!(output, "\nplan       computed")?;
+    for decision in included {
+        writeln!(output, "  {:<24} {}", decision.subject, decision.reason)?;
+    }
+    writeln!(output, "           left out")?;
+    for decision in left_out {
+        writeln!(output, "  {:<24} {}", decision.subject, decision.reason)?;
+    }
+    let trees = [plan.spheres(), plan.triangles()];
+    if !trees.contains(&Acceleration::Tree) {
+        writeln!(
+            output,
+            "  {:<24} so few shapes are faster one by one",
+            "acceleration tree"
+        )?;
+    }
+    Ok(())
+}
+
+/// Bytes in the unit that fits them (powers of 1000).
+fn size(bytes: u64) -> String {
+    const UNITS: [&str; 4] = ["B", "kB", "MB", "GB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    while value >= 1000.0 && unit + 1 < UNITS.len() {
+        value /= 1000.0;
+        unit += 1;
+    }
+    let decimals = usize::from(unit > 0);
+    format!("{value:.decimals$} {}", UNITS[unit])
+}

@@ -1,0 +1,365 @@
+//! `candela render`: a scene file becomes an EXR.
+
+use std::ffi::OsStr;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use candela::display;
+use candela::film::exr::{Compression, ExrOptions, Precision};
+use candela::film::{self, Counts, MAX_SAMPLES, Options, Window};
+use candela::output::{self, Unfinished};
+use candela::scene::Scene;
+use candela::visibility::Visibility;
+use candela::world::{Plan, World};
+use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+
+use super::Failure;
+
+/// A run that takes longer than this shows a progress bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Render a scene to a linear OpenEXR image in cd/m²
+///
+/// Each pixel is the sum over all lights of I/d² times the reflectance times the visibility, in
+/// linear RGB. 1.0 in the file is 1 cd/m². The image is the same to the bit for any number of
+/// threads.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = "\
+Examples:
+  candela render
+      Render the built-in scene to lecture.exr
+  candela render scene.toml -o out/scene.exr --samples 64
+      64 samples a pixel, for smooth edges
+  candela render scene.toml --preview scene.png
+      Also make a PNG, as `candela tonemap` would
+  candela render scene.toml --crop 600,300,700,400 --samples 256
+      Only a part, at its place in the whole image
+  candela render scene.toml --half --compression dwaa
+      A small file")]
+pub(crate) struct Arguments {
+    /// The scene file [default: the built-in lecture scene]
+    #[arg(value_name = "SCENE.toml")]
+    scene: Option<PathBuf>,
+
+    /// The EXR file [default: SCENE.exr in the current folder]
+    #[arg(short, long, value_name = "OUT.exr", value_parser = named("exr"))]
+    output: Option<PathBuf>,
+
+    /// Samples a pixel: 1 is its center, more are spread over it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    samples: u32,
+
+    /// Also make a PNG of the EXR, as `candela tonemap` does without options
+    #[arg(long, value_name = "OUT.png", value_parser = named("png"))]
+    preview: Option<PathBuf>,
+
+    /// Write 16-bit HALF channels; values beyond 65504 become that and are counted
+    #[arg(long)]
+    half: bool,
+
+    /// Render only columns X0 to X1 and rows Y0 to Y1, X1 and Y1 not included; (0, 0) is the top
+    /// left. The EXR keeps the place in the whole image
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
+    crop: Option<Crop>,
+
+    /// Threads to render with [default: one for each logical processor]
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Write counts and times as JSON
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+
+    /// Compression of the EXR; dwaa, dwab and, for 32-bit values, pxr24 lose precision
+    #[arg(long, value_name = "NAME", default_value = Compression::default().name())]
+    #[arg(value_parser = PossibleValuesParser::new(Compression::ALL.map(Compression::name))
+        .try_map(|name| name.parse::<Compression>()))]
+    compression: Compression,
+
+    /// Also write the `chromaticities` attribute, for software that does not know `colorInteropID`
+    #[arg(long)]
+    chromaticities: bool,
+
+    /// No progress bar and no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// `--crop`, whatever the image's size.
+#[derive(Clone, Copy, Debug)]
+struct Crop {
+    from: [u32; 2],
+    to: [u32; 2],
+}
+
+/// `--stats`
+#[derive(Serialize)]
+struct Statistics<'a> {
+    image: [u32; 2],
+    window: [u32; 4],
+    samples: u32,
+    threads: usize,
+    primary_rays: u64,
+    shadow_rays: u64,
+    /// Times that a light was on the very point to shade, d = 0, and added nothing.
+    singular_lights: u64,
+    /// Channels whose radiance does not fit their type: f32, and HALF with `--half`.
+    clamped: u64,
+    clamped_to_half: u64,
+    seconds: Seconds,
+    plan: &'a Plan,
+}
+
+#[derive(Default, Serialize)]
+struct Seconds {
+    load: f64,
+    build: f64,
+    render: f64,
+    write: f64,
+    total: f64,
+}
+
+pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.map_or(0, usize::from))
+        .build()?;
+    pool.install(|| render(arguments, unfinished))
+}
+
+fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
+    let output = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| default_output(arguments));
+    let mut seconds = Seconds::default();
+    let start = Instant::now();
+
+    let world = match &arguments.scene {
+        Some(path) => World::load(path)?.1,
+        None => World::new(&Scene::builtin())?,
+    };
+    let window = arguments
+        .crop
+        .map(|crop| crop.within(world.resolution()))
+        .transpose()?;
+    // Found out now rather than after an hour of rendering.
+    let targets = [
+        Some(&output),
+        arguments.preview.as_ref(),
+        arguments.stats.as_ref(),
+    ];
+    for target in targets.into_iter().flatten() {
+        output::check(target)?;
+    }
+    let plan = Plan::new(&world);
+    seconds.load = start.elapsed().as_secs_f64();
+
+    let (visibility, build) = timed(|| Visibility::new(&world, &plan));
+    seconds.build = build;
+
+    let options = Options {
+        samples: arguments.samples,
+        window,
+    };
+    let progress = Progress::new(
+        window.unwrap_or(Window::whole(world.resolution())),
+        arguments,
+    );
+    let ((film, counts), render) = timed(|| {
+        film::render_with(&world, &plan, &visibility, &options, &|pixels| {
+            progress.advance(pixels);
+        })
+    });
+    progress.finish();
+    seconds.render = render;
+
+    let exr_options = ExrOptions {
+        precision: if arguments.half {
+            Precision::Half
+        } else {
+            Precision::Float
+        },
+        compression: arguments.compression,
+        chromaticities: arguments.chromaticities,
+    };
+    let (report, write) = timed(|| film.write_exr(&output, &exr_options, unfinished));
+    let report = report?;
+    if let Some(preview) = &arguments.preview {
+        display::convert(&output, preview, &display::Settings::default(), unfinished)?;
+    }
+    seconds.write = write;
+    seconds.total = start.elapsed().as_secs_f64();
+
+    if !arguments.quiet {
+        summarize(
+            &output,
+            &world,
+            arguments,
+            &counts,
+            report.clamped_to_half,
+            &seconds,
+        );
+    }
+    if let Some(path) = &arguments.stats {
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = film.window();
+        let statistics = Statistics {
+            image: film.resolution(),
+            window: [x, y, x + width, y + height],
+            samples: arguments.samples,
+            threads: rayon::current_num_threads(),
+            primary_rays: counts.primary_rays,
+            shadow_rays: counts.shadow_rays,
+            singular_lights: counts.singular,
+            clamped: counts.clamped,
+            clamped_to_half: report.clamped_to_half,
+            seconds,
+            plan: &plan,
+        };
+        let json = serde_json::to_string_pretty(&statistics)?;
+        output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
+    }
+    Ok(())
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// SCENE.exr in the current folder.
+fn default_output(arguments: &Arguments) -> PathBuf {
+    let scene = arguments
+        .scene
+        .as_deref()
+        .unwrap_or(Path::new("lecture.toml"));
+    PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
+}
+
+/// What was written, and what a user should know about it.
+fn summarize(
+    output: &Path,
+    world: &World,
+    arguments: &Arguments,
+    counts: &Counts,
+    clamped_to_half: u64,
+    seconds: &Seconds,
+) {
+    let [width, height] = world.resolution();
+    let samples = match arguments.samples {
+        1 => "1 sample".to_owned(),
+        samples => format!("{samples} samples"),
+    };
+    eprintln!(
+        "{}: {width} × {height}, {samples} a pixel, rendered in {:.2} s",
+        output.display(),
+        seconds.render,
+    );
+    if counts.singular > 0 {
+        eprintln!(
+            "warning: {} times a light was on the very point to shade (d = 0) and added nothing",
+            counts.singular,
+        );
+    }
+    if counts.clamped > 0 {
+        eprintln!(
+            "warning: {} values are beyond the largest FLOAT, and became that",
+            counts.clamped
+        );
+    }
+    if clamped_to_half > 0 {
+        eprintln!("warning: {clamped_to_half} values are beyond the largest HALF, and became that");
+    }
+}
+
+/// A progress bar that shows itself only when it is worth it.
+struct Progress {
+    bar: ProgressBar,
+    start: Instant,
+    wanted: bool,
+}
+
+impl Progress {
+    fn new(window: Window, arguments: &Arguments) -> Self {
+        let pixels = u64::from(window.width) * u64::from(window.height);
+        let style = "{bar:40} {percent:>3} %, {eta} left";
+        let style = ProgressStyle::with_template(style).expect("the template is well-formed");
+        let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::hidden());
+        Self {
+            bar: bar.with_style(style),
+            start: Instant::now(),
+            wanted: !arguments.quiet && io::stderr().is_terminal(),
+        }
+    }
+
+    fn advance(&self, pixels: u64) {
+        self.bar.inc(pixels);
+        if self.wanted && self.bar.is_hidden() && self.start.elapsed() > PATIENCE {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+
+    fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Crop {
+    fn within(self, resolution: [u32; 2]) -> Result<Window, Failure> {
+        let Self { from, to } = self;
+        let [width, height] = resolution;
+        if to[0] > width || to[1] > height {
+            return Err(format!(
+                "--crop {},{},{},{} is not inside of the image, whose pixels are 0,0,{width},{height}",
+                from[0], from[1], to[0], to[1],
+            )
+            .into());
+        }
+        Ok(Window {
+            x: from[0],
+            y: from[1],
+            width: to[0] - from[0],
+            height: to[1] - from[1],
+        })
+    }
+}
+
+fn crop(text: &str) -> Result<Crop, String> {
+    let expected = || "expected X0,Y0,X1,Y1 in pixels, such as 0,0,640,360".to_owned();
+    let numbers: Result<Vec<u32>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let [x0, y0, x1, y1] = numbers.map_err(|_| expected())?[..] else {
+        return Err(expected());
+    };
+    if x0 >= x1 || y0 >= y1 {
+        return Err("there are no pixels in it: expected X0 < X1 and Y0 < Y1".to_owned());
+    }
+    Ok(Crop {
+        from: [x0, y0],
+        to: [x1, y1],
+    })
+}
+
+/// A path whose extension is `extension`, so that a file never belies its name.
+fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+    OsStringValueParser::new().try_map(move |path| {
+        let path = PathBuf::from(path);
+        match path.extension() {
+            Some(found) if !found.eq_ignore_ascii_case(extension) => Err(format!(
+                "this option writes {}; name the file {}",
+                extension.to_uppercase(),
+                path.with_extension(extension).display(),
+            )),
+            Some(_) | None => Ok(path),
+        }
+    })
+}
