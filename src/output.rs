@@ -70,6 +70,17 @@ pub enum OutputProblem {
 /// Clones share one list, so that a signal handler can hold one of them. Creation, renaming and
 /// cancellation exclude each other: after [`Unfinished::cancel`] no temporary file is left and no
 /// target changes any more.
+///
+/// ```no_run
+/// # use candela::output::Unfinished;
+/// let unfinished = Unfinished::new();
+/// let handler = unfinished.clone();
+/// ctrlc::set_handler(move || {
+///     handler.cancel();
+///     std::process::exit(130);
+/// })?;
+/// # Ok::<(), ctrlc::Error>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Unfinished {
     shared: Arc<Mutex<State>>,
@@ -139,6 +150,7 @@ pub fn write<T>(
             path: target,
             existing,
         }) => write_file(&target, existing, unfinished, content),
+        Ok(Target::Stream) if unfinished.is_canceled() => Err(OutputProblem::Canceled),
         Ok(Target::Stream) => write_stream(path, content).map_err(classified),
         Err(problem) => Err(problem),
     };

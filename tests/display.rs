@@ -155,6 +155,21 @@ fn foreign_files_are_shown_right() {
 }
 
 #[test]
+fn integers_are_the_numbers_that_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    oiiotool(
+        folder.path(),
+        "--pattern constant:color=0,1,0.001 8x8 3 -d uint32 -o a.exr",
+    );
+    assert!(oiiotool(folder.path(), "--info a.exr").contains("uint openexr"));
+    // 0 and two numbers far beyond the screen's white.
+    assert_eq!(
+        shown(folder.path(), "a.exr", &Settings::default()).pixel(7, 7),
+        [0, 255, 255]
+    );
+}
+
+#[test]
 fn the_first_part_with_rgb_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     oiiotool(

@@ -1,5 +1,7 @@
 //! One binary for all integration tests.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 mod bad_scenes;
 mod display;
 mod exr;

@@ -1,7 +1,7 @@
 //! Reads R, G, B and A of an OpenEXR file, ours or anyone's.
 //!
 //! The first part that has channels `R`, `G` and `B` counts: scan lines or tiles, half, float or
-//! unsigned int, any compression that the `exr` crate decodes, of a multi-resolution image the
+//! unsigned int (as the number that it is), any compression that the `exr` crate decodes, of a multi-resolution image the
 //! largest level. Only what the display window shows is decoded. The file is not trusted: what its
 //! header claims is held against the file's length before memory is asked for.
 
