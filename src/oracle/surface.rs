@@ -26,6 +26,7 @@ pub(super) enum Shape {
         normal: Vector,
     },
     Triangle {
+        /// In an order of their own: see [`Shape::triangle`].
         vertices: [Vector; 3],
         /// The geometric normal, of unit length.
         normal: Vector,
@@ -104,7 +105,27 @@ impl Surface {
 
 impl Shape {
     /// A triangle, or `None` where its edges span no area.
-    fn triangle(vertices: [Vector; 3], vertex_normals: Option<[Vector; 3]>) -> Option<Self> {
+    ///
+    /// Its first corner becomes the one opposite to the longest edge: the cross product of the two
+    /// shorter edges has the smallest rounding error, and so has a distance measured from there.
+    fn triangle(
+        mut vertices: [Vector; 3],
+        mut vertex_normals: Option<[Vector; 3]>,
+    ) -> Option<Self> {
+        let [a, b, c] = vertices;
+        let [opposite_a, opposite_b, opposite_c] =
+            [subtract(c, b), subtract(a, c), subtract(b, a)].map(length);
+        let first = if opposite_a >= opposite_b && opposite_a >= opposite_c {
+            0
+        } else if opposite_b >= opposite_c {
+            1
+        } else {
+            2
+        };
+        vertices.rotate_left(first);
+        if let Some(normals) = &mut vertex_normals {
+            normals.rotate_left(first);
+        }
         let [a, b, c] = vertices;
         Some(Self::Triangle {
             vertices,
@@ -113,12 +134,15 @@ impl Shape {
         })
     }
 
-    /// The largest coordinates that go into a hit with it, as a length.
+    /// |a|: the size of the coordinates from which a hit with it is computed.
     pub(super) fn magnitude(&self) -> f64 {
         match self {
             Self::Sphere { center, radius } => length(*center) + radius,
-            Self::Plane { point, .. } => length(*point),
-            Self::Triangle { vertices, .. } => vertices.map(length).into_iter().fold(0.0, f64::max),
+            Self::Plane { point, .. }
+            | Self::Triangle {
+                vertices: [point, ..],
+                ..
+            } => length(*point),
         }
     }
 }

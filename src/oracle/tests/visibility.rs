@@ -235,6 +235,26 @@ fn no_acne_at_the_edges_of_a_convex_mesh() {
 }
 
 #[test]
+fn no_acne_at_the_edge_of_a_huge_triangle() {
+    // A ridge: what rounding makes of the huge side's points must not hide them below the other.
+    let (start, end) = ([-1.1, 0.3, 0.2], [1.3, 0.2, -0.1]);
+    let ridge = MeshFile {
+        positions: vec![[2e6, -3e6, 7e6], start, end, [0.3, -0.7, -1.0]],
+        triangles: vec![[0, 1, 2], [3, 2, 1]],
+        ..MeshFile::default()
+    };
+    let ridge = Arc::new(ridge);
+    for i in 0..200 {
+        let along = f64::from(i) / 200.0;
+        let at = add(start, scale(subtract(end, start), along));
+        let scene = Builder::looking([0.3, 4.0, 0.5], at)
+            .mesh(&ridge, AS_IS)
+            .light([0.2, 3.0, 0.3], 1.0);
+        assert_eq!(outcome(&scene), Outcome::Lit, "{at:?}");
+    }
+}
+
+#[test]
 fn a_light_on_a_surface() {
     // On the floor: no light for the floor, but for the ball that stands on it.
     let camera = perspective([0.0, 2.0, 6.0], [0.0, 0.5, 0.0], 25.0);
