@@ -500,6 +500,32 @@ mod tests {
         checked(&reversed);
     }
 
+    /// Random holes below the top edge, each joined to it by a slit of its own.
+    #[test]
+    fn many_holes_joined_by_slits() {
+        let mut state = 11;
+        for holes in 1..40 {
+            let mut outline = vec![[0.0, 0.0], [f64::from(holes), 0.0], [f64::from(holes), 1.0]];
+            for hole in (0..holes).rev() {
+                let [x, y] = [f64::from(hole) + 0.5, 0.3 + 0.4 * random(&mut state)];
+                let corners = 3 + (random(&mut state) * 6.0) as u32;
+                let radius = 0.1 + 0.15 * random(&mut state);
+                outline.push([x, 1.0]);
+                // Clockwise from the top of the hole, around to it again.
+                outline.extend((0..=corners).map(|corner| {
+                    let turn = f64::from(corner % corners) / f64::from(corners);
+                    let angle = turn * std::f64::consts::TAU;
+                    [x + radius * angle.sin(), y + radius * angle.cos()]
+                }));
+                outline.push([x, 1.0]);
+            }
+            outline.push([0.0, 1.0]);
+            checked(&outline);
+            outline.reverse();
+            checked(&outline);
+        }
+    }
+
     #[test]
     fn any_plane_and_any_size() {
         // The letter L, 5 units of area, in planes through (1, 2, 3).
