@@ -1,5 +1,7 @@
 //! candela: a renderer for direct light.
 
+#![forbid(unsafe_code)]
+
 pub mod color;
 pub mod display;
 pub mod film;

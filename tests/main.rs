@@ -2,7 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod allocation;
 mod bad_scenes;
 mod display;
 mod exr;
+mod fuzz_mesh;
+mod fuzzing;
 mod openimageio;

@@ -1,0 +1,428 @@
+//! The body of a binary PLY file.
+
+use super::super::error::{Fault, MeshError, Position};
+use super::super::surface::{Surface, corner_count};
+use super::{Body, Element, Endian, Kind, Property, Scalar, VertexLayout, VertexRecord, Vertices};
+use super::{LEAST_CORNERS, UNUSED, checked_index, list_length};
+
+/// The bytes that are left.
+#[derive(Clone, Debug)]
+pub(super) struct Bytes<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    endian: Endian,
+}
+
+/// A list as its bytes.
+struct List<'a> {
+    length: i64,
+    /// Where its length stands.
+    start: usize,
+    item: Scalar,
+    /// Empty where the length is negative.
+    items: &'a [u8],
+}
+
+impl<'a> Bytes<'a> {
+    /// The bytes from `start` on.
+    pub(super) const fn new(bytes: &'a [u8], start: usize, endian: Endian) -> Self {
+        Self {
+            bytes,
+            position: start,
+            endian,
+        }
+    }
+
+    fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.position..]
+    }
+
+    #[inline]
+    fn take(&mut self, length: usize, expected: &'static str) -> Result<&'a [u8], Box<Fault>> {
+        let Some(taken) = self.rest().get(..length) else {
+            return Err(Box::new(Fault::FileEnds { expected }));
+        };
+        self.position += length;
+        Ok(taken)
+    }
+
+    #[inline]
+    fn list(&mut self, length: Scalar, item: Scalar) -> Result<List<'a>, Box<Fault>> {
+        let start = self.position;
+        let length = length.integer(
+            self.take(length.size(), "the length of a list")?,
+            self.endian,
+        );
+        let bytes = usize::try_from(length)
+            .unwrap_or(0)
+            .saturating_mul(item.size());
+        Ok(List {
+            length,
+            start,
+            item,
+            items: self.take(bytes, "the items of a list")?,
+        })
+    }
+
+    fn skip_property(&mut self, kind: Kind) -> Result<(), Box<Fault>> {
+        match kind {
+            Kind::Scalar(scalar) => self.take(scalar.size(), "a value")?,
+            Kind::List { length, item } => {
+                let list = self.list(length, item)?;
+                list_length(list.length).inspect_err(|_| self.position = list.start)?;
+                list.items
+            }
+        };
+        Ok(())
+    }
+
+    /// Calls `one` at each of the elements, one after the other.
+    fn each(
+        &mut self,
+        element: &Element<'_>,
+        mut one: impl FnMut(&mut Self) -> Result<(), Box<Fault>>,
+    ) -> Result<(), MeshError> {
+        if element.properties.is_empty() {
+            return Ok(());
+        }
+        for index in 0..element.count {
+            one(self).map_err(|fault| self.error(*fault, element, index))?;
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn error(&self, fault: Fault, element: &Element<'_>, index: u64) -> MeshError {
+        fault.at(Position::Byte(self.position), element.place(index))
+    }
+
+    /// How many of the elements can be there at most.
+    fn at_most(&self, element: &Element<'_>) -> usize {
+        element.at_most(self.rest().len(), element.least_size())
+    }
+
+    /// The records of an element without lists that are there whole, and the end of file that
+    /// cuts the rest off, if any are missing.
+    fn records(
+        &mut self,
+        element: &Element<'_>,
+        stride: usize,
+    ) -> (&'a [u8], Result<(), MeshError>) {
+        let complete = self.at_most(element);
+        let records = &self.rest()[..complete * stride];
+        self.position += records.len();
+        let missing = if (complete as u64) < element.count {
+            let fault = Fault::FileEnds {
+                expected: "the values of all elements that the header counts",
+            };
+            Err(self.error(fault, element, complete as u64))
+        } else {
+            Ok(())
+        };
+        (records, missing)
+    }
+
+    /// Vertices of a fixed size, `fields` being where their values are in it.
+    fn fixed_vertices(
+        &mut self,
+        element: &Element<'_>,
+        stride: usize,
+        fields: &VertexFields,
+        mesh: &mut Vertices,
+    ) -> Result<(), MeshError> {
+        let start = self.position;
+        let (records, missing) = self.records(element, stride);
+        let endian = self.endian;
+        let read = |place: usize| {
+            let Field { offset, scalar } = fields.0[place];
+            move |record: &[u8]| scalar.float(&record[offset..offset + scalar.size()], endian)
+        };
+        let single = |place: usize| {
+            let offset = fields.0[place].offset;
+            move |record: &[u8]| f64::from(f32::from_le_bytes(fixed(&record[offset..offset + 4])))
+        };
+        let all_single = (fields.0.iter()).all(|field| field.scalar == Scalar::F32);
+        let pushed = match (all_single && endian == Endian::Little, fields.0.len()) {
+            (true, 3) => push_all(records, stride, mesh, &[0, 1, 2].map(single)),
+            (true, _) => push_all(records, stride, mesh, &[0, 1, 2, 3, 4, 5].map(single)),
+            (false, 3) => push_all(records, stride, mesh, &[0, 1, 2].map(read)),
+            (false, _) => push_all(records, stride, mesh, &[0, 1, 2, 3, 4, 5].map(read)),
+        };
+        if let Err((fault, index)) = pushed {
+            self.position = start + index * stride;
+            return Err(self.error(*fault, element, index as u64));
+        }
+        missing
+    }
+
+    /// Faces whose only property is a list of 32-bit indices with an 8-bit length, little
+    /// endian, as nearly all files have them: reads triangles up to the first other face or the
+    /// first fault; how many.
+    fn usual_triangles(&mut self, count: usize, surface: &mut Surface) -> usize {
+        /// The length and three indices.
+        const TRIANGLE: usize = 13;
+        let vertices = surface.positions.len();
+        let room = surface.triangles.capacity() - surface.triangles.len();
+        let mut read = 0;
+        for record in self.rest().chunks_exact(TRIANGLE).take(count.min(room)) {
+            let index = |i: usize| u32::from_le_bytes(fixed(&record[1 + 4 * i..5 + 4 * i]));
+            let corners = [index(0), index(1), index(2)];
+            if record[0] != 3 || corners.iter().any(|&corner| corner as usize >= vertices) {
+                break;
+            }
+            surface.triangles.push(corners);
+            read += 1;
+        }
+        self.position += read * TRIANGLE;
+        read
+    }
+}
+
+/// Where a value is in a record of fixed size.
+#[derive(Clone, Copy, Debug)]
+struct Field {
+    offset: usize,
+    scalar: Scalar,
+}
+
+/// Where x, y, z and, if the vertices have normals, nx, ny, nz are.
+#[derive(Debug)]
+struct VertexFields(Vec<Field>);
+
+impl VertexFields {
+    fn new(element: &Element<'_>, layout: &VertexLayout) -> Self {
+        let count = if layout.has_normals { 6 } else { 3 };
+        let mut fields = vec![
+            Field {
+                offset: 0,
+                scalar: Scalar::F32
+            };
+            count
+        ];
+        let mut offset = 0;
+        for (property, &place) in element.properties.iter().zip(&layout.places) {
+            if let (Kind::Scalar(scalar), Some(field)) = (property.kind, fields.get_mut(place)) {
+                *field = Field { offset, scalar };
+            }
+            offset += property.least_size();
+        }
+        Self(fields)
+    }
+}
+
+/// Reads vertices of three or six `fields`; for a fault, the number of its vertex.
+fn push_all<const N: usize>(
+    records: &[u8],
+    stride: usize,
+    mesh: &mut Vertices,
+    fields: &[impl Fn(&[u8]) -> f64; N],
+) -> Result<(), (Box<Fault>, usize)> {
+    let mut vertex: VertexRecord = [0.0; UNUSED + 1];
+    for (index, record) in records.chunks_exact(stride).enumerate() {
+        for (value, field) in vertex.iter_mut().zip(fields) {
+            *value = field(record);
+        }
+        mesh.push(&vertex, N > 3).map_err(|fault| (fault, index))?;
+    }
+    Ok(())
+}
+
+impl Body for Bytes<'_> {
+    fn vertices(
+        &mut self,
+        element: &Element<'_>,
+        layout: &VertexLayout,
+        mesh: &mut Vertices,
+    ) -> Result<(), MeshError> {
+        mesh.make_room(self.at_most(element), layout.has_normals)
+            .map_err(|fault| fault.at_line(element.line))?;
+        if let Some(stride) = element.stride() {
+            let fields = VertexFields::new(element, layout);
+            return self.fixed_vertices(element, stride, &fields, mesh);
+        }
+        let mut vertex: VertexRecord = [0.0; UNUSED + 1];
+        self.each(element, |bytes| {
+            let start = bytes.position;
+            for (property, &place) in element.properties.iter().zip(&layout.places) {
+                match property.kind {
+                    Kind::Scalar(scalar) => {
+                        let value = bytes.take(scalar.size(), "a value")?;
+                        vertex[place] = scalar.float(value, bytes.endian);
+                    }
+                    list @ Kind::List { .. } => bytes.skip_property(list)?,
+                }
+            }
+            mesh.push(&vertex, layout.has_normals)
+                .inspect_err(|_| bytes.position = start)
+        })
+    }
+
+    fn faces(
+        &mut self,
+        element: &Element<'_>,
+        indices: usize,
+        surface: &mut Surface,
+    ) -> Result<(), MeshError> {
+        let least = element.least_size()
+            + match element.properties[indices].kind {
+                Kind::List { item, .. } => LEAST_CORNERS * item.size(),
+                Kind::Scalar(_) => 0,
+            };
+        surface
+            .room_for_triangles(element.at_most(self.rest().len(), least))
+            .map_err(|fault| fault.at_line(element.line))?;
+        let vertices = surface.positions.len();
+        let usual = self.endian == Endian::Little
+            // Past 2³¹, a negative index could pass for a large one.
+            && vertices <= i32::MAX as usize
+            && matches!(
+                element.properties[..],
+                [Property {
+                    kind: Kind::List {
+                        length: Scalar::U8 | Scalar::I8,
+                        item: Scalar::I32 | Scalar::U32,
+                    },
+                    ..
+                }]
+            );
+        let mut corners = Vec::new();
+        let mut index = 0;
+        while index < element.count {
+            if usual {
+                let left = usize::try_from(element.count - index).unwrap_or(usize::MAX);
+                index += self.usual_triangles(left, surface) as u64;
+                if index == element.count {
+                    break;
+                }
+            }
+            self.face(element, indices, vertices, &mut corners)
+                .and_then(|start| {
+                    (surface.face(&corners, |_, _| Ok(()))).inspect_err(|_| self.position = start)
+                })
+                .map_err(|fault| self.error(*fault, element, index))?;
+            index += 1;
+        }
+        Ok(())
+    }
+
+    fn skip(&mut self, element: &Element<'_>) -> Result<(), MeshError> {
+        match element.stride() {
+            Some(0) => Ok(()),
+            Some(stride) => self.records(element, stride).1,
+            None => self.each(element, |bytes| {
+                (element.properties.iter())
+                    .try_for_each(|property| bytes.skip_property(property.kind))
+            }),
+        }
+    }
+
+    fn finish(&mut self) -> Result<(), MeshError> {
+        let rest = self.rest();
+        if rest.iter().all(u8::is_ascii_whitespace) {
+            return Ok(());
+        }
+        let fault = Fault::unexpected(
+            rest,
+            "the end of the file, after all elements that the header counts",
+        );
+        Err(fault.at(Position::Byte(self.position), None))
+    }
+}
+
+impl Bytes<'_> {
+    /// Reads a face's corners; where it starts.
+    fn face(
+        &mut self,
+        element: &Element<'_>,
+        indices: usize,
+        vertices: usize,
+        corners: &mut Vec<u32>,
+    ) -> Result<usize, Box<Fault>> {
+        let start = self.position;
+        for (number, property) in element.properties.iter().enumerate() {
+            let (Kind::List { length, item }, true) = (property.kind, number == indices) else {
+                self.skip_property(property.kind)?;
+                continue;
+            };
+            let list = self.list(length, item)?;
+            corner_count(list.length).inspect_err(|_| self.position = list.start)?;
+            corners.clear();
+            for (i, index) in list.items.chunks_exact(list.item.size()).enumerate() {
+                let vertex = checked_index(list.item.integer(index, self.endian), vertices)
+                    .inspect_err(|_| {
+                        self.position = list.start + length.size() + i * item.size();
+                    })?;
+                corners.push(vertex);
+            }
+        }
+        Ok(start)
+    }
+}
+
+/// The bytes of a value of fixed size.
+#[inline]
+fn fixed<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    bytes.try_into().expect("a value has the size of its type")
+}
+
+impl Scalar {
+    /// The value of an integer type; a floating-point one is cut to an integer.
+    #[inline]
+    fn integer(self, bytes: &[u8], endian: Endian) -> i64 {
+        match (self, endian) {
+            (Self::I8, _) => i64::from(i8::from_le_bytes(fixed(bytes))),
+            (Self::U8, _) => i64::from(u8::from_le_bytes(fixed(bytes))),
+            (Self::I16, Endian::Little) => i64::from(i16::from_le_bytes(fixed(bytes))),
+            (Self::I16, Endian::Big) => i64::from(i16::from_be_bytes(fixed(bytes))),
+            (Self::U16, Endian::Little) => i64::from(u16::from_le_bytes(fixed(bytes))),
+            (Self::U16, Endian::Big) => i64::from(u16::from_be_bytes(fixed(bytes))),
+            (Self::I32, Endian::Little) => i64::from(i32::from_le_bytes(fixed(bytes))),
+            (Self::I32, Endian::Big) => i64::from(i32::from_be_bytes(fixed(bytes))),
+            (Self::U32, Endian::Little) => i64::from(u32::from_le_bytes(fixed(bytes))),
+            (Self::U32, Endian::Big) => i64::from(u32::from_be_bytes(fixed(bytes))),
+            (Self::F32 | Self::F64, _) => self.float(bytes, endian) as i64,
+        }
+    }
+
+    /// The value, exactly.
+    #[inline]
+    fn float(self, bytes: &[u8], endian: Endian) -> f64 {
+        match (self, endian) {
+            (Self::F32, Endian::Little) => f64::from(f32::from_le_bytes(fixed(bytes))),
+            (Self::F32, Endian::Big) => f64::from(f32::from_be_bytes(fixed(bytes))),
+            (Self::F64, Endian::Little) => f64::from_le_bytes(fixed(bytes)),
+            (Self::F64, Endian::Big) => f64::from_be_bytes(fixed(bytes)),
+            // At most 32 bits, which f64 holds.
+            (Self::I8 | Self::U8 | Self::I16 | Self::U16 | Self::I32 | Self::U32, _) => {
+                self.integer(bytes, endian) as f64
+            }
+        }
+    }
+}
+
+impl Property<'_> {
+    /// The fewest bytes that it takes: of a list, its length.
+    fn least_size(&self) -> usize {
+        match self.kind {
+            Kind::Scalar(scalar) => scalar.size(),
+            Kind::List { length, .. } => length.size(),
+        }
+    }
+}
+
+impl Element<'_> {
+    /// The fewest bytes that one of these takes.
+    fn least_size(&self) -> usize {
+        self.properties.iter().map(Property::least_size).sum()
+    }
+
+    /// The size of one of these in bytes, where all have the same.
+    fn stride(&self) -> Option<usize> {
+        (self.properties.iter())
+            .map(|property| match property.kind {
+                Kind::Scalar(scalar) => Some(scalar.size()),
+                Kind::List { .. } => None,
+            })
+            .sum()
+    }
+}

@@ -1,0 +1,482 @@
+//! Lines and numbers of text, scanned byte by byte.
+//!
+//! Line numbers are counted when there is an error to report, not before.
+
+use super::error::Fault;
+
+/// 10⁰ to 10²²: the powers of ten that f64 holds exactly.
+const POWERS_OF_TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// The largest integer up to which f64 holds every integer.
+const EXACT_INTEGER: u64 = 1 << f64::MANTISSA_DIGITS;
+
+/// The most decimal digits that always fit in u64.
+const U64_DIGITS: usize = 19;
+
+/// A position in the bytes of a text, with the rules of its format.
+#[derive(Clone, Debug)]
+pub(super) struct Scanner<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    dialect: Dialect,
+}
+
+/// What differs between the text formats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dialect {
+    /// Nothing but values on a line.
+    Ply,
+    /// `#` starts a comment, `\` at the end of a line joins the next one to it.
+    Obj,
+}
+
+impl<'a> Scanner<'a> {
+    /// The text from byte `position` on.
+    pub(super) const fn new(bytes: &'a [u8], position: usize, dialect: Dialect) -> Self {
+        Self {
+            bytes,
+            position,
+            dialect,
+        }
+    }
+
+    /// The byte that is next.
+    pub(super) const fn position(&self) -> usize {
+        self.position
+    }
+
+    /// The bytes that are left.
+    pub(super) fn rest(&self) -> &'a [u8] {
+        &self.bytes[self.position..]
+    }
+
+    /// The line of the byte that is next, the first one 1.
+    pub(super) fn line(&self) -> usize {
+        let before = &self.bytes[..self.position];
+        1 + before.iter().filter(|&&byte| byte == b'\n').count()
+    }
+
+    #[inline]
+    fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.position).copied()
+    }
+
+    /// Goes to the next byte that is not blank, on this line.
+    #[inline]
+    pub(super) fn skip_blanks(&mut self) {
+        loop {
+            match self.peek() {
+                Some(b' ' | b'\t' | b'\r' | b'\x0c') => self.position += 1,
+                Some(b'\\') if self.dialect == Dialect::Obj => {
+                    let after = &self.bytes[self.position + 1..];
+                    if after.starts_with(b"\n") {
+                        self.position += 2;
+                    } else if after.starts_with(b"\r\n") {
+                        self.position += 3;
+                    } else {
+                        return;
+                    }
+                }
+                _ => return,
+            }
+        }
+    }
+
+    /// Goes to the first line from here that is not empty; whether there is one.
+    pub(super) fn skip_empty_lines(&mut self) -> bool {
+        loop {
+            self.skip_blanks();
+            match self.peek() {
+                Some(b'\n') => self.position += 1,
+                Some(_) => return true,
+                None => return false,
+            }
+        }
+    }
+
+    /// Whether nothing more stands on this line but a comment.
+    #[inline]
+    pub(super) fn at_line_end(&mut self) -> bool {
+        self.skip_blanks();
+        match self.peek() {
+            None | Some(b'\n') => true,
+            Some(b'#') => self.dialect == Dialect::Obj,
+            Some(_) => false,
+        }
+    }
+
+    /// Goes to the next line, where nothing more stands on this one.
+    #[inline]
+    pub(super) fn end_line(&mut self, expected: &'static str) -> Result<(), Box<Fault>> {
+        if !self.at_line_end() {
+            return Err(Fault::unexpected(self.token(), expected));
+        }
+        if self.peek() == Some(b'\n') {
+            self.position += 1;
+        } else {
+            self.skip_line();
+        }
+        Ok(())
+    }
+
+    /// Goes to the next line, whatever stands on this one; what stood on it.
+    pub(super) fn skip_line(&mut self) -> &'a [u8] {
+        let rest = self.rest();
+        let length = rest.iter().position(|&byte| byte == b'\n');
+        self.position += length.map_or(rest.len(), |length| length + 1);
+        &rest[..length.unwrap_or(rest.len())]
+    }
+
+    /// Goes past this line and those that `\` joins to it.
+    pub(super) fn skip_joined_lines(&mut self) {
+        while self.skip_line().trim_ascii_end().ends_with(b"\\") {}
+    }
+
+    /// The bytes up to the next blank or line end.
+    pub(super) fn token(&self) -> &'a [u8] {
+        let rest = self.rest();
+        let length = rest
+            .iter()
+            .position(u8::is_ascii_whitespace)
+            .unwrap_or(rest.len());
+        &rest[..length]
+    }
+
+    /// Goes past the next word on this line; the word.
+    pub(super) fn word(&mut self) -> &'a [u8] {
+        self.skip_blanks();
+        let word = self.token();
+        self.position += word.len();
+        word
+    }
+
+    /// Whether `byte` is next; goes past it if so.
+    #[inline]
+    pub(super) fn accept(&mut self, byte: u8) -> bool {
+        let next = self.peek() == Some(byte);
+        self.position += usize::from(next);
+        next
+    }
+
+    /// The next number on this line, as the f64 nearest to its decimal text.
+    #[inline]
+    pub(super) fn float(&mut self, expected: &'static str) -> Result<f64, Box<Fault>> {
+        self.skip_blanks();
+        let (value, length) = match scan_float(self.rest()) {
+            Some(scanned) => scanned,
+            None => self.slow_float(expected)?,
+        };
+        self.position += length;
+        Ok(value)
+    }
+
+    /// Numbers that take more than one exact operation, and what is no number at all.
+    #[cold]
+    fn slow_float(&self, expected: &'static str) -> Result<(f64, usize), Box<Fault>> {
+        let token = self.token();
+        let token = token.strip_suffix(b"\\").unwrap_or(token);
+        if token.is_empty() {
+            return Err(self.nothing(expected));
+        }
+        std::str::from_utf8(token)
+            .ok()
+            .and_then(|text| text.parse().ok())
+            .map(|value| (value, token.len()))
+            .ok_or_else(|| Fault::unexpected(token, expected))
+    }
+
+    /// The next integer on this line; what follows it directly is not looked at.
+    #[inline]
+    pub(super) fn integer_prefix(&mut self, expected: &'static str) -> Result<i64, Box<Fault>> {
+        /// Digits that fit in i64 in any case.
+        const MOST_DIGITS: usize = 18;
+        self.skip_blanks();
+        let rest = self.rest();
+        let negative = rest.first() == Some(&b'-');
+        let sign = usize::from(negative || rest.first() == Some(&b'+'));
+        let mut value = 0_i64;
+        let mut length = sign;
+        while let Some(digit) = rest.get(length).and_then(|&byte| decimal_digit(byte)) {
+            if length - sign == MOST_DIGITS {
+                return Err(Fault::unexpected(self.token(), expected));
+            }
+            value = value * 10 + i64::from(digit);
+            length += 1;
+        }
+        if length == sign {
+            return Err(match self.token() {
+                [] => self.nothing(expected),
+                token => Fault::unexpected(token, expected),
+            });
+        }
+        self.position += length;
+        Ok(if negative { -value } else { value })
+    }
+
+    /// The next integer on this line, with a blank or the line's end after it.
+    #[inline]
+    pub(super) fn integer(&mut self, expected: &'static str) -> Result<i64, Box<Fault>> {
+        self.skip_blanks();
+        let start = self.position;
+        let value = self.integer_prefix(expected)?;
+        if self.peek().is_none_or(|byte| byte.is_ascii_whitespace()) {
+            return Ok(value);
+        }
+        self.position = start;
+        Err(Fault::unexpected(self.token(), expected))
+    }
+
+    /// The integer that starts at the next byte, with no blank before it.
+    #[inline]
+    pub(super) fn directly_integer(&mut self, expected: &'static str) -> Result<i64, Box<Fault>> {
+        match self.peek() {
+            Some(b'-' | b'+' | b'0'..=b'9') => self.integer_prefix(expected),
+            _ => Err(match self.token() {
+                [] => self.nothing(expected),
+                token => Fault::unexpected(token, expected),
+            }),
+        }
+    }
+
+    /// Nothing but a blank, a line end or a line joined by `\` may follow.
+    #[inline]
+    pub(super) fn end_word(&self, expected: &'static str) -> Result<(), Box<Fault>> {
+        match self.peek() {
+            None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\x0c' | b'\\') => Ok(()),
+            Some(_) => Err(Fault::unexpected(self.token(), expected)),
+        }
+    }
+
+    /// The fault of a value that is not there.
+    #[cold]
+    fn nothing(&self, expected: &'static str) -> Box<Fault> {
+        Box::new(if self.peek().is_none() {
+            Fault::FileEnds { expected }
+        } else {
+            Fault::LineEnds { expected }
+        })
+    }
+}
+
+#[inline]
+const fn decimal_digit(byte: u8) -> Option<u8> {
+    let digit = byte.wrapping_sub(b'0');
+    if digit < 10 { Some(digit) } else { None }
+}
+
+/// The number that `bytes` starts with and its length, where it takes one exactly rounded
+/// operation: a mantissa up to 2⁵³ times or over a power of ten up to 10²² (Clinger, "How to
+/// read floating point numbers accurately", 1990). `None` for all others, and where something
+/// else than a blank, a line end or `\` follows.
+#[inline]
+fn scan_float(bytes: &[u8]) -> Option<(f64, usize)> {
+    let negative = bytes.first() == Some(&b'-');
+    let mut length = usize::from(negative || bytes.first() == Some(&b'+'));
+    let mut mantissa = 0_u64;
+    let mut digits = 0;
+    // Wraps only past U64_DIGITS, where the result is not used.
+    while let Some(digit) = bytes.get(length).and_then(|&byte| decimal_digit(byte)) {
+        mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        digits += 1;
+        length += 1;
+    }
+    let mut exponent = 0_i32;
+    if bytes.get(length) == Some(&b'.') {
+        length += 1;
+        let integer_digits = digits;
+        while let Some(digit) = bytes.get(length).and_then(|&byte| decimal_digit(byte)) {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            digits += 1;
+            length += 1;
+        }
+        if digits > U64_DIGITS {
+            return None;
+        }
+        exponent = integer_digits as i32 - digits as i32;
+    }
+    if digits == 0 || digits > U64_DIGITS || mantissa > EXACT_INTEGER {
+        return None;
+    }
+    if let Some(b'e' | b'E') = bytes.get(length) {
+        let (written, after) = scan_exponent(bytes, length + 1)?;
+        exponent += written;
+        length = after;
+    }
+    match bytes.get(length) {
+        None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'\x0c') => {}
+        Some(_) => return None,
+    }
+    let power = *POWERS_OF_TEN.get(exponent.unsigned_abs() as usize)?;
+    let magnitude = if exponent < 0 {
+        mantissa as f64 / power
+    } else {
+        mantissa as f64 * power
+    };
+    Some((if negative { -magnitude } else { magnitude }, length))
+}
+
+/// The exponent of at most three digits that starts at `bytes[length]`, and the end of it.
+fn scan_exponent(bytes: &[u8], mut length: usize) -> Option<(i32, usize)> {
+    const MOST_DIGITS: usize = 3;
+    let negative = bytes.get(length) == Some(&b'-');
+    length += usize::from(negative || bytes.get(length) == Some(&b'+'));
+    let start = length;
+    let mut value = 0;
+    while let Some(digit) = bytes.get(length).and_then(|&byte| decimal_digit(byte)) {
+        if length - start == MOST_DIGITS {
+            return None;
+        }
+        value = value * 10 + i32::from(digit);
+        length += 1;
+    }
+    (length > start).then_some((if negative { -value } else { value }, length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn float(text: &str) -> Result<f64, Box<Fault>> {
+        Scanner::new(text.as_bytes(), 0, Dialect::Ply).float("a number")
+    }
+
+    /// A small generator with a full period, so that the tests are the same everywhere.
+    fn splitmix64(state: &mut u64) -> u64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// The standard library rounds exactly; so must every text here.
+    #[track_caller]
+    fn same_as_std(text: &str) {
+        let expected: f64 = text.parse().unwrap();
+        let scanned = float(text).unwrap();
+        assert_eq!(scanned.to_bits(), expected.to_bits(), "{text}");
+    }
+
+    #[test]
+    fn floats_are_the_nearest_f64_of_their_text() {
+        let mut state = 1;
+        for _ in 0..100_000 {
+            let bits = splitmix64(&mut state);
+            let any = f64::from_bits(bits);
+            if any.is_finite() {
+                same_as_std(&format!("{any}"));
+                same_as_std(&format!("{any:e}"));
+            }
+            let single = f32::from_bits(bits as u32);
+            if single.is_finite() {
+                same_as_std(&format!("{single:e}"));
+            }
+            // As modeling programs write: a few digits before and after the point.
+            let decimals = (bits % 12) as usize;
+            let usual = (splitmix64(&mut state) as i64 as f64) / 2_f64.powi(50);
+            same_as_std(&format!("{usual:.decimals$}"));
+            // Around the limits of the fast path: 15 to 21 digits, exponents to ±30.
+            let mantissa = u128::from(splitmix64(&mut state)) * 7;
+            let exponent = (bits >> 32) as i32 % 31;
+            same_as_std(&format!("{mantissa}e{exponent}"));
+            same_as_std(&format!("-0.{}e{exponent:+}", mantissa >> (bits % 60)));
+        }
+    }
+
+    #[test]
+    fn float_forms() {
+        for text in [
+            "0",
+            "-0",
+            "+1",
+            "1.",
+            ".5",
+            "-.5",
+            "1e3",
+            "1E+3",
+            "1.5e-3",
+            "1e22",
+            "1e23",
+            "9007199254740993",
+            "9007199254740992",
+            "1e-400",
+            "1e400",
+            "4.9e-324",
+            "179769313486231570000000000000000000000e270",
+            "00000000000000000000000000000000.1",
+            "0.000000000000000000000000000000000000000000001",
+            "inf",
+            "-inf",
+            "1e0003",
+        ] {
+            same_as_std(text);
+        }
+        assert!(float("nan").unwrap().is_nan());
+    }
+
+    #[test]
+    fn what_is_no_float() {
+        for text in [
+            "x", "1x", "-", ".", "1e", "1e+", "0x10", "1,5", "--1", "1.2.3", "\u{e9}",
+        ] {
+            assert!(
+                matches!(*float(text).unwrap_err(), Fault::Unexpected { .. }),
+                "{text}"
+            );
+        }
+        assert_eq!(
+            *float("  ").unwrap_err(),
+            Fault::FileEnds {
+                expected: "a number"
+            }
+        );
+        assert_eq!(
+            *float(" \n1").unwrap_err(),
+            Fault::LineEnds {
+                expected: "a number"
+            }
+        );
+    }
+
+    #[test]
+    fn integers() {
+        let integer =
+            |text: &str| Scanner::new(text.as_bytes(), 0, Dialect::Ply).integer("an integer");
+        assert_eq!(integer(" 42 ").unwrap(), 42);
+        assert_eq!(integer("-7\n").unwrap(), -7);
+        assert_eq!(integer("+7").unwrap(), 7);
+        assert_eq!(
+            integer("999999999999999999").unwrap(),
+            999_999_999_999_999_999
+        );
+        for text in ["1.5", "x", "-", "9999999999999999999", "1/2", "1e3"] {
+            assert!(
+                matches!(*integer(text).unwrap_err(), Fault::Unexpected { .. }),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn lines() {
+        let mut scanner = Scanner::new(b"1 \\\r\n 2 # three\n4", 0, Dialect::Obj);
+        assert_eq!(scanner.float("").unwrap(), 1.0);
+        assert_eq!(scanner.float("").unwrap(), 2.0);
+        assert_eq!(scanner.line(), 2);
+        scanner.end_line("").unwrap();
+        assert_eq!(scanner.line(), 3);
+        assert_eq!(scanner.integer("").unwrap(), 4);
+        assert!(!scanner.skip_empty_lines());
+    }
+
+    #[test]
+    fn found_text_is_cut_and_escaped() {
+        let Fault::Unexpected { found, .. } = *Fault::unexpected(&[0xff; 1000], "") else {
+            panic!("another fault");
+        };
+        assert_eq!(found, format!("{}…", "\\xff".repeat(40)));
+    }
+}
