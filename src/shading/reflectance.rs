@@ -24,14 +24,14 @@ impl Geometry {
         material: &Material,
         plan: &Plan,
     ) -> Self {
-        let to_light = light.from(point.position);
-        let distance_squared = to_light.dot(to_light);
-        if distance_squared == 0.0 {
+        if point.is_at(light) {
             return Self::Singular;
         }
-        if point.geometric_normal.get().dot(to_light) <= 0.0 {
+        if !point.faces(light) {
             return Self::Below;
         }
+        let to_light = light.from(point.position);
+        let distance_squared = to_light.dot(to_light);
         let incident = to_light / distance_squared.sqrt();
         let normal = point.shading_normal.get();
         let cos_incident = positive(normal.dot(incident));

@@ -21,7 +21,7 @@ pub use surface::{Primitive, SurfacePoint};
 use crate::math::{DVec3, Point, Ray};
 use crate::world::{Plan, World};
 use search::Search;
-use triangle::FacetedTriangle;
+use triangle::{Facet, ShearedRay};
 
 /// The primary rays of one batch.
 #[derive(Clone, Debug)]
@@ -56,7 +56,7 @@ pub struct Hit {
 pub struct Visibility<'w> {
     world: &'w World,
     spheres: Search<sphere::Ball>,
-    triangles: Search<FacetedTriangle>,
+    triangles: Search<Facet>,
 }
 
 impl PrimaryRays {
@@ -111,8 +111,8 @@ impl<'w> Visibility<'w> {
         let balls = world.spheres().iter().enumerate();
         let balls = balls.map(|(index, sphere)| sphere::Ball::new(index as u32, sphere));
         let triangles = world.triangles();
-        let facets = (0..triangles.len() as u32)
-            .map(|index| FacetedTriangle::new(index, triangles.vertices(index)));
+        let facets =
+            (0..triangles.len() as u32).map(|index| Facet::new(index, triangles.vertices(index)));
         Self {
             world,
             spheres: Search::new(balls.collect(), plan.spheres()),
@@ -141,9 +141,10 @@ impl<'w> Visibility<'w> {
                     self.keep_nearest(nearest, t, Primitive::Sphere(ball.index()));
                 }
             });
+        let sheared = ShearedRay::new(ray);
         self.triangles
             .visit(ray, &mut nearest, stack, |triangle, nearest| {
-                if let Some(t) = triangle.intersect(ray) {
+                if let Some(t) = triangle.intersect(&sheared) {
                     self.keep_nearest(nearest, t, Primitive::Triangle(triangle.index()));
                 }
             });
@@ -190,12 +191,13 @@ impl<'w> Visibility<'w> {
                         origin: light,
                         direction: point.position.from(light),
                     };
+                    let sheared = ShearedRay::new(&ray);
                     !self.planes_occlude(&ray, point)
                         && !self.spheres.any(&ball_view, &ray, &mut stack, |ball| {
                             ball.occludes(&ray, point)
                         })
                         && !self.triangles.any(&from, &ray, &mut stack, |triangle| {
-                            triangle.occludes(&ray, point)
+                            triangle.occludes(&sheared, point)
                         })
                 }
             })

@@ -3,6 +3,7 @@
 use super::{Hit, triangle};
 use crate::math::{Direction, Normal, Point, Ray};
 use crate::world::World;
+use crate::world::geometry::{from_shorter_edges, triangle_normal};
 
 /// One shape that a ray can hit, an index into the world's array of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,9 @@ pub struct SurfacePoint {
     /// A bound on the rounding error of `position`, in scene units: what is nearer to it than
     /// this may be the surface itself.
     pub error: f64,
+    /// A point of the plane that touches the surface at `position`: for flat shapes one that is
+    /// known exactly, for others `position` itself.
+    tangent: Point,
     /// ω_o: from the point to the viewer.
     pub to_viewer: Direction,
     /// The normal of the surface, turned towards the viewer.
@@ -47,25 +51,31 @@ impl SurfacePoint {
                 normal
             }
         };
-        let (object, normal, interpolated) = match hit.primitive {
+        let (object, normal, interpolated, tangent) = match hit.primitive {
             Primitive::Sphere(index) => {
                 let sphere = &world.spheres()[index as usize];
                 let normal = Normal::new(position.from(sphere.center));
-                (sphere.object, normal.expect("a radius is above 0"), None)
+                (
+                    sphere.object,
+                    normal.expect("a radius is above 0"),
+                    None,
+                    position,
+                )
             }
             Primitive::Plane(index) => {
                 let plane = &world.planes()[index as usize];
-                (plane.object, plane.normal, None)
+                (plane.object, plane.normal, None, plane.point)
             }
             Primitive::Triangle(index) => {
                 let mesh = world.triangles().mesh(index);
                 let vertices = world.triangles().vertices(index);
-                let normal = triangle::normal(vertices).expect("no triangle is degenerate");
+                let normal = triangle_normal(vertices).expect("no triangle is degenerate");
                 let interpolated = mesh
                     .normals
                     .is_some()
                     .then(|| mesh.shading_normal(index, triangle::weights(vertices, ray)));
-                (mesh.object, normal, interpolated.flatten())
+                let corner = Point(from_shorter_edges(vertices)[0]);
+                (mesh.object, normal, interpolated.flatten(), corner)
             }
         };
         let geometric_normal = towards_viewer(normal);
@@ -76,10 +86,14 @@ impl SurfacePoint {
                 normal
             }
         });
-        // One rounding for the product, one for the sum, and as many again for t itself.
-        let magnitude = ray.origin.0.length() + (ray.direction * hit.t).length();
+        // t comes from the way to the shape's own reference, and is rounded with it; then one
+        // rounding for the product and one for the sum.
+        let magnitude = ray.origin.0.length()
+            + (ray.direction * hit.t).length()
+            + tangent.from(ray.origin).length();
         Self {
             position,
+            tangent,
             error: 4.0 * f64::EPSILON * magnitude,
             to_viewer,
             geometric_normal,
@@ -87,5 +101,23 @@ impl SurfacePoint {
             primitive: hit.primitive,
             object,
         }
+    }
+
+    /// Whether a light is above the surface: on the viewer's side of the tangent plane, further
+    /// from it than rounding errors. A light in the very plane of a floor is not above it.
+    pub fn faces(&self, light: Point) -> bool {
+        let to_light = light.from(self.tangent);
+        let rounding = 8.0 * f64::EPSILON * (to_light.length() + light.0.length());
+        let known_to = if self.tangent == self.position {
+            self.error
+        } else {
+            0.0
+        };
+        self.geometric_normal.get().dot(to_light) > rounding + known_to
+    }
+
+    /// Whether a light is at the point itself (d = 0), as far as can be told.
+    pub fn is_at(&self, light: Point) -> bool {
+        light.from(self.position).length() <= self.error
     }
 }

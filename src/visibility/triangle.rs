@@ -3,52 +3,91 @@
 use super::bvh::Bounds;
 use super::search::Bounded;
 use super::{Primitive, SurfacePoint};
-use crate::math::{DVec3, Normal, Ray};
+use crate::math::{DVec3, Ray};
+use crate::world::geometry::{area_vector, from_shorter_edges};
 
 /// A triangle with its index in the world, its corners side by side in memory.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FacetedTriangle {
+pub(super) struct Facet {
+    /// In the cyclic order of the world, from the corner between the two shorter edges on.
     vertices: [DVec3; 3],
     index: u32,
 }
 
-/// The normal of a triangle whose corners are counter-clockwise; `None` where it has no area.
-pub(super) fn normal(vertices: [DVec3; 3]) -> Option<Normal> {
-    Normal::new(area_vector(vertices))
-}
-
-/// Normal times twice the area.
-fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a)
-}
-
-/// The edge functions of a ray: how far it passes on the inner side of each edge, as volumes
-/// d · (vᵢ × vⱼ) with the corners seen from the ray's origin. The i-th belongs to the edge
-/// opposite of the i-th corner.
+/// A ray, arranged for many triangles: its largest axis z, and the shear that turns it into that
+/// axis (Woop, Benthin & Wald 2013, "Watertight Ray/Triangle Intersection").
 ///
-/// a × b = −(b × a) holds to the bit in floating point without fused operations, so two triangles
-/// that share an edge agree on which side of it the ray passes: no ray slips between them.
-fn edge_functions(vertices: [DVec3; 3], ray: &Ray) -> [f64; 3] {
-    let d = ray.direction;
-    let [a, b, c] = vertices.map(|vertex| vertex - ray.origin.0);
-    [d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b))]
-}
-
-/// Whether the ray's line passes through the triangle: on the same side of all edges.
-fn passes_through([u, v, w]: [f64; 3]) -> bool {
-    (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
+/// Sheared and seen along z, a triangle is flat, and the ray passes through it where the origin is
+/// inside. Each corner is projected on its own, whatever triangle it is part of. The edge function
+/// xᵢ yⱼ − xⱼ yᵢ compares two products, and rounding each of them cannot turn their order around:
+/// it has the right sign or is 0, which counts as inside. So no ray slips between triangles that
+/// share an edge or a corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ShearedRay<'r> {
+    ray: &'r Ray,
+    x: usize,
+    y: usize,
+    z: usize,
+    /// x and y of the direction over its z.
+    shear: [f64; 2],
 }
 
 /// Barycentric coordinates of the point where a ray that hits the triangle does so.
 pub(super) fn weights(vertices: [DVec3; 3], ray: &Ray) -> [f64; 3] {
-    let volumes = edge_functions(vertices, ray);
-    let sum: f64 = volumes.iter().sum();
-    volumes.map(|volume| volume / sum)
+    let functions = ShearedRay::new(ray).edge_functions(vertices);
+    let sum: f64 = functions.iter().sum();
+    functions.map(|function| function / sum)
 }
 
-impl FacetedTriangle {
+impl<'r> ShearedRay<'r> {
+    pub(super) fn new(ray: &'r Ray) -> Self {
+        let d = ray.direction;
+        let size = d.abs();
+        let z = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        Self {
+            ray,
+            x,
+            y,
+            z,
+            shear: [d[x] / d[z], d[y] / d[z]],
+        }
+    }
+
+    /// The edge functions of the triangle around the ray: twice the areas that the ray makes with
+    /// its edges. The i-th belongs to the edge opposite of the i-th corner.
+    fn edge_functions(&self, vertices: [DVec3; 3]) -> [f64; 3] {
+        let [a, b, c] = vertices.map(|vertex| {
+            let v = vertex - self.ray.origin.0;
+            let height = v[self.z];
+            [
+                v[self.x] - self.shear[0] * height,
+                v[self.y] - self.shear[1] * height,
+            ]
+        });
+        let edge = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - q[0] * p[1];
+        [edge(b, c), edge(c, a), edge(a, b)]
+    }
+
+    /// Whether the ray's line passes through the triangle.
+    fn passes_through(&self, vertices: [DVec3; 3]) -> bool {
+        let [u, v, w] = self.edge_functions(vertices);
+        (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
+    }
+}
+
+impl Facet {
     pub(super) fn new(index: u32, vertices: [DVec3; 3]) -> Self {
-        Self { vertices, index }
+        Self {
+            vertices: from_shorter_edges(vertices),
+            index,
+        }
     }
 
     /// The triangle's index in the world.
@@ -57,39 +96,49 @@ impl FacetedTriangle {
     }
 
     /// L2: where the ray meets the triangle at t above 0.
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
-        if !passes_through(edge_functions(self.vertices, ray)) {
+    pub(super) fn intersect(&self, sheared: &ShearedRay<'_>) -> Option<f64> {
+        if !sheared.passes_through(self.vertices) {
             return None;
         }
+        let ShearedRay { ray, z, .. } = *sheared;
         let normal = area_vector(self.vertices);
         let t = normal.dot(self.vertices[0] - ray.origin.0) / normal.dot(ray.direction);
-        // A ray in the triangle's plane gives an infinite or NaN t: seen edge-on it has no extent.
-        (t > 0.0 && t.is_finite()).then_some(t)
+        // The hit is between the corners, also where the normal of a sliver is not worth much. A
+        // ray in the triangle's plane gives an infinite or NaN t: seen edge-on it has no extent.
+        let heights = self
+            .vertices
+            .map(|vertex| (vertex[z] - ray.origin.0[z]) / ray.direction[z]);
+        let nearest = heights[0].min(heights[1]).min(heights[2]);
+        let farthest = heights[0].max(heights[1]).max(heights[2]);
+        (t.is_finite() && farthest > 0.0)
+            .then(|| t.clamp(nearest, farthest))
+            .filter(|&t| t > 0.0)
     }
 
     /// L4: whether the triangle stands strictly between the start of the ray, a light, and
     /// `point` at its end: they are on different sides of its plane, each further from it than
     /// its rounding error, and the ray passes through it. A triangle does not occlude itself.
-    pub(super) fn occludes(&self, ray: &Ray, point: &SurfacePoint) -> bool {
-        if point.primitive == Primitive::Triangle(self.index)
-            || !passes_through(edge_functions(self.vertices, ray))
+    pub(super) fn occludes(&self, sheared: &ShearedRay<'_>, point: &SurfacePoint) -> bool {
+        if !sheared.passes_through(self.vertices)
+            || point.primitive == Primitive::Triangle(self.index)
         {
             return false;
         }
         let normal = area_vector(self.vertices);
+        let light = sheared.ray.origin.0;
         let to_point = point.position.0 - self.vertices[0];
-        let to_light = ray.origin.0 - self.vertices[0];
+        let to_light = light - self.vertices[0];
         let point_height = normal.dot(to_point);
         let light_height = normal.dot(to_light);
         let rounding = |length: f64| 8.0 * f64::EPSILON * length;
         let scale = normal.length();
         (point_height > 0.0) != (light_height > 0.0)
             && point_height.abs() > (point.error + rounding(to_point.length())) * scale
-            && light_height.abs() > rounding(to_light.length() + ray.origin.0.length()) * scale
+            && light_height.abs() > rounding(to_light.length() + light.length()) * scale
     }
 }
 
-impl Bounded for FacetedTriangle {
+impl Bounded for Facet {
     fn bounds(&self) -> Bounds {
         let [a, b, c] = self.vertices;
         Bounds {

@@ -59,6 +59,31 @@ pub struct MeshNormals {
     pub corners: Vec<[u32; 3]>,
 }
 
+/// The same triangle, its corner between the two shorter edges first. The cross product of two
+/// long and nearly parallel edges would lose the short one's digits.
+pub(crate) fn from_shorter_edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    let [ab, bc, ca] = [b - a, c - b, a - c].map(DVec3::length_squared);
+    if bc >= ab && bc >= ca {
+        [a, b, c]
+    } else if ca >= ab {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Normal times twice the area of a triangle that starts at the corner
+/// [between its shorter edges](from_shorter_edges).
+pub(crate) fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// The normal of a triangle, on the side from which its corners are counter-clockwise; `None`
+/// where it has no area.
+pub(crate) fn triangle_normal(vertices: [DVec3; 3]) -> Option<Normal> {
+    Normal::new(area_vector(from_shorter_edges(vertices)))
+}
+
 impl Triangles {
     /// How many there are.
     pub fn len(&self) -> usize {

@@ -6,7 +6,7 @@
 //! camera looks at, so that a scene far from the origin renders like one at the origin.
 
 mod camera;
-mod geometry;
+pub(crate) mod geometry;
 pub mod material;
 pub mod physics;
 pub mod plan;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
+use super::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
 use super::{Camera, Lobes, Material, Named, Object, PointLight, Projection, Shape, World};
 use crate::math::{Normal, Point};
 use crate::scene::{
@@ -165,7 +165,10 @@ impl<'a> Validator<'a> {
 
     fn resolution(&mut self) -> [u32; 2] {
         let Spanned { value, span } = self.scene.image.resolution;
-        if value.iter().any(|side| !(1..=MAX_RESOLUTION).contains(side)) {
+        if value
+            .iter()
+            .any(|side| !(1..=MAX_RESOLUTION).contains(side))
+        {
             let expected = format!("a width and a height from 1 to {MAX_RESOLUTION} pixels");
             self.out_of_range("resolution", span, format!("{value:?}"), &expected);
             return [1, 1];
@@ -429,7 +432,7 @@ impl<'a> Validator<'a> {
                 .position("vertices", Spanned::new(value, vertices.span))?
                 .0;
         }
-        if is_degenerate(corners) {
+        if triangle_normal(corners).is_none() {
             let value = format!("{:?}", vertices.value);
             let expected = "three corners that are not on one line";
             self.out_of_range("vertices", vertices.span, value, expected);
@@ -510,7 +513,7 @@ impl<'a> Validator<'a> {
         let has_area: Vec<bool> = file
             .triangles
             .iter()
-            .map(|corners| !is_degenerate(corners.map(|corner| placed[corner as usize])))
+            .map(|corners| triangle_normal(corners.map(|corner| placed[corner as usize])).is_some())
             .collect();
         let kept = |corners: &[[u32; 3]], offset: u32| -> Vec<[u32; 3]> {
             let kept = corners
@@ -626,11 +629,6 @@ fn not_yet(space: ColorSpace) -> Problem {
         what: format!("the color space `{}`", space.name()),
         instead: "write \"rec709\"",
     }
-}
-
-/// Whether a triangle has no normal: its corners are on one line, or as good as.
-fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
-    Normal::new((b - a).cross(c - a)).is_none()
 }
 
 /// A value as linear Rec.709.
