@@ -5,6 +5,7 @@
 //! they are made, and the slab test gives way by more than the rounding of its own ray, so that
 //! no shape is missed that the f64 intersection would hit.
 
+use std::collections::VecDeque;
 use std::ops::Range;
 
 use glam::{DVec3, Vec3, Vec4};
@@ -13,6 +14,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
+use super::bundle::Bundle;
 use super::search::Bounded;
 use crate::math::{Point, Ray};
 
@@ -21,6 +23,10 @@ const WIDTH: usize = 2 * HALF;
 
 /// Children side by side in one register.
 const HALF: usize = 4;
+
+/// Pieces of the tree that a batch of rays starts with, about: more are found with fewer steps
+/// down from each, but every ray has to look at all.
+const CUT_SIZE: usize = 16;
 
 /// Shapes in a leaf at most. Their own boxes sort them better than a common one.
 const LEAF_SIZE: u32 = 1;
@@ -46,6 +52,38 @@ pub(super) struct Bounds {
     pub(super) max: DVec3,
 }
 
+impl Bounds {
+    /// The smallest box around points; `None` where there are none.
+    pub(super) fn around(points: impl Iterator<Item = DVec3>) -> Option<Self> {
+        points
+            .map(|point| Self {
+                min: point,
+                max: point,
+            })
+            .reduce(Self::union)
+    }
+
+    fn union(self, other: Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
+    /// The largest coordinate, by magnitude.
+    pub(super) fn reach(&self) -> f64 {
+        self.min.abs().max(self.max.abs()).max_element()
+    }
+
+    /// The box with `margin` added on every side.
+    pub(super) fn grown(self, margin: f64) -> Self {
+        Self {
+            min: self.min - margin,
+            max: self.max + margin,
+        }
+    }
+}
+
 /// The tree.
 #[derive(Debug)]
 pub(super) struct Bvh {
@@ -59,7 +97,7 @@ pub(super) struct Bvh {
 /// Up to eight boxes and what is in them.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-struct Node {
+pub(super) struct Node {
     /// Lower x, y, z, then upper x, y, z, of all children.
     bounds: [[Vec4; 2]; 6],
     children: [Child; WIDTH],
@@ -85,7 +123,7 @@ pub(super) struct Pending {
 
 /// The start of a ray in the tree's frame, moved by what boxes give way: one way for lower and
 /// the other for upper bounds.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Viewpoint {
     for_lower: Vec3,
     for_upper: Vec3,
@@ -105,10 +143,7 @@ struct SlabRay {
 impl Bvh {
     /// A tree over shapes, and the order in which its leaves have them.
     pub(super) fn new<S: Bounded>(shapes: &[S]) -> (Self, Vec<u32>) {
-        let whole = shapes.iter().map(Bounded::bounds).reduce(|a, b| Bounds {
-            min: a.min.min(b.min),
-            max: a.max.max(b.max),
-        });
+        let whole = shapes.iter().map(Bounded::bounds).reduce(Bounds::union);
         let whole = whole.expect("a tree is planned only for shapes");
         let center = (whole.min + whole.max) * 0.5;
         let size = (whole.max - whole.min).max_element();
@@ -187,6 +222,40 @@ impl Bvh {
         }
     }
 
+    /// What of the tree a whole batch of rays has to look at: a few nodes, packed anew, that
+    /// together hold every shape that a ray of the bundle could meet. A tree is descended once for
+    /// the batch until the pieces are as many as [`CUT_SIZE`].
+    pub(super) fn cut(&self, bundle: &Bundle) -> Vec<Node> {
+        let bundle = bundle.in_frame(self.center, self.scale);
+        let margin = (bundle.reach() + 1.0) * f64::from(BOX_GIVES_WAY);
+        let mut pieces: Vec<(Aabb, Child)> = Vec::with_capacity(CUT_SIZE + WIDTH);
+        let mut queue = VecDeque::from([(Aabb::INFINITY, Child::Node(0))]);
+        while let Some((bounds, child)) = queue.pop_front() {
+            match child {
+                Child::Node(index) if pieces.len() + queue.len() < CUT_SIZE => {
+                    let members = self.nodes[index as usize].members();
+                    queue.extend(members.filter(|(bounds, _)| {
+                        let bounds = Bounds {
+                            min: bounds.min.as_dvec3(),
+                            max: bounds.max.as_dvec3(),
+                        };
+                        bundle.may_meet(&bounds.grown(margin))
+                    }));
+                }
+                Child::Node(_) | Child::Leaf { .. } => pieces.push((bounds, child)),
+                Child::None => {}
+            }
+        }
+        let pack = |pieces: &[(Aabb, Child)]| {
+            let mut node = Node::EMPTY;
+            for (slot, &(bounds, child)) in pieces.iter().enumerate() {
+                node.set(slot, &bounds, child);
+            }
+            node
+        };
+        pieces.chunks(WIDTH).map(pack).collect()
+    }
+
     /// A place from which many rays start.
     pub(super) fn viewpoint(&self, origin: Point) -> Viewpoint {
         let origin = self.to_frame(origin.0).as_vec3();
@@ -225,10 +294,11 @@ impl Bvh {
         }
     }
 
-    /// Shows `leaf` the leaves that the ray meets at t from 0 to `limit`, roughly near to far.
-    /// `leaf` gives the new limit back.
+    /// Shows `leaf` the leaves below `roots` that the ray meets at t from 0 to `limit`, roughly
+    /// near to far. `leaf` gives the new limit back.
     pub(super) fn visit(
         &self,
+        roots: &[Node],
         ray: &Ray,
         limit: f64,
         stack: &mut Vec<Pending>,
@@ -237,10 +307,9 @@ impl Bvh {
         let slabs = self.slab_ray(&self.viewpoint(ray.origin), ray.direction);
         let mut limit = not_below(limit);
         stack.clear();
-        stack.push(Pending {
-            child: Child::Node(0),
-            enters: 0.0,
-        });
+        for root in roots {
+            root.push_sorted(&slabs, limit, stack, 0);
+        }
         while let Some(Pending { child, enters }) = stack.pop() {
             if enters > limit {
                 continue;
@@ -251,25 +320,18 @@ impl Bvh {
                     limit = not_below(leaf(first as usize..first as usize + usize::from(count)));
                 }
                 Child::Node(index) => {
-                    let node = &self.nodes[index as usize];
                     let bottom = stack.len();
-                    node.meet(&slabs, limit, |child, enters| {
-                        stack.push(Pending { child, enters });
-                        // Keeps the nearest on top.
-                        let mut place = stack.len() - 1;
-                        while place > bottom && stack[place - 1].enters < stack[place].enters {
-                            stack.swap(place - 1, place);
-                            place -= 1;
-                        }
-                    });
+                    self.nodes[index as usize].push_sorted(&slabs, limit, stack, bottom);
                 }
             }
         }
     }
 
-    /// Whether `leaf` holds for any leaf that a ray from `viewpoint` meets at t from 0 to 1.
+    /// Whether `leaf` holds for any leaf below `roots` that a ray from `viewpoint` meets at t from
+    /// 0 to 1.
     pub(super) fn any(
         &self,
+        roots: &[Node],
         viewpoint: &Viewpoint,
         direction: DVec3,
         stack: &mut Vec<Pending>,
@@ -278,10 +340,9 @@ impl Bvh {
         let slabs = self.slab_ray(viewpoint, direction);
         let limit = not_below(1.0);
         stack.clear();
-        stack.push(Pending {
-            child: Child::Node(0),
-            enters: 0.0,
-        });
+        for root in roots {
+            root.push(&slabs, limit, stack);
+        }
         while let Some(Pending { child, .. }) = stack.pop() {
             match child {
                 Child::None => {}
@@ -290,12 +351,7 @@ impl Bvh {
                         return true;
                     }
                 }
-                Child::Node(index) => {
-                    let node = &self.nodes[index as usize];
-                    node.meet(&slabs, limit, |child, enters| {
-                        stack.push(Pending { child, enters });
-                    });
-                }
+                Child::Node(index) => self.nodes[index as usize].push(&slabs, limit, stack),
             }
         }
         false
@@ -323,6 +379,38 @@ impl Node {
             self.bounds[axis + 3][slot / HALF][slot % HALF] = max[axis];
         }
         self.children[slot] = child;
+    }
+
+    /// The children and their boxes.
+    fn members(&self) -> impl Iterator<Item = (Aabb, Child)> + '_ {
+        (0..WIDTH).map(|slot| {
+            let bound = |row: usize| self.bounds[row][slot / HALF][slot % HALF];
+            let min = Vec3::new(bound(0), bound(1), bound(2));
+            let max = Vec3::new(bound(3), bound(4), bound(5));
+            (Aabb::new(min.into(), max.into()), self.children[slot])
+        })
+    }
+
+    /// Puts the children that the ray meets on the stack.
+    #[inline(always)]
+    fn push(&self, ray: &SlabRay, limit: f32, stack: &mut Vec<Pending>) {
+        self.meet(ray, limit, |child, enters| {
+            stack.push(Pending { child, enters })
+        });
+    }
+
+    /// Puts the children that the ray meets on the stack, the nearest of all above `bottom` on
+    /// top.
+    #[inline(always)]
+    fn push_sorted(&self, ray: &SlabRay, limit: f32, stack: &mut Vec<Pending>, bottom: usize) {
+        self.meet(ray, limit, |child, enters| {
+            stack.push(Pending { child, enters });
+            let mut place = stack.len() - 1;
+            while place > bottom && stack[place - 1].enters < stack[place].enters {
+                stack.swap(place - 1, place);
+                place -= 1;
+            }
+        });
     }
 
     /// Shows `met` the children whose boxes the ray enters at t from 0 to `limit`, and where.

@@ -9,6 +9,7 @@
 //! Intersections are computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture does not depend on the tree.
 
+mod bundle;
 mod bvh;
 mod plane;
 mod search;
@@ -20,6 +21,7 @@ pub use surface::{Primitive, SurfacePoint};
 
 use crate::math::{DVec3, Point, Ray};
 use crate::world::{Plan, World};
+use bundle::Bundle;
 use search::Search;
 use triangle::{Facet, ShearedRay};
 
@@ -91,6 +93,19 @@ impl PrimaryRays {
         })
     }
 
+    /// What all rays have in common; `None` where there are none.
+    fn bundle(&self) -> Option<Bundle> {
+        match self {
+            Self::SharedOrigin { origin, directions } => {
+                Bundle::from_point(*origin, directions.iter().copied(), f64::INFINITY)
+            }
+            Self::SharedDirection { origins, direction } => {
+                let origins = origins.iter().map(|origin| origin.0);
+                Bundle::parallel(origins, *direction, f64::INFINITY)
+            }
+        }
+    }
+
     /// How many rays there are.
     pub fn len(&self) -> usize {
         match self {
@@ -122,33 +137,33 @@ impl<'w> Visibility<'w> {
 
     /// L2: the nearest hit of every ray of a batch.
     pub fn nearest(&self, rays: &PrimaryRays) -> Vec<Option<Hit>> {
+        let Some(bundle) = rays.bundle() else {
+            return Vec::new();
+        };
+        let spheres = self.spheres.within(&bundle);
+        let triangles = self.triangles.within(&bundle);
         let mut stack = Vec::new();
-        rays.iter()
-            .map(|ray| self.nearest_of(&ray, &mut stack))
-            .collect()
-    }
-
-    fn nearest_of(&self, ray: &Ray, stack: &mut Vec<bvh::Pending>) -> Option<Hit> {
-        let mut nearest: Option<Hit> = None;
-        for (index, plane) in self.world.planes().iter().enumerate() {
-            if let Some(t) = plane::intersect(plane, ray) {
-                self.keep_nearest(&mut nearest, t, Primitive::Plane(index as u32));
+        let nearest_of = |ray: Ray| {
+            let mut nearest: Option<Hit> = None;
+            for (index, plane) in self.world.planes().iter().enumerate() {
+                if let Some(t) = plane::intersect(plane, &ray) {
+                    self.keep_nearest(&mut nearest, t, Primitive::Plane(index as u32));
+                }
             }
-        }
-        self.spheres
-            .visit(ray, &mut nearest, stack, |ball, nearest| {
-                if let Some(t) = ball.intersect(ray) {
+            spheres.visit(&ray, &mut nearest, &mut stack, |ball, nearest| {
+                if let Some(t) = ball.intersect(&ray) {
                     self.keep_nearest(nearest, t, Primitive::Sphere(ball.index()));
                 }
             });
-        let sheared = ShearedRay::new(ray);
-        self.triangles
-            .visit(ray, &mut nearest, stack, |triangle, nearest| {
+            let sheared = ShearedRay::new(&ray);
+            triangles.visit(&ray, &mut nearest, &mut stack, |triangle, nearest| {
                 if let Some(t) = triangle.intersect(&sheared) {
                     self.keep_nearest(nearest, t, Primitive::Triangle(triangle.index()));
                 }
             });
-        nearest
+            nearest
+        };
+        rays.iter().map(nearest_of).collect()
     }
 
     /// Keeps the nearer of two hits; at the same distance the one written first in the scene.
@@ -179,28 +194,36 @@ impl<'w> Visibility<'w> {
     /// geometric normal faces the light; `facing` says which, and for the others the answer is
     /// no. At the light itself (d = 0) it is no as well.
     pub fn lit(&self, light: Point, points: &[SurfacePoint], facing: &[bool]) -> Vec<bool> {
+        let asked = points.iter().zip(facing).filter(|&(_, &facing)| facing);
+        let directions = asked.map(|(point, _)| point.position.from(light));
+        let Some(bundle) = Bundle::from_point(light, directions, 1.0) else {
+            return vec![false; points.len()];
+        };
+        let spheres = self.spheres.within(&bundle);
+        let triangles = self.triangles.within(&bundle);
+        if spheres.is_empty() && triangles.is_empty() && self.world.planes().is_empty() {
+            return facing.to_vec();
+        }
+        let sphere_view = spheres.viewpoint(light);
+        let triangle_view = triangles.viewpoint(light);
         let mut stack = Vec::new();
-        let from = self.triangles.viewpoint(light);
-        let ball_view = self.spheres.viewpoint(light);
+        let mut is_lit = |point: &SurfacePoint| {
+            let ray = Ray {
+                origin: light,
+                direction: point.position.from(light),
+            };
+            let sheared = ShearedRay::new(&ray);
+            !self.planes_occlude(&ray, point)
+                && !spheres.any(&sphere_view, &ray, &mut stack, |ball| {
+                    ball.occludes(&ray, point)
+                })
+                && !triangles.any(&triangle_view, &ray, &mut stack, |triangle| {
+                    triangle.occludes(&sheared, point)
+                })
+        };
+        let points = points.iter().zip(facing);
         points
-            .iter()
-            .zip(facing)
-            .map(|(point, &facing)| {
-                facing && {
-                    let ray = Ray {
-                        origin: light,
-                        direction: point.position.from(light),
-                    };
-                    let sheared = ShearedRay::new(&ray);
-                    !self.planes_occlude(&ray, point)
-                        && !self.spheres.any(&ball_view, &ray, &mut stack, |ball| {
-                            ball.occludes(&ray, point)
-                        })
-                        && !self.triangles.any(&from, &ray, &mut stack, |triangle| {
-                            triangle.occludes(&sheared, point)
-                        })
-                }
-            })
+            .map(|(point, &facing)| facing && is_lit(point))
             .collect()
     }
 
