@@ -12,6 +12,9 @@ use crate::world::{Plan, World};
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
 const TILE: u32 = 16;
 
+/// Rays that are traced and shaded together.
+const BATCH: usize = 256;
+
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
 
@@ -118,8 +121,9 @@ pub(super) struct Tile<'f> {
     pub(super) rows: Vec<&'f mut [[f32; 4]]>,
 }
 
-/// Renders all samples of a tile's pixels, batch by batch: the n-th sample of every pixel is one
-/// batch.
+/// Renders all samples of a tile's pixels, batch by batch. Samples of one pixel follow each other,
+/// and pixels come in an order that keeps neighbors together, so that the rays of a batch, and
+/// any few of them in a row, are as alike as they can be.
 fn render_tile(
     world: &World,
     plan: &Plan,
@@ -128,46 +132,60 @@ fn render_tile(
     tile: &mut Tile<'_>,
 ) -> Counts {
     let sampler = Sampler::new(samples);
-    let pixels: Vec<[u32; 2]> = tile.window.pixels().collect();
+    let Window {
+        x,
+        y,
+        width,
+        height,
+    } = tile.window;
+    let inside = |[column, row]: &[u32; 2]| *column < width && *row < height;
+    let pixels: Vec<[u32; 2]> = (0..TILE * TILE).map(z_order).filter(inside).collect();
     let mut sums = vec![PixelSum::default(); pixels.len()];
     let mut counts = Counts::default();
-    for sample in 0..samples {
-        let positions = pixels.iter().map(|&pixel| sampler.position(pixel, sample));
+    let mut samples_left =
+        (0..pixels.len()).flat_map(|pixel| (0..samples).map(move |n| (pixel, n)));
+    loop {
+        let batch: Vec<(usize, u32)> = samples_left.by_ref().take(BATCH).collect();
+        if batch.is_empty() {
+            break;
+        }
+        let positions = batch.iter().map(|&(pixel, sample)| {
+            let [column, row] = pixels[pixel];
+            sampler.position([x + column, y + row], sample)
+        });
         let rays = PrimaryRays::through(world, positions);
         let hits = visibility.nearest(&rays);
-        let surfaces = rays
-            .iter()
-            .zip(&hits)
-            .map(|(ray, hit)| hit.as_ref().map(|hit| visibility.surface(&ray, hit)));
-        let (places, points): (Vec<usize>, Vec<_>) = surfaces
-            .enumerate()
-            .filter_map(|(place, surface)| Some((place, surface?)))
-            .unzip();
+        let mut points = Vec::with_capacity(batch.len());
+        for (ray, hit) in rays.iter().zip(&hits) {
+            points.extend(hit.as_ref().map(|hit| visibility.surface(&ray, hit)));
+        }
         let shaded = shading::radiance(world, plan, visibility, &points);
-        for (sum, hit) in sums.iter_mut().zip(&hits) {
-            if hit.is_none() {
-                sum.add(world.background());
-            }
+        let mut radiance = shaded.radiance.into_iter();
+        for (&(pixel, _), hit) in batch.iter().zip(&hits) {
+            let seen = hit.as_ref().and_then(|_| radiance.next());
+            sums[pixel].hits += u32::from(seen.is_some());
+            sums[pixel].add(seen.unwrap_or(world.background()));
         }
-        for (place, radiance) in places.into_iter().zip(shaded.radiance) {
-            sums[place].add(radiance);
-            sums[place].hits += 1;
-        }
-        counts.primary_rays += rays.len() as u64;
-        counts.shadow_rays += shaded.shadow_rays;
-        counts.singular += shaded.singular;
+        counts = counts.and(Counts {
+            primary_rays: batch.len() as u64,
+            shadow_rays: shaded.shadow_rays,
+            singular: shaded.singular,
+            clamped: 0,
+        });
     }
-    for (pixel, sum) in tile
-        .rows
-        .iter_mut()
-        .flat_map(|row| row.iter_mut())
-        .zip(&sums)
-    {
+    for (&[column, row], sum) in pixels.iter().zip(&sums) {
         let (rgba, clamped) = sum.mean(samples);
-        *pixel = rgba;
+        tile.rows[row as usize][column as usize] = rgba;
         counts.clamped += clamped;
     }
     counts
+}
+
+/// Column and row of the n-th pixel of a tile along a Z-order curve: the even and the odd bits of
+/// n. Four in a row are a square, and so are four of these.
+fn z_order(n: u32) -> [u32; 2] {
+    let every_other_bit = |n: u32| (0..16).fold(0, |bits, bit| bits | (n >> (2 * bit) & 1) << bit);
+    [every_other_bit(n), every_other_bit(n >> 1)]
 }
 
 /// The box filter of one pixel: the mean over its samples, summed in f64.

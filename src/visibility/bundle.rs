@@ -88,4 +88,10 @@ impl Bundle {
         }
         from <= to
     }
+
+    /// How far along the middle of the rays the middle of a box is, for putting boxes in order.
+    pub(super) fn distance_along(&self, bounds: &Bounds) -> f64 {
+        let middle = |bounds: &Bounds| bounds.min * 0.5 + bounds.max * 0.5;
+        (middle(bounds) - middle(&self.origins)).dot(middle(&self.directions))
+    }
 }

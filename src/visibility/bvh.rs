@@ -1,9 +1,14 @@
-//! A bounding volume hierarchy with eight children a node, built by obvhs.
+//! A bounding volume hierarchy with eight children a node, built by obvhs, and how a batch of rays
+//! goes down it.
 //!
 //! Boxes are f32 in a frame of the tree's own, in which the whole is about 1 across: they work
 //! the same at any scale and anywhere. They are conservative. Boxes are rounded outwards when
 //! they are made, and the slab test gives way by more than the rounding of its own ray, so that
 //! no shape is missed that the f64 intersection would hit.
+//!
+//! A batch descends together. First [`Bundle`] tells which parts of the tree any of its rays could
+//! meet. From there on each node is visited once, with the list of the quads of rays that meet it:
+//! a quad's four slab tests are one, and no ray has a stack or branches of its own.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -16,16 +21,19 @@ use obvhs::bvh2::builder::build_bvh2;
 
 use super::bundle::Bundle;
 use super::search::Bounded;
-use crate::math::{Point, Ray};
+use crate::math::Ray;
 
 /// Children of a node.
-const WIDTH: usize = 2 * HALF;
+const WIDTH: usize = 8;
 
-/// Children side by side in one register.
-const HALF: usize = 4;
+/// Rays side by side in one register.
+const QUAD: usize = 4;
 
-/// Pieces of the tree that a batch of rays starts with, about: more are found with fewer steps
-/// down from each, but every ray has to look at all.
+/// Rays of a batch at most.
+pub(super) const BATCH: usize = 256 * QUAD;
+
+/// Boxes that a batch of rays starts with, about: more are found with fewer steps down from each,
+/// but every ray has to look at all.
 const CUT_SIZE: usize = 16;
 
 /// Shapes in a leaf at most. Their own boxes sort them better than a common one.
@@ -96,48 +104,71 @@ pub(super) struct Bvh {
 
 /// Up to eight boxes and what is in them.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
-pub(super) struct Node {
-    /// Lower x, y, z, then upper x, y, z, of all children.
-    bounds: [[Vec4; 2]; 6],
-    children: [Child; WIDTH],
+struct Node {
+    /// The first `len` are there.
+    members: [Member; WIDTH],
+    len: u8,
+}
+
+/// A box and what is in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member {
+    min: Vec3,
+    max: Vec3,
+    child: Child,
 }
 
 /// What is in a box.
 #[derive(Clone, Copy, Debug)]
 enum Child {
-    /// Nothing; its box is empty.
-    None,
     /// A node.
     Node(u32),
     /// Shapes.
     Leaf { first: u32, count: u8 },
 }
 
-/// A child still to be visited, and the parameter at which the ray enters its box.
+/// The rays of a batch in the tree's frame, four by four, arranged for slab tests.
+#[derive(Debug)]
+pub(super) struct Batch {
+    quads: Vec<QuadRays>,
+    /// How much boxes give way to the rounding of these rays.
+    margin: f32,
+}
+
+/// Four rays.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pending {
-    child: Child,
-    enters: f32,
-}
-
-/// The start of a ray in the tree's frame, moved by what boxes give way: one way for lower and
-/// the other for upper bounds.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Viewpoint {
-    for_lower: Vec3,
-    for_upper: Vec3,
-}
-
-/// A ray in the tree's frame, arranged for slab tests.
-struct SlabRay {
-    /// Which rows of [`Node::bounds`] the ray meets first and last, axis by axis.
-    near: [usize; 3],
-    far: [usize; 3],
-    /// The origin as the near and the far bounds need it.
-    near_origin: [Vec4; 3],
-    far_origin: [Vec4; 3],
+struct QuadRays {
+    origin: [Vec4; 3],
     inverse: [Vec4; 3],
+    /// The largest t of each ray that is of interest; below 0 none is.
+    limit: Vec4,
+}
+
+/// Which rays of a quad meet a box.
+#[derive(Clone, Copy, Debug, Default)]
+struct Quad {
+    index: u8,
+    /// One bit for each ray.
+    mask: u8,
+}
+
+/// A box that some rays of the batch meet.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    child: Child,
+    /// The smallest t at which one of them enters it.
+    enters: f32,
+    /// Where the list of its quads is.
+    quads: (usize, usize),
+}
+
+/// A batch on its way down a tree.
+struct Descent<'t, F> {
+    nodes: &'t [Node],
+    batch: &'t mut Batch,
+    /// The lists of all boxes that are open, behind each other.
+    lists: Vec<Quad>,
+    leaf: F,
 }
 
 impl Bvh {
@@ -164,7 +195,7 @@ impl Bvh {
             .collect();
         let parameters = BvhBuildParams {
             max_prims_per_leaf: LEAF_SIZE,
-            ..BvhBuildParams::fast_build()
+            ..BvhBuildParams::medium_build()
         };
         let binary = build_bvh2(&boxes, parameters, &mut std::time::Duration::default());
         tree.widen(&binary);
@@ -205,7 +236,7 @@ impl Bvh {
                 members[place] = first;
                 members.push(first + 1);
             }
-            for (slot, &member) in members.iter().enumerate() {
+            for &member in &members {
                 let node = &binary.nodes[member];
                 let child = if node.is_leaf() {
                     Child::Leaf {
@@ -217,144 +248,94 @@ impl Bvh {
                     self.nodes.push(Node::EMPTY);
                     Child::Node(self.nodes.len() as u32 - 1)
                 };
-                self.nodes[wide_index].set(slot, node.aabb(), child);
+                self.nodes[wide_index].push(Member::new(node.aabb(), child));
             }
         }
     }
 
-    /// What of the tree a whole batch of rays has to look at: a few nodes, packed anew, that
-    /// together hold every shape that a ray of the bundle could meet. A tree is descended once for
-    /// the batch until the pieces are as many as [`CUT_SIZE`].
-    pub(super) fn cut(&self, bundle: &Bundle) -> Vec<Node> {
+    /// What of the tree a whole batch of rays has to look at: about [`CUT_SIZE`] boxes that together
+    /// hold every shape that a ray of the bundle could meet, roughly near to far.
+    pub(super) fn cut(&self, bundle: &Bundle) -> Vec<Member> {
         let bundle = bundle.in_frame(self.center, self.scale);
         let margin = (bundle.reach() + 1.0) * f64::from(BOX_GIVES_WAY);
-        let mut pieces: Vec<(Aabb, Child)> = Vec::with_capacity(CUT_SIZE + WIDTH);
-        let mut queue = VecDeque::from([(Aabb::INFINITY, Child::Node(0))]);
-        while let Some((bounds, child)) = queue.pop_front() {
-            match child {
+        let may_meet = |member: &Member| bundle.may_meet(&member.bounds().grown(margin));
+        let mut pieces = Vec::with_capacity(CUT_SIZE + WIDTH);
+        let mut queue: VecDeque<Member> = self.nodes[0].members().iter().copied().collect();
+        queue.retain(may_meet);
+        while let Some(member) = queue.pop_front() {
+            match member.child {
                 Child::Node(index) if pieces.len() + queue.len() < CUT_SIZE => {
-                    let members = self.nodes[index as usize].members();
-                    queue.extend(members.filter(|(bounds, _)| {
-                        let bounds = Bounds {
-                            min: bounds.min.as_dvec3(),
-                            max: bounds.max.as_dvec3(),
-                        };
-                        bundle.may_meet(&bounds.grown(margin))
-                    }));
+                    let members = self.nodes[index as usize].members().iter().copied();
+                    queue.extend(members.filter(may_meet));
                 }
-                Child::Node(_) | Child::Leaf { .. } => pieces.push((bounds, child)),
-                Child::None => {}
+                Child::Node(_) | Child::Leaf { .. } => pieces.push(member),
             }
         }
-        let pack = |pieces: &[(Aabb, Child)]| {
-            let mut node = Node::EMPTY;
-            for (slot, &(bounds, child)) in pieces.iter().enumerate() {
-                node.set(slot, &bounds, child);
-            }
-            node
-        };
-        pieces.chunks(WIDTH).map(pack).collect()
+        let distance = |member: &Member| bundle.distance_along(&member.bounds());
+        pieces.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        pieces
     }
 
-    /// A place from which many rays start.
-    pub(super) fn viewpoint(&self, origin: Point) -> Viewpoint {
-        let origin = self.to_frame(origin.0).as_vec3();
-        let margin = Vec3::splat((origin.abs().max_element() + 1.0) * BOX_GIVES_WAY);
-        Viewpoint {
-            for_lower: origin + margin,
-            for_upper: origin - margin,
-        }
-    }
-
-    fn slab_ray(&self, viewpoint: &Viewpoint, direction: DVec3) -> SlabRay {
-        let direction = (direction * self.scale).as_vec3().to_array();
-        let (lower, upper) = (
-            viewpoint.for_lower.to_array(),
-            viewpoint.for_upper.to_array(),
+    /// Arranges at most [`BATCH`] rays, each of interest for t from 0 to its limit.
+    pub(super) fn batch(&self, rays: &[Ray], limits: &[f64]) -> Batch {
+        assert!(
+            rays.len() <= BATCH,
+            "a batch is small enough for its quads to be numbered in a u8"
         );
-        let forwards = direction.map(|component| component >= 0.0);
-        let select = |axis: usize, near: bool| (forwards[axis] == near, axis);
-        let row = |(is_lower, axis): (bool, usize)| if is_lower { axis } else { axis + 3 };
-        let origin =
-            |(is_lower, axis): (bool, usize)| if is_lower { lower[axis] } else { upper[axis] };
-        SlabRay {
-            near: std::array::from_fn(|axis| row(select(axis, true))),
-            far: std::array::from_fn(|axis| row(select(axis, false))),
-            near_origin: std::array::from_fn(|axis| Vec4::splat(origin(select(axis, true)))),
-            far_origin: std::array::from_fn(|axis| Vec4::splat(origin(select(axis, false)))),
-            inverse: direction.map(|component| {
-                Vec4::splat(
-                    1.0 / if component.abs() < SMALLEST_COMPONENT {
-                        SMALLEST_COMPONENT.copysign(component)
-                    } else {
-                        component
-                    },
-                )
-            }),
-        }
-    }
-
-    /// Shows `leaf` the leaves below `roots` that the ray meets at t from 0 to `limit`, roughly
-    /// near to far. `leaf` gives the new limit back.
-    pub(super) fn visit(
-        &self,
-        roots: &[Node],
-        ray: &Ray,
-        limit: f64,
-        stack: &mut Vec<Pending>,
-        mut leaf: impl FnMut(Range<usize>) -> f64,
-    ) {
-        let slabs = self.slab_ray(&self.viewpoint(ray.origin), ray.direction);
-        let mut limit = not_below(limit);
-        stack.clear();
-        for root in roots {
-            root.push_sorted(&slabs, limit, stack, 0);
-        }
-        while let Some(Pending { child, enters }) = stack.pop() {
-            if enters > limit {
-                continue;
-            }
-            match child {
-                Child::None => {}
-                Child::Leaf { first, count } => {
-                    limit = not_below(leaf(first as usize..first as usize + usize::from(count)));
-                }
-                Child::Node(index) => {
-                    let bottom = stack.len();
-                    self.nodes[index as usize].push_sorted(&slabs, limit, stack, bottom);
-                }
-            }
-        }
-    }
-
-    /// Whether `leaf` holds for any leaf below `roots` that a ray from `viewpoint` meets at t from
-    /// 0 to 1.
-    pub(super) fn any(
-        &self,
-        roots: &[Node],
-        viewpoint: &Viewpoint,
-        direction: DVec3,
-        stack: &mut Vec<Pending>,
-        leaf: impl Fn(Range<usize>) -> bool,
-    ) -> bool {
-        let slabs = self.slab_ray(viewpoint, direction);
-        let limit = not_below(1.0);
-        stack.clear();
-        for root in roots {
-            root.push(&slabs, limit, stack);
-        }
-        while let Some(Pending { child, .. }) = stack.pop() {
-            match child {
-                Child::None => {}
-                Child::Leaf { first, count } => {
-                    if leaf(first as usize..first as usize + usize::from(count)) {
-                        return true;
+        let reach = rays
+            .iter()
+            .map(|ray| self.to_frame(ray.origin.0).abs().max_element());
+        let reach = reach.fold(0.0, f64::max);
+        let quads = rays
+            .chunks(QUAD)
+            .zip(limits.chunks(QUAD))
+            .map(|(rays, limits)| {
+                // The last quad may have fewer rays; the others of it never meet anything.
+                let mut quad = QuadRays {
+                    origin: [Vec4::ZERO; 3],
+                    inverse: [Vec4::ONE; 3],
+                    limit: Vec4::NEG_ONE,
+                };
+                for (lane, (ray, &limit)) in rays.iter().zip(limits).enumerate() {
+                    let origin = self.to_frame(ray.origin.0).as_vec3();
+                    let direction = (ray.direction * self.scale).as_vec3();
+                    for axis in 0..3 {
+                        quad.origin[axis][lane] = origin[axis];
+                        quad.inverse[axis][lane] = inverse(direction[axis]);
                     }
+                    quad.limit[lane] = not_below(limit);
                 }
-                Child::Node(index) => self.nodes[index as usize].push(&slabs, limit, stack),
-            }
+                quad
+            });
+        Batch {
+            quads: quads.collect(),
+            margin: (reach as f32 + 1.0) * BOX_GIVES_WAY,
         }
-        false
+    }
+
+    /// Shows `leaf` the shapes below `roots` that each ray of a batch may meet up to its limit,
+    /// roughly near to far: a range of shapes, and the ray's index. `leaf` gives back the ray's new
+    /// limit, below 0 if the ray is done.
+    pub(super) fn descend(
+        &self,
+        roots: &[Member],
+        batch: &mut Batch,
+        leaf: impl FnMut(Range<usize>, usize) -> f64,
+    ) {
+        let all = (0..batch.quads.len()).map(|index| Quad {
+            index: index as u8,
+            mask: 0b1111,
+        });
+        let mut descent = Descent {
+            nodes: &self.nodes,
+            lists: all.collect(),
+            batch,
+            leaf,
+        };
+        let everyone = (0, descent.lists.len());
+        for members in roots.chunks(WIDTH) {
+            descent.open(members, everyone);
+        }
     }
 
     /// Bytes of the nodes.
@@ -363,77 +344,168 @@ impl Bvh {
     }
 }
 
-impl Node {
-    const EMPTY: Self = {
-        let (lower, upper) = ([Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]);
+impl Member {
+    fn new(bounds: &Aabb, child: Child) -> Self {
         Self {
-            bounds: [lower, lower, lower, upper, upper, upper],
-            children: [Child::None; WIDTH],
+            min: bounds.min.into(),
+            max: bounds.max.into(),
+            child,
         }
-    };
-
-    fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
-        let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
-        for axis in 0..3 {
-            self.bounds[axis][slot / HALF][slot % HALF] = min[axis];
-            self.bounds[axis + 3][slot / HALF][slot % HALF] = max[axis];
-        }
-        self.children[slot] = child;
     }
 
-    /// The children and their boxes.
-    fn members(&self) -> impl Iterator<Item = (Aabb, Child)> + '_ {
-        (0..WIDTH).map(|slot| {
-            let bound = |row: usize| self.bounds[row][slot / HALF][slot % HALF];
-            let min = Vec3::new(bound(0), bound(1), bound(2));
-            let max = Vec3::new(bound(3), bound(4), bound(5));
-            (Aabb::new(min.into(), max.into()), self.children[slot])
+    fn bounds(&self) -> Bounds {
+        Bounds {
+            min: self.min.as_dvec3(),
+            max: self.max.as_dvec3(),
+        }
+    }
+}
+
+impl Node {
+    const EMPTY: Self = Self {
+        members: [Member {
+            min: Vec3::INFINITY,
+            max: Vec3::NEG_INFINITY,
+            child: Child::Leaf { first: 0, count: 0 },
+        }; WIDTH],
+        len: 0,
+    };
+
+    fn push(&mut self, member: Member) {
+        self.members[usize::from(self.len)] = member;
+        self.len += 1;
+    }
+
+    fn members(&self) -> &[Member] {
+        &self.members[..usize::from(self.len)]
+    }
+}
+
+impl QuadRays {
+    /// Where each ray enters the box, and which rays do so up to their limit.
+    #[inline(always)]
+    fn meet(&self, lower: [Vec4; 3], upper: [Vec4; 3]) -> (Vec4, u32) {
+        let slab = |axis: usize| {
+            let to_lower = (lower[axis] - self.origin[axis]) * self.inverse[axis];
+            let to_upper = (upper[axis] - self.origin[axis]) * self.inverse[axis];
+            (to_lower.min(to_upper), to_lower.max(to_upper))
+        };
+        let [x, y, z] = [slab(0), slab(1), slab(2)];
+        let enters = x.0.max(y.0).max(z.0.max(Vec4::ZERO));
+        let leaves = x.1.min(y.1).min(z.1) * SLAB_GIVES_WAY;
+        (enters, enters.cmple(leaves.min(self.limit)).bitmask())
+    }
+}
+
+impl<F: FnMut(Range<usize>, usize) -> f64> Descent<'_, F> {
+    /// Visits the boxes among `members` that rays of the list at `quads` meet, the nearest first.
+    fn open(&mut self, members: &[Member], quads: (usize, usize)) {
+        let bottom = self.lists.len();
+        let mut met: [Option<Met>; WIDTH] = [None; WIDTH];
+        let mut count: usize = 0;
+        for member in members {
+            if let Some(found) = self.meet(member, quads) {
+                // Keeps the nearest first.
+                let mut place = count;
+                while let Some(before) = place.checked_sub(1)
+                    && met[before].is_some_and(|other| other.enters > found.enters)
+                {
+                    met[place] = met[before];
+                    place = before;
+                }
+                met[place] = Some(found);
+                count += 1;
+            }
+        }
+        for Met {
+            child,
+            enters,
+            quads,
+        } in met.into_iter().flatten()
+        {
+            match child {
+                Child::Node(index) => {
+                    if self.is_of_interest(enters, quads) {
+                        let nodes = self.nodes;
+                        self.open(nodes[index as usize].members(), quads);
+                    }
+                }
+                Child::Leaf { first, count } => {
+                    let shapes = first as usize..first as usize + usize::from(count);
+                    self.show(&shapes, quads);
+                }
+            }
+        }
+        self.lists.truncate(bottom);
+    }
+
+    /// Makes the list of those quads of a list that meet a box.
+    #[inline(always)]
+    fn meet(&mut self, member: &Member, (start, end): (usize, usize)) -> Option<Met> {
+        let lower = (member.min - self.batch.margin).to_array().map(Vec4::splat);
+        let upper = (member.max + self.batch.margin).to_array().map(Vec4::splat);
+        let bottom = self.lists.len();
+        self.lists.resize(bottom + end - start, Quad::default());
+        let (before, found) = self.lists.split_at_mut(bottom);
+        let mut nearest = Vec4::INFINITY;
+        let mut count = 0;
+        for quad in &before[start..end] {
+            let (enters, mask) = self.batch.quads[usize::from(quad.index)].meet(lower, upper);
+            let mask = mask as u8 & quad.mask;
+            // Written in any case and kept only if it counts: no branch to guess wrong.
+            found[count] = Quad {
+                index: quad.index,
+                mask,
+            };
+            count += usize::from(mask != 0);
+            nearest = if mask != 0 {
+                nearest.min(enters)
+            } else {
+                nearest
+            };
+        }
+        self.lists.truncate(bottom + count);
+        (count > 0).then(|| Met {
+            child: member.child,
+            enters: nearest.min_element(),
+            quads: (bottom, bottom + count),
         })
     }
 
-    /// Puts the children that the ray meets on the stack.
-    #[inline(always)]
-    fn push(&self, ray: &SlabRay, limit: f32, stack: &mut Vec<Pending>) {
-        self.meet(ray, limit, |child, enters| {
-            stack.push(Pending { child, enters })
-        });
+    /// Whether any ray of a list may still meet something that begins at `enters`; its limit may
+    /// have come nearer since the list was made.
+    fn is_of_interest(&self, enters: f32, (start, end): (usize, usize)) -> bool {
+        let limits = self.lists[start..end].iter();
+        let limits = limits.map(|quad| self.batch.quads[usize::from(quad.index)].limit);
+        limits.fold(Vec4::NEG_ONE, Vec4::max).max_element() >= enters
     }
 
-    /// Puts the children that the ray meets on the stack, the nearest of all above `bottom` on
-    /// top.
-    #[inline(always)]
-    fn push_sorted(&self, ray: &SlabRay, limit: f32, stack: &mut Vec<Pending>, bottom: usize) {
-        self.meet(ray, limit, |child, enters| {
-            stack.push(Pending { child, enters });
-            let mut place = stack.len() - 1;
-            while place > bottom && stack[place - 1].enters < stack[place].enters {
-                stack.swap(place - 1, place);
-                place -= 1;
-            }
-        });
-    }
-
-    /// Shows `met` the children whose boxes the ray enters at t from 0 to `limit`, and where.
-    #[inline(always)]
-    fn meet(&self, ray: &SlabRay, limit: f32, mut met: impl FnMut(Child, f32)) {
-        let (near, far) = (
-            ray.near.map(|row| &self.bounds[row]),
-            ray.far.map(|row| &self.bounds[row]),
-        );
-        for half in 0..2 {
-            let near_at =
-                |axis: usize| (near[axis][half] - ray.near_origin[axis]) * ray.inverse[axis];
-            let far_at = |axis: usize| (far[axis][half] - ray.far_origin[axis]) * ray.inverse[axis];
-            let enters = near_at(0).max(near_at(1)).max(near_at(2).max(Vec4::ZERO));
-            let leaves = far_at(0).min(far_at(1)).min(far_at(2)) * SLAB_GIVES_WAY;
-            let mut hits = enters.cmple(leaves.min(Vec4::splat(limit))).bitmask();
-            while hits != 0 {
-                let slot = hits.trailing_zeros() as usize;
-                hits &= hits - 1;
-                met(self.children[half * HALF + slot], enters[slot]);
+    /// Shows shapes to the rays of a list.
+    fn show(&mut self, shapes: &Range<usize>, (start, end): (usize, usize)) {
+        for place in start..end {
+            let Quad { index, mask } = self.lists[place];
+            let index = usize::from(index);
+            let mut mask = mask;
+            while mask != 0 {
+                let lane = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                if self.batch.quads[index].limit[lane] >= 0.0 {
+                    let limit = (self.leaf)(shapes.clone(), index * QUAD + lane);
+                    self.batch.quads[index].limit[lane] = not_below(limit);
+                }
             }
         }
     }
+}
+
+/// One over a component of a direction in the tree's frame, finite.
+fn inverse(component: f32) -> f32 {
+    let divisor = if component.abs() < SMALLEST_COMPONENT {
+        SMALLEST_COMPONENT.copysign(component)
+    } else {
+        component
+    };
+    1.0 / divisor
 }
 
 /// A parameter in f32 that is not below it, with room for the rounding of a slab test.

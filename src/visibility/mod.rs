@@ -140,30 +140,39 @@ impl<'w> Visibility<'w> {
         let Some(bundle) = rays.bundle() else {
             return Vec::new();
         };
-        let spheres = self.spheres.within(&bundle);
-        let triangles = self.triangles.within(&bundle);
-        let mut stack = Vec::new();
-        let nearest_of = |ray: Ray| {
-            let mut nearest: Option<Hit> = None;
-            for (index, plane) in self.world.planes().iter().enumerate() {
-                if let Some(t) = plane::intersect(plane, &ray) {
-                    self.keep_nearest(&mut nearest, t, Primitive::Plane(index as u32));
+        let rays: Vec<Ray> = rays.iter().collect();
+        let mut nearest: Vec<Option<Hit>> = vec![None; rays.len()];
+        for (index, plane) in self.world.planes().iter().enumerate() {
+            for (ray, nearest) in rays.iter().zip(&mut nearest) {
+                if let Some(t) = plane::intersect(plane, ray) {
+                    self.keep_nearest(nearest, t, Primitive::Plane(index as u32));
                 }
             }
-            spheres.visit(&ray, &mut nearest, &mut stack, |ball, nearest| {
-                if let Some(t) = ball.intersect(&ray) {
-                    self.keep_nearest(nearest, t, Primitive::Sphere(ball.index()));
+        }
+        let limit_of = |nearest: &Option<Hit>| nearest.map_or(f64::INFINITY, |hit| hit.t);
+
+        let spheres = self.spheres.within(&bundle);
+        if !spheres.is_empty() {
+            let limits: Vec<f64> = nearest.iter().map(limit_of).collect();
+            spheres.visit(&rays, &limits, |ball, ray| {
+                if let Some(t) = ball.intersect(&rays[ray]) {
+                    self.keep_nearest(&mut nearest[ray], t, Primitive::Sphere(ball.index()));
                 }
+                limit_of(&nearest[ray])
             });
-            let sheared = ShearedRay::new(&ray);
-            triangles.visit(&ray, &mut nearest, &mut stack, |triangle, nearest| {
-                if let Some(t) = triangle.intersect(&sheared) {
-                    self.keep_nearest(nearest, t, Primitive::Triangle(triangle.index()));
+        }
+        let triangles = self.triangles.within(&bundle);
+        if !triangles.is_empty() {
+            let limits: Vec<f64> = nearest.iter().map(limit_of).collect();
+            let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
+            triangles.visit(&rays, &limits, |triangle, ray| {
+                if let Some(t) = triangle.intersect(&sheared[ray]) {
+                    self.keep_nearest(&mut nearest[ray], t, Primitive::Triangle(triangle.index()));
                 }
+                limit_of(&nearest[ray])
             });
-            nearest
-        };
-        rays.iter().map(nearest_of).collect()
+        }
+        nearest
     }
 
     /// Keeps the nearer of two hits; at the same distance the one written first in the scene.
@@ -194,44 +203,51 @@ impl<'w> Visibility<'w> {
     /// geometric normal faces the light; `facing` says which, and for the others the answer is
     /// no. At the light itself (d = 0) it is no as well.
     pub fn lit(&self, light: Point, points: &[SurfacePoint], facing: &[bool]) -> Vec<bool> {
-        let asked = points.iter().zip(facing).filter(|&(_, &facing)| facing);
-        let directions = asked.map(|(point, _)| point.position.from(light));
+        let rays: Vec<Ray> = points
+            .iter()
+            .map(|point| Ray {
+                origin: light,
+                direction: point.position.from(light),
+            })
+            .collect();
+        let asked = rays.iter().zip(facing).filter(|&(_, &facing)| facing);
+        let directions = asked.map(|(ray, _)| ray.direction);
         let Some(bundle) = Bundle::from_point(light, directions, 1.0) else {
             return vec![false; points.len()];
         };
-        let spheres = self.spheres.within(&bundle);
-        let triangles = self.triangles.within(&bundle);
-        if spheres.is_empty() && triangles.is_empty() && self.world.planes().is_empty() {
-            return facing.to_vec();
+        // The limit of a ray: 1, the point itself, while nothing is known to be in its way.
+        const DONE: f64 = -1.0;
+        let mut limits: Vec<f64> = facing.iter().map(|&f| if f { 1.0 } else { DONE }).collect();
+        for (index, plane) in self.world.planes().iter().enumerate() {
+            for ((ray, point), limit) in rays.iter().zip(points).zip(&mut limits) {
+                let is_own = point.primitive == Primitive::Plane(index as u32);
+                if *limit > 0.0 && !is_own && plane::occludes(plane, ray, point) {
+                    *limit = DONE;
+                }
+            }
         }
-        let sphere_view = spheres.viewpoint(light);
-        let triangle_view = triangles.viewpoint(light);
-        let mut stack = Vec::new();
-        let mut is_lit = |point: &SurfacePoint| {
-            let ray = Ray {
-                origin: light,
-                direction: point.position.from(light),
-            };
-            let sheared = ShearedRay::new(&ray);
-            !self.planes_occlude(&ray, point)
-                && !spheres.any(&sphere_view, &ray, &mut stack, |ball| {
-                    ball.occludes(&ray, point)
-                })
-                && !triangles.any(&triangle_view, &ray, &mut stack, |triangle| {
-                    triangle.occludes(&sheared, point)
-                })
-        };
-        let points = points.iter().zip(facing);
-        points
-            .map(|(point, &facing)| facing && is_lit(point))
-            .collect()
-    }
-
-    fn planes_occlude(&self, ray: &Ray, point: &SurfacePoint) -> bool {
-        let mut planes = self.world.planes().iter().enumerate();
-        planes.any(|(index, plane)| {
-            point.primitive != Primitive::Plane(index as u32) && plane::occludes(plane, ray, point)
-        })
+        let spheres = self.spheres.within(&bundle);
+        if !spheres.is_empty() {
+            let before = limits.clone();
+            spheres.visit(&rays, &before, |ball, ray| {
+                if ball.occludes(&rays[ray], &points[ray]) {
+                    limits[ray] = DONE;
+                }
+                limits[ray]
+            });
+        }
+        let triangles = self.triangles.within(&bundle);
+        if !triangles.is_empty() {
+            let before = limits.clone();
+            let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
+            triangles.visit(&rays, &before, |triangle, ray| {
+                if triangle.occludes(&sheared[ray], &points[ray]) {
+                    limits[ray] = DONE;
+                }
+                limits[ray]
+            });
+        }
+        limits.iter().map(|&limit| limit > 0.0).collect()
     }
 
     /// Bytes of the arrays and trees.

@@ -1,9 +1,8 @@
 //! All shapes of one kind: a list to go through, or a tree over it.
 
-use super::Hit;
 use super::bundle::Bundle;
-use super::bvh::{Bounds, Bvh, Node, Pending, Viewpoint};
-use crate::math::{Point, Ray};
+use super::bvh::{Bounds, Bvh, Member};
+use crate::math::Ray;
 use crate::world::plan::Acceleration;
 
 /// How much the box of a shape gives way to a bundle, per unit of distance: the rounding in f64 of
@@ -32,7 +31,7 @@ pub(super) enum Candidates<'s, S> {
     Tree {
         shapes: &'s [S],
         tree: &'s Bvh,
-        roots: Vec<Node>,
+        roots: Vec<Member>,
     },
 }
 
@@ -83,58 +82,42 @@ impl<S> Candidates<'_, S> {
         }
     }
 
-    /// Shows `found` every shape that a ray of the batch may hit before `nearest`, roughly near
-    /// to far.
+    /// Shows `found` the shapes that each ray may meet at t from 0 to its limit, with the ray's
+    /// index. `found` gives back the ray's new limit, below 0 if the ray is done.
     pub(super) fn visit(
         &self,
-        ray: &Ray,
-        nearest: &mut Option<Hit>,
-        stack: &mut Vec<Pending>,
-        mut found: impl FnMut(&S, &mut Option<Hit>),
+        rays: &[Ray],
+        limits: &[f64],
+        mut found: impl FnMut(&S, usize) -> f64,
     ) {
         match self {
-            Self::List(shapes) => shapes.iter().for_each(|shape| found(shape, nearest)),
+            Self::List(shapes) => {
+                for (index, &limit) in limits.iter().enumerate() {
+                    let mut limit = limit;
+                    for shape in shapes {
+                        if limit >= 0.0 {
+                            limit = found(shape, index);
+                        }
+                    }
+                }
+            }
             Self::Tree {
                 shapes,
                 tree,
                 roots,
             } => {
-                let limit = nearest.map_or(f64::INFINITY, |hit| hit.t);
-                tree.visit(roots, ray, limit, stack, |leaf| {
+                let mut batch = tree.batch(rays, limits);
+                tree.descend(roots, &mut batch, |leaf, index| {
+                    let mut limit = 0.0;
                     for shape in &shapes[leaf] {
-                        found(shape, nearest);
+                        limit = found(shape, index);
+                        if limit < 0.0 {
+                            break;
+                        }
                     }
-                    nearest.map_or(f64::INFINITY, |hit| hit.t)
+                    limit
                 });
             }
-        }
-    }
-
-    /// Rays that start at `origin`, prepared for [`Candidates::any`].
-    pub(super) fn viewpoint(&self, origin: Point) -> Viewpoint {
-        match self {
-            Self::List(_) => Viewpoint::default(),
-            Self::Tree { tree, .. } => tree.viewpoint(origin),
-        }
-    }
-
-    /// Whether `occludes` holds for any shape that the ray of the batch may hit at t from 0 to 1.
-    pub(super) fn any(
-        &self,
-        viewpoint: &Viewpoint,
-        ray: &Ray,
-        stack: &mut Vec<Pending>,
-        occludes: impl Fn(&S) -> bool,
-    ) -> bool {
-        match self {
-            Self::List(shapes) => shapes.iter().any(occludes),
-            Self::Tree {
-                shapes,
-                tree,
-                roots,
-            } => tree.any(roots, viewpoint, ray.direction, stack, |leaf| {
-                shapes[leaf].iter().any(&occludes)
-            }),
         }
     }
 }

@@ -23,62 +23,81 @@ pub(super) struct Facet {
 /// it has the right sign or is 0, which counts as inside. So no ray slips between triangles that
 /// share an edge or a corner.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ShearedRay<'r> {
-    ray: &'r Ray,
-    x: usize,
-    y: usize,
-    z: usize,
-    /// x and y of the direction over its z.
+pub(super) struct ShearedRay {
+    ray: Ray,
+    axis: Axis,
+    /// The other two components of the direction over that of the axis, in cyclic order.
     shear: [f64; 2],
+}
+
+/// The axis along which a ray is longest.
+#[derive(Clone, Copy, Debug)]
+enum Axis {
+    X,
+    Y,
+    Z,
 }
 
 /// Barycentric coordinates of the point where a ray that hits the triangle does so.
 pub(super) fn weights(vertices: [DVec3; 3], ray: &Ray) -> [f64; 3] {
-    let functions = ShearedRay::new(ray).edge_functions(vertices);
+    let functions = ShearedRay::new(*ray).edge_functions(vertices);
     let sum: f64 = functions.iter().sum();
     functions.map(|function| function / sum)
 }
 
-impl<'r> ShearedRay<'r> {
-    pub(super) fn new(ray: &'r Ray) -> Self {
+impl ShearedRay {
+    pub(super) fn new(ray: Ray) -> Self {
         let d = ray.direction;
         let size = d.abs();
-        let z = if size.x >= size.y && size.x >= size.z {
-            0
+        let (axis, shear) = if size.x >= size.y && size.x >= size.z {
+            (Axis::X, [d.y / d.x, d.z / d.x])
         } else if size.y >= size.z {
-            1
+            (Axis::Y, [d.z / d.y, d.x / d.y])
         } else {
-            2
+            (Axis::Z, [d.x / d.z, d.y / d.z])
         };
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        Self {
-            ray,
-            x,
-            y,
-            z,
-            shear: [d[x] / d[z], d[y] / d[z]],
-        }
+        Self { ray, axis, shear }
     }
 
     /// The edge functions of the triangle around the ray: twice the areas that the ray makes with
     /// its edges. The i-th belongs to the edge opposite of the i-th corner.
+    #[inline(always)]
     fn edge_functions(&self, vertices: [DVec3; 3]) -> [f64; 3] {
-        let [a, b, c] = vertices.map(|vertex| {
-            let v = vertex - self.ray.origin.0;
-            let height = v[self.z];
-            [
-                v[self.x] - self.shear[0] * height,
-                v[self.y] - self.shear[1] * height,
-            ]
-        });
+        match self.axis {
+            Axis::X => self.projected(vertices, |v| [v.y, v.z, v.x]),
+            Axis::Y => self.projected(vertices, |v| [v.z, v.x, v.y]),
+            Axis::Z => self.projected(vertices, |v| [v.x, v.y, v.z]),
+        }
+    }
+
+    /// The edge functions, with `turned` to bring the ray's axis to the end.
+    #[inline(always)]
+    fn projected(&self, [a, b, c]: [DVec3; 3], turned: impl Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
+        let project = |vertex: DVec3| {
+            let [x, y, z] = turned(vertex - self.ray.origin.0);
+            [x - self.shear[0] * z, y - self.shear[1] * z]
+        };
         let edge = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - q[0] * p[1];
+        let (a, b, c) = (project(a), project(b), project(c));
         [edge(b, c), edge(c, a), edge(a, b)]
     }
 
-    /// Whether the ray's line passes through the triangle.
+    /// Whether the ray's line passes through the triangle: all edge functions have one sign.
+    #[inline(always)]
     fn passes_through(&self, vertices: [DVec3; 3]) -> bool {
         let [u, v, w] = self.edge_functions(vertices);
         (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
+    }
+}
+
+impl Axis {
+    /// The component of a vector along this axis.
+    fn of(self, vector: DVec3) -> f64 {
+        match self {
+            Self::X => vector.x,
+            Self::Y => vector.y,
+            Self::Z => vector.z,
+        }
     }
 }
 
@@ -96,18 +115,18 @@ impl Facet {
     }
 
     /// L2: where the ray meets the triangle at t above 0.
-    pub(super) fn intersect(&self, sheared: &ShearedRay<'_>) -> Option<f64> {
+    pub(super) fn intersect(&self, sheared: &ShearedRay) -> Option<f64> {
         if !sheared.passes_through(self.vertices) {
             return None;
         }
-        let ShearedRay { ray, z, .. } = *sheared;
+        let ray = &sheared.ray;
         let normal = area_vector(self.vertices);
         let t = normal.dot(self.vertices[0] - ray.origin.0) / normal.dot(ray.direction);
         // The hit is between the corners, also where the normal of a sliver is not worth much. A
         // ray in the triangle's plane gives an infinite or NaN t: seen edge-on it has no extent.
         let heights = self
             .vertices
-            .map(|vertex| (vertex[z] - ray.origin.0[z]) / ray.direction[z]);
+            .map(|vertex| sheared.axis.of(vertex - ray.origin.0) / sheared.axis.of(ray.direction));
         let nearest = heights[0].min(heights[1]).min(heights[2]);
         let farthest = heights[0].max(heights[1]).max(heights[2]);
         (t.is_finite() && farthest > 0.0)
@@ -118,7 +137,7 @@ impl Facet {
     /// L4: whether the triangle stands strictly between the start of the ray, a light, and
     /// `point` at its end: they are on different sides of its plane, each further from it than
     /// its rounding error, and the ray passes through it. A triangle does not occlude itself.
-    pub(super) fn occludes(&self, sheared: &ShearedRay<'_>, point: &SurfacePoint) -> bool {
+    pub(super) fn occludes(&self, sheared: &ShearedRay, point: &SurfacePoint) -> bool {
         if !sheared.passes_through(self.vertices)
             || point.primitive == Primitive::Triangle(self.index)
         {
