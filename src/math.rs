@@ -41,11 +41,18 @@ impl From<[f64; 3]> for Point {
     }
 }
 
+/// Squared lengths in this range have all their digits, and so have their square roots.
+const SAFE_SQUARES: std::ops::Range<f64> = 1e-200..1e200;
+
 /// `vector` at unit length, or `None` where it has no direction (zero, infinite or NaN).
 ///
-/// Scaled by its largest component first, so that tiny and huge vectors neither underflow nor
-/// overflow when they are squared.
+/// Tiny and huge vectors are scaled by their largest component first, so that they neither
+/// underflow nor overflow when they are squared.
 fn unit(vector: DVec3) -> Option<DVec3> {
+    let square = vector.length_squared();
+    if SAFE_SQUARES.contains(&square) {
+        return Some(vector * (1.0 / square.sqrt()));
+    }
     let largest = vector.abs().max_element();
     if !(largest > 0.0 && vector.is_finite()) {
         return None;

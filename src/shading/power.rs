@@ -29,6 +29,10 @@ const EXPONENTIAL: [f64; 14] = {
 /// Below this power of two, exp2 gives 0: the smallest normal f64 is 2⁻¹⁰²².
 const LOWEST_EXPONENT: f64 = -1022.0;
 
+/// Added and subtracted, this rounds a number of far smaller magnitude to an integer: the last bit
+/// of a number from 2⁵² to 2⁵³ stands for 1.
+const ROUNDS: f64 = 1.5 * (1_u64 << 52) as f64;
+
 /// baseⁿ for a base from 0 to 1 and n above 0. Relative error: below 1e-12 where the result is
 /// above 1e-300, and 0 below that.
 ///
@@ -63,7 +67,7 @@ fn exp2(x: f64) -> f64 {
     if x < LOWEST_EXPONENT {
         return 0.0;
     }
-    let integer = x.round_ties_even();
+    let integer = (x + ROUNDS) - ROUNDS;
     let rest = (x - integer) * LN_2;
     polynomial(&EXPONENTIAL, rest) * f64::from_bits(((integer as i64 + 1023) as u64) << 52)
 }

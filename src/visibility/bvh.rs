@@ -13,7 +13,7 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{BVec4A, DVec3, Vec3, Vec4};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -384,7 +384,7 @@ impl Node {
 impl QuadRays {
     /// Where each ray enters the box, and which rays do so up to their limit.
     #[inline(always)]
-    fn meet(&self, lower: [Vec4; 3], upper: [Vec4; 3]) -> (Vec4, u32) {
+    fn meet(&self, lower: [Vec4; 3], upper: [Vec4; 3]) -> (Vec4, BVec4A) {
         let slab = |axis: usize| {
             let to_lower = (lower[axis] - self.origin[axis]) * self.inverse[axis];
             let to_upper = (upper[axis] - self.origin[axis]) * self.inverse[axis];
@@ -393,7 +393,7 @@ impl QuadRays {
         let [x, y, z] = [slab(0), slab(1), slab(2)];
         let enters = x.0.max(y.0).max(z.0.max(Vec4::ZERO));
         let leaves = x.1.min(y.1).min(z.1) * SLAB_GIVES_WAY;
-        (enters, enters.cmple(leaves.min(self.limit)).bitmask())
+        (enters, enters.cmple(leaves.min(self.limit)))
     }
 }
 
@@ -450,19 +450,15 @@ impl<F: FnMut(Range<usize>, usize) -> f64> Descent<'_, F> {
         let mut nearest = Vec4::INFINITY;
         let mut count = 0;
         for quad in &before[start..end] {
-            let (enters, mask) = self.batch.quads[usize::from(quad.index)].meet(lower, upper);
-            let mask = mask as u8 & quad.mask;
+            let (enters, meets) = self.batch.quads[usize::from(quad.index)].meet(lower, upper);
+            let mask = meets.bitmask() as u8 & quad.mask;
             // Written in any case and kept only if it counts: no branch to guess wrong.
             found[count] = Quad {
                 index: quad.index,
                 mask,
             };
             count += usize::from(mask != 0);
-            nearest = if mask != 0 {
-                nearest.min(enters)
-            } else {
-                nearest
-            };
+            nearest = nearest.min(Vec4::select(meets, enters, Vec4::INFINITY));
         }
         self.lists.truncate(bottom + count);
         (count > 0).then(|| Met {

@@ -1,7 +1,7 @@
 //! The point of a surface that a primary ray hits.
 
 use super::{Hit, triangle};
-use crate::math::{Direction, Normal, Point, Ray};
+use crate::math::{DVec3, Direction, Normal, Point, Ray};
 use crate::world::World;
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 
@@ -107,7 +107,9 @@ impl SurfacePoint {
     /// from it than rounding errors. A light in the very plane of a floor is not above it.
     pub fn faces(&self, light: Point) -> bool {
         let to_light = light.from(self.tangent);
-        let rounding = 8.0 * f64::EPSILON * (to_light.length() + light.0.length());
+        // The largest component stands for the length, which is at most √3 times as long.
+        let length = |vector: DVec3| vector.abs().max_element();
+        let rounding = 16.0 * f64::EPSILON * (length(to_light) + length(light.0));
         let known_to = if self.tangent == self.position {
             self.error
         } else {
@@ -118,6 +120,6 @@ impl SurfacePoint {
 
     /// Whether a light is at the point itself (d = 0), as far as can be told.
     pub fn is_at(&self, light: Point) -> bool {
-        light.from(self.position).length() <= self.error
+        light.from(self.position).length_squared() <= self.error * self.error
     }
 }

@@ -138,8 +138,8 @@ impl Facet {
     /// `point` at its end: they are on different sides of its plane, each further from it than
     /// its rounding error, and the ray passes through it. A triangle does not occlude itself.
     pub(super) fn occludes(&self, sheared: &ShearedRay, point: &SurfacePoint) -> bool {
-        if !sheared.passes_through(self.vertices)
-            || point.primitive == Primitive::Triangle(self.index)
+        if point.primitive == Primitive::Triangle(self.index)
+            || !sheared.passes_through(self.vertices)
         {
             return false;
         }
