@@ -4,8 +4,13 @@
 
 mod allocation;
 mod bad_scenes;
+mod blessed;
+mod closed_form;
 mod display;
 mod exr;
 mod fuzz_mesh;
 mod fuzzing;
+mod generate;
+mod images;
 mod openimageio;
+mod oracle;

@@ -165,7 +165,10 @@ impl<'a> Validator<'a> {
 
     fn resolution(&mut self) -> [u32; 2] {
         let Spanned { value, span } = self.scene.image.resolution;
-        if value.iter().any(|side| !(1..=MAX_RESOLUTION).contains(side)) {
+        if value
+            .iter()
+            .any(|side| !(1..=MAX_RESOLUTION).contains(side))
+        {
             let expected = format!("a width and a height from 1 to {MAX_RESOLUTION} pixels");
             self.out_of_range("resolution", span, format!("{value:?}"), &expected);
             return [1, 1];
