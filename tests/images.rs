@@ -70,25 +70,3 @@ pub(crate) fn bits(film: &Film) -> Vec<[u32; 4]> {
         .map(|pixel| pixel.map(f32::to_bits))
         .collect()
 }
-
-/// The largest difference of a channel between two images of one size, over the largest absolute
-/// value in `expected`.
-pub(crate) fn difference(actual: &Film, expected: &Film) -> f64 {
-    assert_eq!(actual.resolution(), expected.resolution());
-    let channels = |film: &Film| -> Vec<f64> {
-        film.pixels()
-            .iter()
-            .flatten()
-            .map(|&channel| f64::from(channel))
-            .collect()
-    };
-    let (actual, expected) = (channels(actual), channels(expected));
-    let largest = expected
-        .iter()
-        .fold(0.0, |most: f64, value| most.max(value.abs()));
-    actual
-        .iter()
-        .zip(&expected)
-        .map(|(a, b)| (a - b).abs() / largest)
-        .fold(0.0, f64::max)
-}

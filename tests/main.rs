@@ -5,6 +5,7 @@
 mod allocation;
 mod bad_scenes;
 mod blessed;
+mod cli;
 mod closed_form;
 mod display;
 mod exr;
@@ -12,5 +13,6 @@ mod fuzz_mesh;
 mod fuzzing;
 mod generate;
 mod images;
+mod invariance;
 mod openimageio;
 mod oracle;
