@@ -92,8 +92,11 @@ pub(crate) fn scenes(folder: &Path) -> Vec<(String, Scene)> {
     (0..count).map(|seed| scene(seed, folder)).collect()
 }
 
+/// Writes a kind of scene.
+type Compose<'f> = fn(&mut Draft<'f>);
+
 fn scene<'f>(seed: u64, folder: &'f Path) -> (String, Scene) {
-    let kinds: [(&str, fn(&mut Draft<'f>)); 10] = [
+    let kinds: [(&str, Compose<'f>); 10] = [
         ("still life", Draft::still_life),
         ("crowd", Draft::crowd),
         ("shards", Draft::shards),
