@@ -4,8 +4,17 @@
 
 mod allocation;
 mod bad_scenes;
+mod blessed;
+mod cli;
+mod closed_form;
 mod display;
 mod exr;
 mod fuzz_mesh;
+mod fuzz_scene;
 mod fuzzing;
+mod generate;
+mod images;
+mod invariance;
+mod layering;
 mod openimageio;
+mod oracle;

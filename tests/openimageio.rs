@@ -42,6 +42,20 @@ pub(crate) fn idiff_agrees(a: &Path, b: &Path) -> bool {
     command.arg(a).arg(b).output().unwrap().status.success()
 }
 
+/// Whether idiff finds at most `count` pixels of two images further apart than
+/// `relative` of their mean.
+pub(crate) fn idiff_agrees_within(a: &Path, b: &Path, relative: f64, count: usize) -> bool {
+    let (relative, count) = (relative.to_string(), count.to_string());
+    let mut command = Command::new(tool("idiff"));
+    command
+        // Relative alone, without absolute tolerance.
+        .args(["-fail", "0", "-failrelative", &relative])
+        .args(["-allowfailures", &count, "-warn", "inf"])
+        .arg(a)
+        .arg(b);
+    command.output().unwrap().status.success()
+}
+
 /// The first part of an image as OpenImageIO decodes it.
 #[derive(Debug)]
 pub(crate) struct Decoded {

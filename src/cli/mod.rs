@@ -114,9 +114,9 @@ fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
 }
 
 fn is_broken_pipe(failure: &(dyn Error + 'static)) -> bool {
-    failure
-        .downcast_ref::<io::Error>()
-        .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    std::iter::successors(Some(failure), |&failure| failure.source())
+        .filter_map(|failure| failure.downcast_ref::<io::Error>())
+        .any(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }
 
 /// Prints a failure, with lines of the scene file where it is about one.

@@ -1,0 +1,88 @@
+//! What ends a run early: signals, and readers that have seen enough.
+
+use std::fs;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use super::{SCENE, candela, files, folder, text};
+
+/// Waits for a child; kills it, and fails, if it takes longer than `patience`.
+fn wait(child: &mut Child, patience: Duration) -> ExitStatus {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status;
+        }
+        if start.elapsed() > patience {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            panic!("still runs after {patience:?}");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Until the program has its signal handler, a thread, and the two that render beside it.
+fn wait_for_threads(child: &Child) {
+    let tasks = format!("/proc/{}/task", child.id());
+    for _ in 0..500 {
+        std::thread::sleep(Duration::from_millis(10));
+        let Ok(entries) = fs::read_dir(&tasks) else {
+            // Not Linux: a second is enough.
+            return std::thread::sleep(Duration::from_secs(1));
+        };
+        if entries.count() >= 4 {
+            return;
+        }
+    }
+    panic!("the threads do not start");
+}
+
+#[test]
+fn an_interruption_leaves_nothing() {
+    let outputs = tempfile::tempdir().unwrap();
+    let scenes = folder();
+    let scene = scenes.path().join("ball.toml");
+    let large = SCENE.replace("[60, 40]", "[4000, 4000]");
+    fs::write(&scene, large).unwrap();
+    for (signal, code) in [("-INT", 130), ("-TERM", 130)] {
+        let mut child = candela(
+            outputs.path(),
+            "render --samples 4096 --threads 2 -o long.exr",
+        )
+        .arg(&scene)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+        wait_for_threads(&child);
+        let kill = Command::new("kill")
+            .arg(signal)
+            .arg(child.id().to_string())
+            .status();
+        assert!(kill.unwrap().success());
+        let status = wait(&mut child, Duration::from_secs(20));
+        assert_eq!(status.code(), Some(code), "{signal}");
+        assert_eq!(files(outputs.path()), [""; 0]);
+    }
+}
+
+/// As in `candela check scene.toml | head -1`: a reader that has seen enough is no error.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let folder = folder();
+    for arguments in [
+        "check ball.toml",
+        "probe ball.toml --pixel 30,20",
+        "probe ball.toml --pixel 30,20 --json",
+        "completions bash",
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = candela(folder.path(), arguments)
+            .stdout(writer)
+            .output()
+            .unwrap();
+        assert_eq!(text(&output.stderr), "", "{arguments}");
+        assert!(output.status.success(), "{arguments}");
+    }
+}

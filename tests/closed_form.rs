@@ -1,0 +1,421 @@
+//! Whole images whose pixels a formula gives.
+
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+
+use candela::film::Film;
+
+use crate::images::{pixel, render};
+
+/// Relative error where nothing but f32 arithmetic is between the formula and the pixel: I·k, the
+/// cosine term, their product and the sum over samples are each rounded, by 6e-8 at most.
+const ROUNDING: f64 = 4e-7;
+
+type Vector = [f64; 3];
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn minus(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn assert_near(actual: f32, expected: f64, tolerance: f64, what: &str) {
+    let actual = f64::from(actual);
+    assert!(
+        (actual - expected).abs() <= tolerance * expected.abs(),
+        "{what}: {actual}, expected {expected}"
+    );
+}
+
+/// An orthographic view of the x-z plane from above: +x right, +z down, `height` units high.
+fn from_above(resolution: u32, height: f64) -> String {
+    format!(
+        "[image]\nresolution = [{resolution}, {resolution}]\n\
+         [camera.orthographic]\neye = [0, 10, 0]\nlook_at = [0, 0, 0]\nup = [0, 0, -1]\n\
+         height = {height:?}\n"
+    )
+}
+
+/// The middle of a pixel of such a view, in scene units from the middle of the image.
+fn position(resolution: u32, height: f64, pixel: u32) -> f64 {
+    (f64::from(pixel) + 0.5 - f64::from(resolution) / 2.0) * height / f64::from(resolution)
+}
+
+fn floor_of(material: &str) -> String {
+    format!(
+        "[materials.m.{material}\n\
+         [objects.floor.plane]\nmaterial = \"m\"\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\n"
+    )
+}
+
+fn light(name: usize, position: Vector, intensity: f64) -> String {
+    format!("[lights.l{name}.point]\nposition = {position:?}\nintensity = {intensity:?}\n")
+}
+
+fn each_pixel(film: &Film, height: f64, mut check: impl FnMut(f64, f64, [f32; 4])) {
+    let [width, rows] = film.resolution();
+    for y in 0..rows {
+        for x in 0..width {
+            let (across, down) = (position(width, height, x), position(rows, height, y));
+            check(across, down, pixel(film, x, y));
+        }
+    }
+}
+
+/// L = I k_d h / (h² + r²)^{3/2}.
+#[test]
+fn a_plane_under_a_light() {
+    let (intensity, h, height) = (30.0, 1.5, 6.0);
+    let film = render(
+        &[
+            from_above(64, height),
+            floor_of("phong]\ndiffuse = [0.2, 0.5, 0.75]"),
+            light(0, [0.5, h, -0.25], intensity),
+        ]
+        .concat(),
+        1,
+    );
+    each_pixel(&film, height, |x, z, rgba| {
+        let (x, z) = (x - 0.5, z + 0.25);
+        let expected = intensity * h / (h * h + x * x + z * z).powf(1.5);
+        for (channel, diffuse) in rgba.into_iter().zip([0.2, 0.5, 0.75]) {
+            assert_near(channel, diffuse * expected, ROUNDING, "plane");
+        }
+        assert_eq!(rgba[3], 1.0);
+    });
+}
+
+/// A Lambertian sphere of radius 1: L = I k_d max(n·(p_L − p), 0) / d³ with p on the front.
+#[test]
+fn a_sphere_under_a_light_from_the_side() {
+    const HEIGHT: f64 = 2.5;
+    let at = [4.0, 1.0, 2.0];
+    let film = render(
+        &format!(
+            "[image]\nresolution = [64, 64]\n\
+             [camera.orthographic]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nheight = {HEIGHT}\n\
+             [materials.m.phong]\ndiffuse = 0.5\n\
+             [objects.ball.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 0]\nradius = 1\n{}",
+            light(0, at, 20.0)
+        ),
+        1,
+    );
+    let (mut lit, mut dark) = (0, 0);
+    each_pixel(&film, HEIGHT, |x, down, rgba| {
+        let y = -down;
+        let rest = 1.0 - x * x - y * y;
+        if rest < 0.0 {
+            assert_eq!(rgba, [0.0; 4]);
+            return;
+        }
+        assert_eq!(rgba[3], 1.0);
+        let p = [x, y, rest.sqrt()];
+        let to_light = minus(at, p);
+        let cosine = dot(p, to_light);
+        let expected = 20.0 * 0.5 * cosine.max(0.0) / dot(to_light, to_light).powf(1.5);
+        if cosine > 0.0 {
+            lit += 1;
+        } else {
+            dark += 1;
+        }
+        // At the silhouette z = √(1 − x² − y²) loses digits, and at the terminator the cosine.
+        let condition = 1.0 / rest.min(cosine.abs());
+        let tolerance = ROUNDING + 1e-13 * condition;
+        assert_near(rgba[0], expected, tolerance, "sphere");
+    });
+    assert!(lit > 1000 && dark > 200, "{lit} lit, {dark} dark");
+}
+
+/// Seen along the normal, ω_r·ω_o = n·ω_i: L = I k_s cosⁿθ / d², and for `normalized_phong`
+/// L = I ρ_s (n+2)/(2π) cosⁿ⁺¹θ / d².
+#[test]
+fn the_profile_of_a_highlight() {
+    const HEIGHT: f64 = 2.0;
+    const ROWS: u32 = 48;
+    for shininess in [0.5, 1.0, 20.0, 500.0, 5000.0] {
+        for model in ["phong", "normalized_phong"] {
+            let material = format!("{model}]\nspecular = 0.4\nshininess = {shininess:?}");
+            let scene = [
+                from_above(ROWS, HEIGHT),
+                floor_of(&material),
+                light(0, [0.0, 2.0, 0.0], 9.0),
+            ];
+            each_pixel(&render(&scene.concat(), 1), HEIGHT, |x, z, rgba| {
+                let d2 = 4.0 + x * x + z * z;
+                let cosine = 2.0 / d2.sqrt();
+                let lobe = 9.0 * 0.4 * cosine.powf(shininess) / d2;
+                let expected = match model {
+                    "phong" => lobe,
+                    _ => lobe * cosine * (shininess + 2.0) / TAU,
+                };
+                if expected > 1e-30 {
+                    // 1e-16 in the cosine is n times that in its power.
+                    let tolerance = ROUNDING + 1e-15 * shininess;
+                    assert_near(rgba[0], expected, tolerance, model);
+                }
+            });
+        }
+    }
+}
+
+/// L3: twice as far is a quarter of the light, three times a ninth.
+#[test]
+fn the_inverse_square() {
+    let radiance = |d: f64| {
+        let scene = [
+            from_above(1, 1.0),
+            floor_of("phong]\ndiffuse = 0.5"),
+            light(0, [0.0, d, 0.0], 6.0),
+        ];
+        pixel(&render(&scene.concat(), 1), 0, 0)[1]
+    };
+    for d in [0.01, 1.0, 1e4] {
+        let one = 6.0 * 0.5 / (d * d);
+        for times in [1.0, 2.0, 3.0] {
+            let expected = one / (times * times);
+            assert_near(radiance(d * times), expected, ROUNDING, "distance");
+        }
+    }
+}
+
+/// A perspective camera far away with a small angle sees what an orthographic one sees.
+#[test]
+fn the_orthographic_limit_of_perspective() {
+    const DISTANCE: f64 = 1e7;
+    /// The rays of both differ by an angle of 1e-7, and so do cosines.
+    const TOLERANCE: f64 = 1e-5;
+    let rest = format!(
+        "[materials.m.phong]\ndiffuse = 0.5\nspecular = 0.4\nshininess = 10\n\
+         [objects.ball.sphere]\nmaterial = \"m\"\ncenter = [0.1, 0.2, 0]\nradius = 0.8\n\
+         [objects.wall.plane]\nmaterial = \"m\"\npoint = [0, 0, -1]\nnormal = [0.1, 0.2, 1]\n{}",
+        light(0, [1.0, 2.0, 3.0], 10.0)
+    );
+    let view = format!(
+        "[image]\nresolution = [64, 48]\n[camera.NAME]\neye = [0, 0, {DISTANCE:?}]\n\
+         look_at = [0, 0, 0]\n"
+    );
+    let angle = 2.0 * (1.5 / DISTANCE).atan().to_degrees();
+    let perspective = view.replace("NAME", "perspective") + &format!("vertical_fov = {angle:?}\n");
+    let orthographic = view.replace("NAME", "orthographic") + "height = 3.0\n";
+    let (a, b) = (
+        render(&(perspective + &rest), 1),
+        render(&(orthographic + &rest), 1),
+    );
+    let different = a.pixels().iter().zip(b.pixels()).filter(|(a, b)| {
+        let scale = f64::from(b[0]);
+        (f64::from(a[0]) - scale).abs() > TOLERANCE * scale
+    });
+    // The silhouette and the edge of the shadow may fall on a pixel's center.
+    assert!(different.count() <= 2);
+}
+
+/// Light along the normal, looked at from everywhere: ∫ L_o cos θ dω / (I/d²) is
+/// π k_d + 2π k_s/(n+2) for `phong` and ρ_d + ρ_s for `normalized_phong`.
+#[test]
+fn the_albedo_at_normal_incidence() {
+    const STEPS: u32 = 300;
+    for (model, n, diffuse, specular) in [
+        ("phong", 5.0, 0.3, 0.2),
+        ("phong", 40.0, 0.1, 0.8),
+        ("normalized_phong", 1.0, 0.4, 0.6),
+        ("normalized_phong", 40.0, 0.25, 0.5),
+    ] {
+        let material =
+            format!("{model}]\ndiffuse = {diffuse:?}\nspecular = {specular:?}\nshininess = {n:?}");
+        let rest = floor_of(&material) + &light(0, [0.0, 2.0, 0.0], 4.0);
+        let mut sum = 0.0;
+        for step in 0..STEPS {
+            // The midpoint rule in cos θ; around the normal everything is the same.
+            let cosine = (f64::from(step) + 0.5) / f64::from(STEPS);
+            let sine = (1.0 - cosine * cosine).sqrt();
+            let view = format!(
+                "[image]\nresolution = [1, 1]\n[camera.orthographic]\nheight = 1e-3\n\
+                 eye = [{sine:?}, {cosine:?}, 0]\nlook_at = [0, 0, 0]\nup = [0, 0, 1]\n"
+            );
+            let radiance = pixel(&render(&(view + &rest), 1), 0, 0)[0];
+            sum += f64::from(radiance) * cosine;
+        }
+        // I / d² is 1.
+        let albedo = sum * TAU / f64::from(STEPS);
+        let expected = match model {
+            "phong" => PI * diffuse + TAU * specular / (n + 2.0),
+            _ => diffuse + specular,
+        };
+        // The midpoint rule for cosⁿ⁺¹ is off by (n+1)/(24 N²), its integral is 1/(n+2).
+        let tolerance = 2.0 * (n + 1.0) * (n + 2.0) / (24.0 * f64::from(STEPS * STEPS));
+        let error = (albedo - expected).abs() / expected;
+        assert!(error <= tolerance, "{model} {n}: {albedo}, not {expected}");
+    }
+}
+
+/// A furnace: under light of radiance 1 from everywhere, a `normalized_phong` surface is ρ_d + ρ_s
+/// bright along its normal, and never brighter in any other direction.
+#[test]
+fn a_furnace_gets_no_brighter() {
+    const RINGS: u32 = 48;
+    const SECTORS: u32 = 96;
+    const DISTANCE: f64 = 3.0;
+    let mut lights = String::new();
+    let solid_angle = TAU / f64::from(RINGS * SECTORS);
+    for index in 0..RINGS * SECTORS {
+        let cosine = (f64::from(index / SECTORS) + 0.5) / f64::from(RINGS);
+        let sine = (1.0 - cosine * cosine).sqrt();
+        let (sin, cos) = (TAU * f64::from(index % SECTORS) / f64::from(SECTORS)).sin_cos();
+        let at = [sine * cos, cosine, sine * sin].map(|axis| axis * DISTANCE);
+        lights += &light(index as usize, at, solid_angle * DISTANCE * DISTANCE);
+    }
+    for n in [1.0, 10.0, 30.0] {
+        let (diffuse, specular) = (0.3, 0.6);
+        let material = format!(
+            "normalized_phong]\ndiffuse = {diffuse:?}\nspecular = {specular:?}\nshininess = {n:?}"
+        );
+        let floor = floor_of(&material);
+        for degrees in [0.0_f64, 20.0, 45.0, 70.0, 85.0, 89.5] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let view = format!(
+                "[image]\nresolution = [1, 1]\n[camera.orthographic]\nheight = 1e-3\n\
+                 eye = [{sine:?}, {cosine:?}, 0]\nlook_at = [0, 0, 0]\nup = [0, 0, 1]\n"
+            );
+            let film = render(&[view.as_str(), &floor, &lights].concat(), 1);
+            let brightness = f64::from(pixel(&film, 0, 0)[0]);
+            let albedo = diffuse + specular;
+            // The midpoint rule, as above; the sum over 4608 lights is rounded as often.
+            let rounding = f64::from(RINGS * SECTORS) * 6e-8;
+            let tolerance = rounding + (n + 1.0) * (n + 2.0) / (12.0 * f64::from(RINGS * RINGS));
+            assert!(
+                brightness <= albedo * (1.0 + tolerance),
+                "{n}, {degrees}°: {brightness}"
+            );
+            if degrees == 0.0 {
+                assert!(
+                    (brightness - albedo).abs() <= albedo * tolerance,
+                    "{n}: {brightness}"
+                );
+            }
+        }
+    }
+}
+
+/// The area of the part of a pixel below the line y = `height_at(x)`, y down: a trapezoid, or what
+/// the pixel leaves of it. Exact for lines but for 1e-6.
+fn area_below(x: u32, y: u32, height_at: impl Fn(f64) -> f64) -> f64 {
+    const STRIPS: u32 = 2000;
+    let covered = |strip: u32| {
+        let across = f64::from(x) + (f64::from(strip) + 0.5) / f64::from(STRIPS);
+        (f64::from(y) + 1.0 - height_at(across)).clamp(0.0, 1.0)
+    };
+    (0..STRIPS).map(covered).sum::<f64>() / f64::from(STRIPS)
+}
+
+/// The box filter: the alpha of a pixel that an edge crosses becomes the area that is covered.
+///
+/// N stratified samples, a power of 4, lie one in each of √N × √N cells. A line crosses at most
+/// 2√N of them and only these can be wrong, each by 1/N: the error is at most 2/√N. Independent
+/// errors of the crossed cells have a variance of at most 1/4 of 1/N² each, so that the root mean
+/// square over many pixels is below √(2√N)/(2N).
+#[test]
+fn the_coverage_of_an_edge() {
+    const ROWS: u32 = 24;
+    // A triangle whose upper edge crosses the image, far larger than it; 24 units are 24 pixels.
+    let (left, right) = (9.3, 14.9);
+    let vertices = [[-12.0, 12.0 - left, 0.0], [12.0, 12.0 - right, 0.0]];
+    let [[x0, y0, _], [x1, y1, _]] = vertices;
+    let (dx, dy) = (x1 - x0, y1 - y0);
+    let far = [
+        [x0 - 10.0 * dx, y0 - 10.0 * dy, 0.0],
+        [x1 + 10.0 * dx, y1 + 10.0 * dy, 0.0],
+        [0.0, -1e4, 0.0],
+    ];
+    let scene = format!(
+        "[image]\nresolution = [{ROWS}, {ROWS}]\nbackground = [0, 8, 0]\n\
+         [camera.orthographic]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nheight = {ROWS}\n\
+         [materials.m.phong]\ndiffuse = [1, 0, 0]\n\
+         [objects.edge.triangle]\nmaterial = \"m\"\nvertices = {far:?}\n\
+         [lights.far.point]\nposition = [0, 0, 1e6]\nintensity = 1e12\n"
+    );
+    let line = |x: f64| left + (right - left) * x / f64::from(ROWS);
+    for samples in [4, 16, 64, 256] {
+        let film = render(&scene, samples);
+        let n = f64::from(samples);
+        let (mut squares, mut edges) = (0.0, 0);
+        for y in 0..ROWS {
+            for x in 0..ROWS {
+                let [r, g, b, alpha] = pixel(&film, x, y);
+                let area = area_below(x, y, line);
+                let error = f64::from(alpha) - area;
+                assert!(error.abs() <= 2.0 / n.sqrt(), "{samples}: {alpha}, {area}");
+                if area > 0.0 && area < 1.0 {
+                    squares += error * error;
+                    edges += 1;
+                } else {
+                    assert_eq!(f64::from(alpha), area);
+                }
+                // The light is 1 lx all over: what is covered is premultiplied, and what is not
+                // shows the background.
+                let alpha = f64::from(alpha);
+                assert!((f64::from(r) - alpha).abs() < 1e-5, "{r}, {alpha}");
+                assert!((f64::from(g) - 8.0 * (1.0 - alpha)).abs() < 1e-5);
+                assert_eq!(b, 0.0);
+            }
+        }
+        let mean = (squares / f64::from(edges)).sqrt();
+        let bound = (2.0 * n.sqrt()).sqrt() / (2.0 * n);
+        assert!(edges > 20 && mean <= bound, "{samples}: {mean}, {bound}");
+    }
+}
+
+#[test]
+fn nothing_but_background() {
+    let scene = format!(
+        "[image]\nresolution = [5, 4]\nbackground = [0.25, 0.5, 1e-3]\n\
+         [camera.perspective]\neye = [0, 0, 5]\nlook_at = [0, 0, 9]\nvertical_fov = 50\n\
+         [materials.m.phong]\n\
+         [objects.behind.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 0]\nradius = 1\n{}",
+        light(0, [0.0, 0.0, 8.0], 100.0)
+    );
+    for samples in [1, 4] {
+        for &pixel in render(&scene, samples).pixels() {
+            assert_eq!(pixel, [0.25, 0.5, 1e-3, 0.0]);
+        }
+    }
+}
+
+/// Four balls in the corners: (0, 0) is the top left, and +x is on the right of a camera that
+/// looks along −z.
+#[test]
+fn the_image_is_the_right_way_up() {
+    let mut objects = String::new();
+    for (name, x, y, color) in [
+        ("top_left", -1, 1, [1, 0, 0]),
+        ("top_right", 1, 1, [0, 1, 0]),
+        ("bottom_left", -1, -1, [0, 0, 1]),
+        ("bottom_right", 1, -1, [1, 1, 1]),
+    ] {
+        let _ = write!(
+            objects,
+            "[materials.{name}.phong]\ndiffuse = {color:?}\n\
+             [objects.{name}.sphere]\nmaterial = \"{name}\"\ncenter = [{x}, {y}, 0]\nradius = 0.6\n"
+        );
+    }
+    let lights = light(0, [0.0, 0.0, 10.0], 100.0);
+    for camera in [
+        "[camera.perspective]\nvertical_fov = 25\n",
+        "[camera.orthographic]\nheight = 4\n",
+    ] {
+        let scene = format!(
+            "[image]\nresolution = [40, 40]\n{camera}eye = [0, 0, 10]\nlook_at = [0, 0, 0]\n\
+             {objects}{lights}"
+        );
+        let film = render(&scene, 1);
+        let lit = |x, y| {
+            let [r, g, b, _] = pixel(&film, x, y);
+            [r > 0.0, g > 0.0, b > 0.0]
+        };
+        assert_eq!(lit(10, 10), [true, false, false]);
+        assert_eq!(lit(30, 10), [false, true, false]);
+        assert_eq!(lit(10, 30), [false, false, true]);
+        assert_eq!(lit(30, 30), [true, true, true]);
+    }
+}

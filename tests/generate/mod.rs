@@ -1,0 +1,377 @@
+//! Random legal scenes, the same in every run: all shapes, both cameras, both materials, from
+//! tiny to huge, with what is hard for a ray tracer put in on purpose.
+
+mod compositions;
+mod mesh;
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use candela::scene::Scene;
+
+use mesh::{MeshFormat, Patch};
+
+/// How many scenes there are, unless `CANDELA_SCENES` says otherwise.
+const COUNT: u64 = 200;
+
+/// Width and height of their images.
+const RESOLUTION: [u32; 2] = [64, 48];
+
+type Vector = [f64; 3];
+
+/// SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014).
+pub(crate) struct Random {
+    state: u64,
+}
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self { state: seed }
+    }
+
+    fn next(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.state ^ (self.state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// From 0 to below 1.
+    pub(crate) fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Equally likely in every decade.
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    /// From `low` to `high`, both included.
+    fn count(&mut self, low: u64, high: u64) -> u64 {
+        low + self.next() % (high - low + 1)
+    }
+
+    fn choice<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[(self.next() % choices.len() as u64) as usize]
+    }
+
+    fn chance(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+
+    /// A point in the cube from −`half` to `half`.
+    pub(crate) fn point(&mut self, half: f64) -> Vector {
+        [(); 3].map(|()| self.between(-half, half))
+    }
+
+    /// A unit vector, uniform over the sphere.
+    fn direction(&mut self) -> Vector {
+        let z = self.between(-1.0, 1.0);
+        let angle = self.between(0.0, TAU);
+        let radius = (1.0 - z * z).sqrt();
+        [radius * angle.cos(), radius * angle.sin(), z]
+    }
+}
+
+fn along(from: Vector, direction: Vector, distance: f64) -> Vector {
+    std::array::from_fn(|i| from[i] + direction[i] * distance)
+}
+
+/// All scenes with their names; mesh files go to `folder`.
+pub(crate) fn scenes(folder: &Path) -> Vec<(String, Scene)> {
+    let count = match std::env::var("CANDELA_SCENES") {
+        Ok(count) => count.parse().expect("CANDELA_SCENES is a number of scenes"),
+        Err(_) => COUNT,
+    };
+    (0..count).map(|seed| scene(seed, folder)).collect()
+}
+
+/// Writes a kind of scene.
+type Compose<'f> = fn(&mut Draft<'f>);
+
+fn scene<'f>(seed: u64, folder: &'f Path) -> (String, Scene) {
+    let kinds: [(&str, Compose<'f>); 10] = [
+        ("still life", Draft::still_life),
+        ("crowd", Draft::crowd),
+        ("shards", Draft::shards),
+        ("torus", Draft::torus),
+        ("terrain", Draft::terrain),
+        ("contacts", Draft::contacts),
+        ("far and tiny", Draft::far_and_tiny),
+        ("near lights", Draft::near_lights),
+        ("grazing", Draft::grazing),
+        ("room", Draft::room),
+    ];
+    let (kind, compose) = kinds[(seed % kinds.len() as u64) as usize];
+    let mut draft = Draft::new(seed, folder);
+    compose(&mut draft);
+    let name = format!("{seed} {kind}");
+    let scene = Scene::parse(&draft.text, folder.join("generated.toml"))
+        .unwrap_or_else(|error| panic!("{name}:\n{error}\n{}", draft.text));
+    (name, scene)
+}
+
+/// A scene file as it is written.
+struct Draft<'f> {
+    seed: u64,
+    random: Random,
+    folder: &'f Path,
+    /// Scene units for one unit of the compositions below.
+    scale: f64,
+    /// Where their origin is, at most this many units from that of the scene.
+    origin: Vector,
+    far: f64,
+    text: String,
+    materials: u64,
+    lights: u64,
+    objects: u64,
+}
+
+impl<'f> Draft<'f> {
+    fn new(seed: u64, folder: &'f Path) -> Self {
+        let mut random = Random::new(seed);
+        let scale = random.choice(&[1.0, 1.0, 1.0, 1e-6, 1e-3, 1e3, 1e6]);
+        let far = random.choice(&[0.0, 0.0, 0.0, 10.0, 1e3, 1e6]);
+        let origin = random.point(far * scale);
+        let [width, height] = RESOLUTION;
+        let background = random.choice(&["0", "0.25", "[0.1, 0.2, 0.4]", "\"#204060\""]);
+        Self {
+            seed,
+            random,
+            folder,
+            scale,
+            origin,
+            far,
+            text: format!(
+                "[image]\nresolution = [{width}, {height}]\nbackground = {background}\n\n"
+            ),
+            materials: 0,
+            lights: 0,
+            objects: 0,
+        }
+    }
+
+    fn place(&self, position: Vector) -> Vector {
+        along(self.origin, position, self.scale)
+    }
+
+    fn camera(&mut self, eye: Vector, look_at: Vector) {
+        let distance = along(eye, look_at, -1.0).iter().map(|x| x * x).sum::<f64>();
+        let up = loop {
+            // Anything that is clearly across the view.
+            let up = self.random.direction();
+            let view = along(look_at, eye, -1.0);
+            let cosine: f64 = up.iter().zip(view).map(|(a, b)| a * b).sum();
+            if cosine.abs() < 0.9 * distance.sqrt() {
+                break up;
+            }
+        };
+        let up = if self.random.chance(0.5) && (eye[0] - look_at[0]).abs() > 1e-3 {
+            [0.0, 1.0, 0.0]
+        } else {
+            up
+        };
+        let (eye_text, look_at_text) = (self.place(eye), self.place(look_at));
+        let view = format!("eye = {eye_text:?}\nlook_at = {look_at_text:?}\nup = {up:?}\n");
+        if self.random.chance(0.7) {
+            let fov = self.random.between(20.0, 90.0);
+            self.perspective(&view, fov);
+        } else {
+            let height = distance.sqrt() * self.random.between(0.3, 1.2);
+            self.orthographic(&view, height);
+        }
+    }
+
+    fn perspective(&mut self, view: &str, fov: f64) {
+        let _ = write!(
+            self.text,
+            "[camera.perspective]\n{view}vertical_fov = {fov:?}\n\n"
+        );
+    }
+
+    fn orthographic(&mut self, view: &str, height: f64) {
+        let height = height * self.scale;
+        let _ = write!(
+            self.text,
+            "[camera.orthographic]\n{view}height = {height:?}\n\n"
+        );
+    }
+
+    /// A color in one of its notations, at most `most` in every channel.
+    fn color(&mut self, most: f64) -> String {
+        let random = &mut self.random;
+        match random.count(0, 3) {
+            0 => format!("{:?}", random.between(0.0, most)),
+            1 => format!("{:?}", [(); 3].map(|()| random.between(0.0, most))),
+            2 => {
+                let rgb = [(); 3].map(|()| random.between(0.0, most));
+                format!("{{ rgb = {rgb:?}, space = \"rec709\" }}")
+            }
+            // sRGB codes are never below the linear value.
+            _ => {
+                let [r, g, b] = [(); 3].map(|()| (random.between(0.0, most) * 255.0) as u8);
+                format!("\"#{r:02x}{g:02x}{b:02x}\"")
+            }
+        }
+    }
+
+    /// A new material of either model, with or without a specular lobe.
+    fn material(&mut self) -> String {
+        let name = format!("m{}", self.materials);
+        self.materials += 1;
+        let model = self.random.choice(&["phong", "normalized_phong"]);
+        let specular = self.random.chance(0.7);
+        // Together at most 1.
+        let diffuse = self.color(if specular { 0.5 } else { 1.0 });
+        let _ = write!(
+            self.text,
+            "[materials.{name}.{model}]\ndiffuse = {diffuse}\n"
+        );
+        if specular {
+            let specular = self.color(0.5);
+            let shininess = self.random.log_between(0.5, 5000.0);
+            let _ = write!(
+                self.text,
+                "specular = {specular}\nshininess = {shininess:?}\n"
+            );
+        }
+        self.text.push('\n');
+        name
+    }
+
+    fn light(&mut self, position: Vector) {
+        let position = self.place(position);
+        // Bright enough for the distances of the compositions, at any scale.
+        let strength = self.random.log_between(1.0, 100.0) * self.scale * self.scale;
+        let intensity = match self.random.count(0, 2) {
+            0 => format!("{strength:?}"),
+            1 => format!(
+                "{:?}",
+                [(); 3].map(|()| strength * self.random.between(0.1, 1.0))
+            ),
+            _ => "\"#ffcc88\"".to_owned(),
+        };
+        let _ = write!(
+            self.text,
+            "[lights.l{}.point]\nposition = {position:?}\nintensity = {intensity}\n\n",
+            self.lights
+        );
+        self.lights += 1;
+    }
+
+    /// Lights around the origin, at a distance of a few units.
+    fn lights(&mut self, low: u64, high: u64) {
+        for _ in 0..self.random.count(low, high) {
+            let direction = self.random.direction();
+            let distance = self.random.between(2.0, 8.0);
+            self.light(along([0.0; 3], direction, distance));
+        }
+    }
+
+    /// Lights on the side of +y.
+    fn lights_above(&mut self, low: u64, high: u64) {
+        for _ in 0..self.random.count(low, high) {
+            let [x, y, z] = self.random.direction();
+            let distance = self.random.between(2.0, 8.0);
+            self.light(along([0.0; 3], [x, y.abs() + 0.1, z], distance));
+        }
+    }
+
+    fn object(&mut self, shape: &str, material: &str, keys: &str) {
+        let _ = write!(
+            self.text,
+            "[objects.o{}.{shape}]\nmaterial = \"{material}\"\n{keys}\n",
+            self.objects
+        );
+        self.objects += 1;
+    }
+
+    fn sphere(&mut self, material: &str, center: Vector, radius: f64) {
+        let (center, radius) = (self.place(center), radius * self.scale);
+        let keys = format!("center = {center:?}\nradius = {radius:?}\n");
+        self.object("sphere", material, &keys);
+    }
+
+    fn plane(&mut self, material: &str, point: Vector, normal: Vector) {
+        let point = self.place(point);
+        let keys = format!("point = {point:?}\nnormal = {normal:?}\n");
+        self.object("plane", material, &keys);
+    }
+
+    fn triangle(&mut self, material: &str, vertices: [Vector; 3]) {
+        let vertices = vertices.map(|vertex| self.place(vertex));
+        self.object("triangle", material, &format!("vertices = {vertices:?}\n"));
+    }
+
+    /// A mesh file and an object of it, moved to `center`.
+    fn mesh(&mut self, material: &str, center: Vector, patch: &Patch<'_>) {
+        let smooth = self.random.chance(0.6);
+        let format = self
+            .random
+            .choice(&[MeshFormat::Ply, MeshFormat::BinaryPly, MeshFormat::Obj]);
+        let file = format!("mesh-{}-{}.{}", self.seed, self.objects, format.extension());
+        fs::write(self.folder.join(&file), format.write(patch, smooth)).unwrap();
+        let stretch = self.random.between(0.5, 1.5);
+        let scale = match self.random.count(0, 2) {
+            0 => format!("{:?}", self.scale * stretch),
+            1 => format!(
+                "{:?}",
+                [stretch, 1.0, 0.7].map(|factor| factor * self.scale)
+            ),
+            // Mirrored: the winding turns over.
+            _ => format!(
+                "{:?}",
+                [-stretch, 1.2, 0.9].map(|factor| factor * self.scale)
+            ),
+        };
+        let rotate = self.random.point(180.0);
+        let center = self.place(center);
+        let keys = format!(
+            "file = \"{file}\"\nscale = {scale}\nrotate = {rotate:?}\ntranslate = {center:?}\n\
+             smooth = {smooth}\n"
+        );
+        self.object("mesh", material, &keys);
+    }
+}
+
+#[test]
+fn scenes_are_legal_and_cover_the_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let texts: Vec<String> = scenes(folder.path())
+        .iter()
+        .map(|(name, scene)| {
+            if let Err(error) = candela::world::World::new(scene) {
+                panic!("{name}:\n{error}");
+            }
+            scene.source.text.clone()
+        })
+        .collect();
+    for part in [
+        ".sphere]",
+        ".plane]",
+        ".triangle]",
+        ".mesh]",
+        ".ply\"",
+        ".obj\"",
+        "smooth = true",
+        "smooth = false",
+        "[camera.perspective]",
+        "[camera.orthographic]",
+        ".phong]",
+        ".normalized_phong]",
+        "rgb = ",
+        "\"#",
+    ] {
+        let count = texts.iter().filter(|text| text.contains(part)).count();
+        assert!(count >= 5, "{part} is in {count} scenes");
+    }
+    let lights = |text: &String| text.matches("[lights.").count();
+    assert!(texts.iter().any(|text| lights(text) == 0));
+    assert!(texts.iter().any(|text| lights(text) == 8));
+}

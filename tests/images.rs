@@ -1,0 +1,72 @@
+//! From scenes to images, the way a user would: text, scene, world, film.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use candela::film::{self, Film, Options};
+use candela::scene::Scene;
+use candela::world::World;
+
+/// Relative to the package, where tests run.
+const SCENES: &str = "scenes";
+
+/// Every file of `scenes/`, sorted.
+pub(crate) fn scene_files() -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = fs::read_dir(SCENES)
+        .expect("tests run in the package's folder")
+        .map(|entry| entry.expect("the folder is readable").path())
+        .filter(|path| path.extension().is_some_and(|found| found == "toml"))
+        .collect();
+    files.sort();
+    assert!(!files.is_empty());
+    files
+}
+
+/// The file's name without its extension.
+pub(crate) fn name_of(path: &Path) -> String {
+    path.file_stem().unwrap().to_string_lossy().into_owned()
+}
+
+/// A scene from its text, without mesh files.
+pub(crate) fn parse(text: &str) -> Scene {
+    Scene::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// The image of a scene with `samples` samples a pixel.
+pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
+    let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let options = Options {
+        samples,
+        window: None,
+    };
+    film::render(&world, &options)
+}
+
+/// The image of a scene given as text.
+pub(crate) fn render(text: &str, samples: u32) -> Film {
+    film_of(&parse(text), samples)
+}
+
+/// R, G, B, A of one pixel.
+pub(crate) fn pixel(film: &Film, x: u32, y: u32) -> [f32; 4] {
+    let width = film.window().width;
+    film.pixels()[(y * width + x) as usize]
+}
+
+/// The same view in at most `width` columns.
+pub(crate) fn at_width(mut scene: Scene, width: u32) -> Scene {
+    let [columns, rows] = scene.image.resolution.value;
+    if columns > width {
+        let height = f64::from(width) * f64::from(rows) / f64::from(columns);
+        scene.image.resolution.value = [width, (height.round() as u32).max(1)];
+    }
+    scene
+}
+
+/// The bits of all pixels: 0.0 and −0.0 differ, and NaN equals itself.
+pub(crate) fn bits(film: &Film) -> Vec<[u32; 4]> {
+    film.pixels()
+        .iter()
+        .map(|pixel| pixel.map(f32::to_bits))
+        .collect()
+}

@@ -1,0 +1,463 @@
+//! What must not change an image, or must change it in a known way: where a scene is, how large,
+//! in which order it is written, how much light it gets, and how it is searched.
+//!
+//! Where a change leaves every number of the computation as it was, or multiplies it by a power
+//! of two, images are compared bit by bit; elsewhere within [`TOLERANCE`], up to [`FLIPS`].
+
+use std::sync::Arc;
+
+use candela::film::Film;
+use candela::scene::{Camera, Light, Material, Object, Scene, Spanned, Value};
+use candela::world::plan::Acceleration;
+use candela::world::{Plan, World};
+
+use crate::generate;
+use crate::images::{at_width, bits, film_of, scene_files};
+
+/// Relative error of a pixel where a change rounds positions and colors in other places: colors
+/// are f32, and a position that is rounded at 1e6 times the size of the scene is off by 1e-10 of
+/// it, which a lobe of shininess 5000 multiplies.
+const TOLERANCE: f64 = 1e-5;
+
+/// The part of the pixels that other rounding may put on the other side of an edge; one pixel is
+/// always allowed.
+const FLIPS: f64 = 5e-4;
+
+/// Pixel centers, and a pattern with the box filter.
+const SAMPLES: [u32; 2] = [1, 4];
+
+type Vector = [f64; 3];
+
+/// Generated scenes, three of each kind, and the scene files; in no more than 64 columns.
+fn scenes(folder: &tempfile::TempDir) -> Vec<(String, Scene)> {
+    let mut scenes = generate::scenes(folder.path());
+    scenes.truncate(30);
+    scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 64)));
+    scenes
+}
+
+/// Without the kinds whose name has one of these words.
+fn without(mut scenes: Vec<(String, Scene)>, words: &[&str]) -> Vec<(String, Scene)> {
+    scenes.retain(|(name, _)| !words.iter().any(|word| name.contains(word)));
+    assert!(scenes.len() >= 10);
+    scenes
+}
+
+/// The share of the pixels that differ by more than [`TOLERANCE`], after `expected` is multiplied.
+fn different(actual: &Film, expected: &Film, times: f64) -> usize {
+    let differs = |(a, b): &(&[f32; 4], &[f32; 4])| {
+        let expected = [0, 1, 2].map(|i| f64::from(b[i]) * times);
+        let scale = expected.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let channels = expected.iter().zip(a.iter());
+        let mut errors = channels.map(|(b, &a)| (f64::from(a) - b).abs() / scale);
+        a[3] != b[3] || errors.any(|error| error > TOLERANCE)
+    };
+    actual
+        .pixels()
+        .iter()
+        .zip(expected.pixels())
+        .filter(differs)
+        .count()
+}
+
+fn assert_same(name: &str, actual: &Film, expected: &Film, times: f64) {
+    let pixels = expected.pixels().len();
+    assert_eq!(actual.pixels().len(), pixels);
+    let different = different(actual, expected, times);
+    let allowed = (FLIPS * pixels as f64).max(1.0);
+    assert!(
+        different as f64 <= allowed,
+        "{name}: {different} of {pixels} pixels differ"
+    );
+}
+
+/// Changes the place of everything: positions by `place`, directions by `turn`, lengths by
+/// `scale`. Meshes can be scaled and moved alone.
+fn moved(
+    scene: &Scene,
+    scale: f64,
+    place: impl Fn(Vector) -> Vector,
+    turn: impl Fn(Vector) -> Vector,
+) -> Scene {
+    let mut scene = scene.clone();
+    let put = |position: &mut Spanned<Vector>| position.value = place(position.value);
+    let (Camera::Perspective { view, .. } | Camera::Orthographic { view, .. }) =
+        &mut scene.camera.value;
+    put(&mut view.eye);
+    put(&mut view.look_at);
+    view.up.value = turn(view.up.value);
+    if let Camera::Orthographic { height, .. } = &mut scene.camera.value {
+        height.value *= scale;
+    }
+    for light in &mut scene.lights {
+        let Light::Point {
+            position,
+            intensity,
+        } = &mut light.value;
+        put(position);
+        intensity.value = times(intensity.value, scale * scale);
+    }
+    for object in &mut scene.objects {
+        match &mut object.value {
+            Object::Sphere { center, radius, .. } => {
+                put(center);
+                radius.value *= scale;
+            }
+            Object::Plane { point, normal, .. } => {
+                put(point);
+                normal.value = turn(normal.value);
+            }
+            Object::Triangle { vertices, .. } => {
+                vertices.value = vertices.value.map(&place);
+            }
+            Object::Mesh {
+                scale: factors,
+                translate,
+                ..
+            } => {
+                factors.value = factors.value.map(|factor| factor * scale);
+                put(translate);
+            }
+        }
+    }
+    scene
+}
+
+/// A value times a factor; codes of sRGB become what they stand for.
+fn times(value: Value, factor: f64) -> Value {
+    match value {
+        Value::Uniform(value) => Value::Uniform(value * factor),
+        Value::Rgb { rgb, space } => Value::Rgb {
+            rgb: rgb.map(|channel| channel * factor),
+            space,
+        },
+        Value::Srgb(codes) => Value::Rgb {
+            rgb: codes.map(|code| {
+                candela::display::transfer::srgb_decode(f64::from(code) / 255.0) * factor
+            }),
+            space: candela::scene::ColorSpace::Rec709,
+        },
+    }
+}
+
+fn with_light(scene: &Scene, factor: f64) -> Scene {
+    let mut scene = scene.clone();
+    scene.image.background.value = times(scene.image.background.value, factor);
+    for light in &mut scene.lights {
+        let Light::Point { intensity, .. } = &mut light.value;
+        intensity.value = times(intensity.value, factor);
+    }
+    scene
+}
+
+fn has_mesh(scene: &Scene) -> bool {
+    let mut objects = scene.objects.iter();
+    objects.any(|object| matches!(object.value, Object::Mesh { .. }))
+}
+
+/// No distance is compared with a fixed one. Powers of ten round every number anew, so the images
+/// are not the same to the bit.
+#[test]
+fn size() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, scene) in scenes(&folder) {
+        for samples in SAMPLES {
+            let expected = film_of(&scene, samples);
+            for scale in [1e-6, 1e-3, 1e3, 1e6] {
+                let scaled = moved(&scene, scale, |p| p.map(|x| x * scale), |n| n);
+                let actual = film_of(&scaled, samples);
+                assert_same(&format!("{name} × {scale}"), &actual, &expected, 1.0);
+            }
+        }
+    }
+}
+
+/// Of scenes whose size is about 1, so that 1e6 units are 1e6 times that. Lights just above a
+/// surface are left out: 1e-10 is a part of their height.
+#[test]
+fn place() {
+    const FAR: f64 = 1e6;
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = without(scenes(&folder), &["near lights", "far and tiny", "grazing"]);
+    let of_size_1 = scenes.into_iter().filter(|(_, scene)| {
+        let view = scene.camera.value.view();
+        let way = [0, 1, 2].map(|i| view.eye.value[i] - view.look_at.value[i]);
+        let distance = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+        (0.1..10.0).contains(&distance)
+    });
+    let mut compared = 0;
+    for (name, scene) in of_size_1 {
+        compared += 1;
+        for samples in SAMPLES {
+            let expected = film_of(&scene, samples);
+            for way in [
+                [FAR, 0.0, 0.0],
+                [0.0, FAR, 0.0],
+                [0.0, 0.0, FAR],
+                [FAR, -FAR, FAR],
+            ] {
+                let to = |p: Vector| [0, 1, 2].map(|i| p[i] + way[i]);
+                let actual = film_of(&moved(&scene, 1.0, to, |n| n), samples);
+                assert_same(&format!("{name} at {way:?}"), &actual, &expected, 1.0);
+            }
+        }
+    }
+    assert!(compared >= 5, "{compared}");
+}
+
+#[test]
+fn rotation() {
+    let folder = tempfile::tempdir().unwrap();
+    // Rz(0.7) Ry(-1.1) Rx(2.3), or any other.
+    let [(sx, cx), (sy, cy), (sz, cz)] = [2.3_f64, -1.1, 0.7].map(f64::sin_cos);
+    let turn = |[x, y, z]: Vector| {
+        let (y, z) = (cx * y - sx * z, sx * y + cx * z);
+        let (z, x) = (cy * z - sy * x, sy * z + cy * x);
+        let (x, y) = (cz * x - sz * y, sz * x + cz * y);
+        [x, y, z]
+    };
+    let mut compared = 0;
+    for (name, scene) in without(scenes(&folder), &["near lights"]) {
+        // Angles of a mesh do not simply add.
+        if has_mesh(&scene) {
+            continue;
+        }
+        compared += 1;
+        for samples in SAMPLES {
+            let expected = film_of(&scene, samples);
+            let actual = film_of(&moved(&scene, 1.0, turn, turn), samples);
+            assert_same(&name, &actual, &expected, 1.0);
+        }
+    }
+    assert!(compared >= 10, "{compared}");
+}
+
+/// f32 sums in another order.
+#[test]
+fn order_of_lights() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, scene) in scenes(&folder) {
+        let mut reversed = scene.clone();
+        reversed.lights.reverse();
+        for samples in SAMPLES {
+            let (actual, expected) = (film_of(&reversed, samples), film_of(&scene, samples));
+            assert_same(&name, &actual, &expected, 1.0);
+        }
+    }
+}
+
+/// To the bit: every ray meets the same shapes. Where two are at one place the first counts, so
+/// scenes with such are left out.
+#[test]
+fn order_of_objects() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, scene) in without(scenes(&folder), &["contacts"]) {
+        let mut reversed = scene.clone();
+        reversed.objects.reverse();
+        reversed.materials.rotate_left(1);
+        for samples in SAMPLES {
+            let (actual, expected) = (film_of(&reversed, samples), film_of(&scene, samples));
+            assert_eq!(bits(&actual), bits(&expected), "{name}");
+        }
+    }
+}
+
+/// Twice the light is twice the image, to the bit; three times within rounding.
+#[test]
+fn linear_in_the_light() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, scene) in scenes(&folder) {
+        let scene = with_light(&scene, 1.0);
+        for samples in SAMPLES {
+            let expected = film_of(&scene, samples);
+            let doubled: Vec<[u32; 4]> = expected
+                .pixels()
+                .iter()
+                .map(|&[r, g, b, a]| [2.0 * r, 2.0 * g, 2.0 * b, a].map(f32::to_bits))
+                .collect();
+            assert_eq!(
+                bits(&film_of(&with_light(&scene, 2.0), samples)),
+                doubled,
+                "{name}"
+            );
+            let tripled = film_of(&with_light(&scene, 3.0), samples);
+            assert_same(&name, &tripled, &expected, 3.0);
+        }
+    }
+}
+
+/// Half the reflectance is half the light from every surface, to the bit.
+#[test]
+fn linear_in_the_reflectance() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, mut scene) in scenes(&folder) {
+        scene.image.background.value = Value::ZERO;
+        let with_reflectance = |factor: f64| {
+            let mut scene = scene.clone();
+            for material in &mut scene.materials {
+                let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) =
+                    &mut material.value;
+                lobes.diffuse.value = times(lobes.diffuse.value, factor);
+                lobes.specular.value = times(lobes.specular.value, factor);
+            }
+            scene
+        };
+        let (scene, darker) = (with_reflectance(1.0), with_reflectance(0.5));
+        for samples in SAMPLES {
+            let halved: Vec<[u32; 4]> = film_of(&scene, samples)
+                .pixels()
+                .iter()
+                .map(|&[r, g, b, a]| [0.5 * r, 0.5 * g, 0.5 * b, a].map(f32::to_bits))
+                .collect();
+            assert_eq!(bits(&film_of(&darker, samples)), halved, "{name}");
+        }
+    }
+}
+
+/// The image under all lights is the sum of the images under each.
+#[test]
+fn lights_add_up() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, mut scene) in scenes(&folder) {
+        scene.image.background.value = Value::ZERO;
+        for samples in SAMPLES {
+            let all = film_of(&scene, samples);
+            let mut sum = vec![[0.0_f64; 3]; all.pixels().len()];
+            for light in &scene.lights {
+                let mut alone = scene.clone();
+                alone.lights = vec![light.clone()];
+                for (sum, pixel) in sum.iter_mut().zip(film_of(&alone, samples).pixels()) {
+                    for (sum, &channel) in sum.iter_mut().zip(pixel) {
+                        *sum += f64::from(channel);
+                    }
+                }
+            }
+            for (sum, pixel) in sum.iter().zip(all.pixels()) {
+                for (sum, &channel) in sum.iter().zip(pixel) {
+                    let error = (f64::from(channel) - sum).abs();
+                    assert!(error <= TOLERANCE * sum, "{name}: {channel}, not {sum}");
+                }
+            }
+        }
+    }
+}
+
+/// Surfaces have two sides. Turning a plane's normal over turns every sign of its intersection
+/// over: the same bits.
+#[test]
+fn normals_of_planes_turned_over() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, scene) in scenes(&folder) {
+        let mut turned = scene.clone();
+        for object in &mut turned.objects {
+            if let Object::Plane { normal, .. } = &mut object.value {
+                normal.value = normal.value.map(|component| -component);
+            }
+        }
+        for samples in SAMPLES {
+            let (actual, expected) = (film_of(&turned, samples), film_of(&scene, samples));
+            assert_eq!(bits(&actual), bits(&expected), "{name}");
+        }
+    }
+}
+
+/// So have triangles, whose corners are then used in another order.
+#[test]
+fn windings_turned_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let swapped = |triangles: &[[u32; 3]]| -> Vec<[u32; 3]> {
+        triangles.iter().map(|&[a, b, c]| [a, c, b]).collect()
+    };
+    let mut meshes = 0;
+    for (name, scene) in scenes(&folder) {
+        let mut turned = scene.clone();
+        for object in &mut turned.objects {
+            match &mut object.value {
+                Object::Triangle { vertices, .. } => vertices.value.swap(1, 2),
+                Object::Mesh { geometry, .. } => {
+                    meshes += 1;
+                    let mesh = Arc::make_mut(geometry);
+                    if let Some(normals) = &mut mesh.normals {
+                        let corners = normals.triangles.as_ref().unwrap_or(&mesh.triangles);
+                        normals.triangles = Some(swapped(corners));
+                    }
+                    mesh.triangles = swapped(&mesh.triangles);
+                }
+                Object::Sphere { .. } | Object::Plane { .. } => {}
+            }
+        }
+        for samples in SAMPLES {
+            let (actual, expected) = (film_of(&turned, samples), film_of(&scene, samples));
+            assert_same(&name, &actual, &expected, 1.0);
+        }
+    }
+    assert!(meshes >= 5, "{meshes}");
+}
+
+/// A tree only leaves out what is not hit: with shapes added where no ray comes, below a floor
+/// that is below everything, so that lists become trees, the image stays to the bit.
+#[test]
+fn trees_and_lists() {
+    const HIDDEN: usize = 20;
+    let folder = tempfile::tempdir().unwrap();
+    let mut compared = 0;
+    let lecture = ("lecture".to_owned(), at_width(Scene::builtin(), 64));
+    let mut scenes = generate::scenes(folder.path());
+    scenes.truncate(100);
+    scenes.retain(|(name, _)| name.contains("still life"));
+    for (name, scene) in scenes.into_iter().chain([lecture]) {
+        let mut with_hidden = scene.clone();
+        for object in &scene.objects {
+            let copies = (1..=HIDDEN).filter_map(|number| {
+                let mut copy = object.clone();
+                copy.name = format!("hidden {number} of {}", object.name);
+                let down = |p: &mut Vector| {
+                    for (axis, component) in p.iter_mut().enumerate() {
+                        let size = scale_of(&scene);
+                        let far = if axis == 1 {
+                            100.0
+                        } else {
+                            3.0 * number as f64
+                        };
+                        *component -= far * size;
+                    }
+                };
+                match &mut copy.value {
+                    Object::Sphere { center, .. } => down(&mut center.value),
+                    Object::Triangle { vertices, .. } => vertices.value.iter_mut().for_each(down),
+                    Object::Plane { .. } | Object::Mesh { .. } => return None,
+                }
+                Some(copy)
+            });
+            with_hidden.objects.extend(copies);
+        }
+        let spheres = |scene: &Scene| Plan::new(&World::new(scene).unwrap()).spheres();
+        assert_eq!(spheres(&with_hidden), Acceleration::Tree);
+        if spheres(&scene) != Acceleration::List {
+            continue;
+        }
+        compared += 1;
+        for samples in SAMPLES {
+            let (actual, expected) = (film_of(&with_hidden, samples), film_of(&scene, samples));
+            assert_eq!(bits(&actual), bits(&expected), "{name}");
+        }
+    }
+    assert!(compared >= 5, "{compared}");
+}
+
+/// About how far things of a scene are from each other.
+fn scale_of(scene: &Scene) -> f64 {
+    let view = scene.camera.value.view();
+    let way = [0, 1, 2].map(|i| view.eye.value[i] - view.look_at.value[i]);
+    way.iter().map(|x| x.abs()).fold(0.0, f64::max)
+}
+
+/// The same image twice: nothing depends on time, addresses or what ran before.
+#[test]
+fn twice_is_the_same() {
+    for path in scene_files() {
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        let scene = at_width(scene, 64);
+        assert_eq!(bits(&film_of(&scene, 4)), bits(&film_of(&scene, 4)));
+    }
+}
