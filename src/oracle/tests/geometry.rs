@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::oracle::vector::{dot, length, subtract, unit};
-use crate::scene::mesh::MeshGroup;
+use crate::scene::mesh::{MeshGroup, MeshRemarks};
 
 fn normal_and_geometric(scene: &Builder) -> ([f64; 3], [f64; 3]) {
     let hit = scene.oracle().explain(0.5, 0.5).hit.unwrap();
@@ -27,6 +27,7 @@ fn one_triangle(vertices: [[f64; 3]; 3], normals: Option<[[f64; 3]; 3]>) -> Arc<
             triangles: None,
         }),
         groups: Vec::new(),
+        remarks: MeshRemarks::default(),
     })
 }
 
@@ -262,6 +263,7 @@ fn groups_and_separate_normal_indices() {
             name: "sail".to_owned(),
             triangles: 1..2,
         }],
+        remarks: MeshRemarks::default(),
     };
     let scene = Builder::looking([0.0, 0.0, 3.0], [0.0; 3]).mesh(&Arc::new(mesh), AS_IS);
     let hit = scene.oracle().explain(0.5, 0.5).hit.unwrap();

@@ -373,6 +373,7 @@ fn the_side_of_a_smooth_surface_is_that_of_its_triangles() {
                 triangles: None,
             }),
             groups: Vec::new(),
+            remarks: MeshRemarks::default(),
         })
     };
     let seen = |lean, light| {
