@@ -133,7 +133,7 @@ fn times(value: Value, factor: f64) -> Value {
         },
         Value::Srgb(codes) => Value::Rgb {
             rgb: codes.map(|code| {
-                candela::display::transfer::srgb_decode(f64::from(code) / 255.0) * factor
+                candela::color::transfer::srgb_decode(f64::from(code) / 255.0) * factor
             }),
             space: candela::scene::ColorSpace::Rec709,
         },

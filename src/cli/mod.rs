@@ -17,7 +17,7 @@ use candela::world::World;
 use clap::{Parser, Subcommand};
 
 /// What a shell reports of a program that Ctrl-C ended: 128 + SIGINT.
-const INTERRUPTED: i32 = 130;
+const INTERRUPTED: u8 = 130;
 
 /// A renderer for direct light: exact, fast, deterministic
 ///
@@ -62,6 +62,8 @@ pub(crate) fn main() -> ExitCode {
     let result = at_interrupt(&unfinished).and_then(|()| run(&arguments.command, &unfinished));
     match result {
         Ok(()) => ExitCode::SUCCESS,
+        // The handler below ends the process; what it interrupted is no failure of its own.
+        Err(_) if unfinished.is_canceled() => ExitCode::from(INTERRUPTED),
         // Whoever reads the output has stopped to, as `head` does.
         Err(failure) if is_broken_pipe(&*failure) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -108,7 +110,7 @@ fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
     let unfinished = unfinished.clone();
     ctrlc::set_handler(move || {
         unfinished.cancel();
-        std::process::exit(INTERRUPTED);
+        std::process::exit(i32::from(INTERRUPTED));
     })?;
     Ok(())
 }

@@ -156,6 +156,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     for target in targets.into_iter().flatten() {
         output::check(target)?;
     }
+    let whole = window.unwrap_or(Window::whole(world.resolution()));
+    fits_in_memory(whole)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -166,10 +168,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         samples: arguments.samples,
         window,
     };
-    let progress = Progress::new(
-        window.unwrap_or(Window::whole(world.resolution())),
-        arguments,
-    );
+    let progress = Progress::new(whole, arguments);
     let ((film, counts), render) = timed(|| {
         film::render_with(&world, &plan, &visibility, &options, &|pixels| {
             progress.advance(pixels);
@@ -229,6 +228,22 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
     }
     Ok(())
+}
+
+/// Whether the system would give the memory that the film of a window takes.
+fn fits_in_memory(window: Window) -> Result<(), Failure> {
+    let pixels = u64::from(window.width) * u64::from(window.height);
+    let mut film: Vec<[f32; 4]> = Vec::new();
+    let fits = usize::try_from(pixels).is_ok_and(|pixels| film.try_reserve_exact(pixels).is_ok());
+    if fits {
+        return Ok(());
+    }
+    let gigabytes = pixels as f64 * size_of::<[f32; 4]>() as f64 / 1e9;
+    Err(format!(
+        "the image takes {gigabytes:.1} GB of memory, more than there is; \
+         choose a smaller `resolution`, or render it in parts with --crop",
+    )
+    .into())
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {

@@ -1,4 +1,6 @@
-//! RGB color spaces: their primaries, and the luminance that follows from them.
+//! RGB color spaces: their primaries, the luminance that follows from them, and transfer functions.
+
+pub mod transfer;
 
 /// The CIE 1931 (x, y) chromaticities of an RGB space's primaries and white.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,6 @@
 pub mod exposure;
 mod picture;
 mod png;
-pub mod transfer;
 pub mod view;
 
 use std::path::Path;
@@ -27,6 +26,7 @@ pub use exposure::Exposure;
 pub use picture::Picture;
 pub use view::View;
 
+use crate::color::transfer;
 use crate::film::exr::{self, ExrError};
 use crate::output::{OutputError, Unfinished};
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::math::{DVec3, Normal, Point};
+use crate::scene::mesh::MeshRemarks;
 
 /// ‖p − c‖ = R. Range: R above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +49,8 @@ pub struct Mesh {
     pub normals: Option<MeshNormals>,
     /// How many triangles of the file had no area and were dropped.
     pub degenerate: usize,
+    /// What of the file was not taken as written.
+    pub remarks: MeshRemarks,
 }
 
 /// Vertex normals of a mesh in world space.

@@ -7,6 +7,7 @@ use std::fmt;
 use super::material::Model;
 use super::{Material, Mesh, Shape, World};
 use crate::math::{DVec3, Point};
+use crate::scene::mesh::MeshRemarks;
 
 /// Something that is legal and rendered as written, but may not be meant.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +35,13 @@ pub enum Warning {
         /// How many.
         triangles: usize,
     },
+    /// A mesh file is not taken as written in places.
+    Mended {
+        /// The mesh's name.
+        object: String,
+        /// What is different, and how often.
+        remarks: MeshRemarks,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -56,6 +64,29 @@ impl fmt::Display for Warning {
                 f,
                 "{triangles} triangles of object `{object}` have no area and were dropped",
             ),
+            Self::Mended { object, remarks } => {
+                let MeshRemarks {
+                    mended_normals,
+                    folded_polygons,
+                    skipped_statements,
+                } = remarks;
+                let parts = [
+                    (
+                        mended_normals,
+                        "normals without a direction, replaced by geometric ones",
+                    ),
+                    (folded_polygons, "polygons that cross themselves"),
+                    (
+                        skipped_statements,
+                        "lines, points or curves, which are not rendered",
+                    ),
+                ];
+                let parts = parts.iter().filter(|(count, _)| **count > 0);
+                let parts: Vec<String> = parts
+                    .map(|(count, what)| format!("{count} {what}"))
+                    .collect();
+                write!(f, "the file of object `{object}` has {}", parts.join("; "))
+            }
         }
     }
 }
@@ -91,13 +122,24 @@ pub fn warnings(world: &World) -> Vec<Warning> {
         }
     }
     for object in world.objects() {
-        if let Shape::Mesh(mesh) = object.shape
-            && world.triangles().meshes()[mesh].degenerate > 0
-        {
-            warnings.push(Warning::Degenerate {
-                object: object.name.clone(),
-                triangles: world.triangles().meshes()[mesh].degenerate,
-            });
+        if let Shape::Mesh(mesh) = object.shape {
+            let Mesh {
+                degenerate,
+                remarks,
+                ..
+            } = world.triangles().meshes()[mesh];
+            if degenerate > 0 {
+                warnings.push(Warning::Degenerate {
+                    object: object.name.clone(),
+                    triangles: degenerate,
+                });
+            }
+            if !remarks.is_empty() {
+                warnings.push(Warning::Mended {
+                    object: object.name.clone(),
+                    remarks,
+                });
+            }
         }
         for light in world.lights() {
             if is_inside(world, object.shape, light.value.position) {

@@ -178,7 +178,7 @@ pub enum Problem {
         /// The file, joined to the scene's folder.
         path: PathBuf,
         /// Why.
-        error: MeshError,
+        error: Box<MeshError>,
     },
     /// Values that do not fit together, such as an `up` along the view.
     #[error("{0}")]

@@ -268,6 +268,7 @@ impl Reader<'_> {
             Ok(mesh) => Some(Arc::new(mesh)),
             Err(error) => {
                 let path = path.clone();
+                let error = Box::new(error);
                 self.report(file.span, Problem::Mesh { path, error });
                 None
             }

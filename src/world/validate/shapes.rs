@@ -1,0 +1,260 @@
+//! Objects: their shapes in world space, and their materials.
+
+use glam::{DMat3, DVec3};
+
+use super::{LARGEST, Reported, Validator};
+use crate::math::Normal;
+use crate::scene::mesh::MeshRemarks;
+use crate::scene::{self, MeshFile, Problem, Span, Spanned};
+use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
+use crate::world::{Shape, World};
+
+impl Validator<'_> {
+    /// An object's shape, put where its kind is kept, and its material.
+    pub(super) fn object(
+        &mut self,
+        entry: &scene::Entry<scene::Object>,
+        world: &mut World,
+    ) -> Result<(usize, Shape), Reported> {
+        let id = world.objects.len() as u32;
+        let material = self.material_of(&entry.value);
+        let shape = match &entry.value {
+            scene::Object::Sphere { center, radius, .. } => {
+                let center = self.position("center", *center);
+                let radius = self.length("radius", *radius);
+                world.spheres.push(Sphere {
+                    center: center?,
+                    radius: radius?,
+                    object: id,
+                });
+                Shape::Sphere(world.spheres.len() - 1)
+            }
+            scene::Object::Plane { point, normal, .. } => {
+                let point = self.position("point", *point);
+                let normal = self.direction("normal", *normal);
+                world.planes.push(Plane {
+                    point: point?,
+                    normal: normal?,
+                    object: id,
+                });
+                Shape::Plane(world.planes.len() - 1)
+            }
+            scene::Object::Triangle { vertices, .. } => {
+                self.triangle(vertices, id, &mut world.triangles)?;
+                Shape::Mesh(world.triangles.meshes.len() - 1)
+            }
+            scene::Object::Mesh {
+                file,
+                scale,
+                rotate,
+                translate,
+                smooth,
+                geometry,
+                ..
+            } => {
+                let placement = self.placement(*scale, *rotate, *translate)?;
+                self.mesh(
+                    geometry,
+                    *smooth,
+                    &placement,
+                    id,
+                    file.span,
+                    &mut world.triangles,
+                )?;
+                Shape::Mesh(world.triangles.meshes.len() - 1)
+            }
+        };
+        Ok((material?, shape))
+    }
+
+    fn material_of(&mut self, object: &scene::Object) -> Result<usize, Reported> {
+        let Spanned { value: name, span } = object.material();
+        let materials = &self.scene.materials;
+        if let Some(index) = materials.iter().position(|material| material.name == *name) {
+            return Ok(index);
+        }
+        if !self.broken.lost_entries && !self.broken.materials.contains(name) {
+            let expected = materials.iter().map(|entry| entry.name.as_str());
+            let problem = Problem::unknown("material", name, expected);
+            self.report(*span, problem);
+        }
+        Err(Reported)
+    }
+
+    fn triangle(
+        &mut self,
+        vertices: &Spanned<[[f64; 3]; 3]>,
+        object: u32,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
+        let mut corners = [DVec3::ZERO; 3];
+        for (corner, &value) in corners.iter_mut().zip(&vertices.value) {
+            *corner = self
+                .position("vertices", Spanned::new(value, vertices.span))?
+                .0;
+        }
+        if triangle_normal(corners).is_none() {
+            let value = format!("{:?}", vertices.value);
+            let expected = "three corners that are not on one line";
+            self.out_of_range("vertices", vertices.span, value, expected);
+            return Err(Reported);
+        }
+        let first_vertex = triangles.positions.len() as u32;
+        let start = triangles.len() as u32;
+        triangles.positions.extend(corners);
+        triangles
+            .corners
+            .push([first_vertex, first_vertex + 1, first_vertex + 2]);
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start..start + 1,
+            normals: None,
+            degenerate: 0,
+            remarks: MeshRemarks::default(),
+        });
+        Ok(())
+    }
+
+    fn placement(
+        &mut self,
+        scale: Spanned<[f64; 3]>,
+        rotate: Spanned<[f64; 3]>,
+        translate: Spanned<[f64; 3]>,
+    ) -> Result<Placement, Reported> {
+        let factors = self.vector("scale", scale);
+        let degrees = self.vector("rotate", rotate);
+        let moved = self.position("translate", translate);
+        let (factors, degrees, moved) = (factors?, degrees?, moved?);
+        if factors.to_array().contains(&0.0) {
+            let value = format!("{:?}", scale.value);
+            self.out_of_range("scale", scale.span, value, "factors that are not 0");
+            return Err(Reported);
+        }
+        let [x, y, z] = degrees.to_array().map(f64::to_radians);
+        let rotation = rotation_z(z) * rotation_y(y) * rotation_x(x);
+        Ok(Placement {
+            linear: rotation * DMat3::from_diagonal(factors),
+            // The inverse transpose of R S is R S⁻¹.
+            normals: rotation * DMat3::from_diagonal(factors.recip()),
+            moved: moved.0,
+        })
+    }
+
+    fn mesh(
+        &mut self,
+        file: &MeshFile,
+        smooth: bool,
+        placement: &Placement,
+        object: u32,
+        span: Span,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
+        let first_vertex = triangles.positions.len();
+        let start = triangles.len();
+        let fits = |count: usize| u32::try_from(count).is_ok();
+        if !fits(first_vertex + file.positions.len()) || !fits(start + file.triangles.len()) {
+            let conflict = "the meshes together have more than 4294967295 vertices or triangles";
+            self.report(span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        let positions = file
+            .positions
+            .iter()
+            .map(|&position| placement.linear * DVec3::from_array(position) + placement.moved);
+        triangles.positions.extend(positions);
+        let placed = &triangles.positions[first_vertex..];
+        if placed
+            .iter()
+            .any(|position| position.is_nan() || position.abs().max_element() > LARGEST)
+        {
+            let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
+            self.report(span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+
+        let has_area: Vec<bool> = file
+            .triangles
+            .iter()
+            .map(|corners| triangle_normal(corners.map(|corner| placed[corner as usize])).is_some())
+            .collect();
+        let kept = |corners: &[[u32; 3]], offset: u32| -> Vec<[u32; 3]> {
+            let kept = corners
+                .iter()
+                .zip(&has_area)
+                .filter(|&(_, &has_area)| has_area);
+            kept.map(|(corners, _)| corners.map(|corner| corner + offset))
+                .collect()
+        };
+        let corners = kept(&file.triangles, first_vertex as u32);
+        let degenerate = file.triangles.len() - corners.len();
+        if corners.is_empty() {
+            let conflict = "every triangle of the mesh is degenerate: none has an area";
+            self.report(span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        let normals = match &file.normals {
+            Some(normals) if smooth => Some(MeshNormals {
+                vectors: normals
+                    .vectors
+                    .iter()
+                    // A vector without a direction belongs to no triangle: the file's reader saw
+                    // to that.
+                    .map(|&normal| {
+                        Normal::new(placement.normals * DVec3::from_array(normal))
+                            .unwrap_or_else(any_normal)
+                    })
+                    .collect(),
+                corners: kept(normals.triangles.as_ref().unwrap_or(&file.triangles), 0),
+            }),
+            Some(_) | None => None,
+        };
+        triangles.corners.extend(corners);
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start as u32..triangles.len() as u32,
+            normals,
+            degenerate,
+            remarks: file.remarks,
+        });
+        Ok(())
+    }
+}
+
+/// v ↦ R S v + T.
+struct Placement {
+    linear: DMat3,
+    normals: DMat3,
+    moved: DVec3,
+}
+
+/// What a mesh normal without a direction becomes, which no triangle uses.
+fn any_normal() -> Normal {
+    Normal::new(DVec3::Y).expect("the y axis has a direction")
+}
+
+fn rotation_x(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::X,
+        DVec3::new(0.0, cos, sin),
+        DVec3::new(0.0, -sin, cos),
+    )
+}
+
+fn rotation_y(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::new(cos, 0.0, -sin),
+        DVec3::Y,
+        DVec3::new(sin, 0.0, cos),
+    )
+}
+
+fn rotation_z(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::new(cos, sin, 0.0),
+        DVec3::new(-sin, cos, 0.0),
+        DVec3::Z,
+    )
+}
