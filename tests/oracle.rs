@@ -46,6 +46,8 @@ const BUDGET: f64 = 3e8;
 #[derive(Debug, Default)]
 struct Comparison {
     pixels: usize,
+    /// Pixels that show a surface with light on it.
+    lit: usize,
     /// Pixels beside an edge of what is seen or of a shadow, and pixels with a light more or less.
     flips: usize,
     worst: f64,
@@ -131,6 +133,8 @@ fn compare(scene: &Scene) -> Comparison {
     };
     for (index, (&actual, expected)) in film.pixels().iter().zip(&expected).enumerate() {
         let pixel = [index % width, index / width];
+        comparison.lit +=
+            usize::from(expected.coverage > 0.0 && brightest(expected.radiance) > 0.0);
         let error = error(actual, expected, floor);
         let may_flip = || is_edge(&oracle, pixel) || is_whole_lights(&oracle, pixel, actual, floor);
         if error > TOLERANCE && may_flip() {
@@ -150,10 +154,11 @@ fn judge(scenes: &[(String, Scene)]) {
         .map(|(name, scene)| (name.as_str(), compare(scene)))
         .collect();
     let mut failures = Vec::new();
-    let (mut pixels, mut flips, mut worst) = (0, 0, 0.0_f64);
+    let (mut pixels, mut lit, mut flips, mut worst) = (0, 0, 0, 0.0_f64);
     for (name, comparison) in &comparisons {
         println!("{name}: {comparison:?}");
         pixels += comparison.pixels;
+        lit += comparison.lit;
         flips += comparison.flips;
         worst = worst.max(comparison.worst);
         let of = comparison.pixels as f64;
@@ -161,8 +166,10 @@ fn judge(scenes: &[(String, Scene)]) {
             failures.push(format!("{name}: {comparison:?}"));
         }
     }
-    println!("{pixels} pixels, {flips} flips, worst relative error {worst:e}");
+    println!("{pixels} pixels, {lit} lit, {flips} flips, worst relative error {worst:e}");
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+    // Of black images nothing is learned.
+    assert!(3 * lit > pixels, "{lit} of {pixels} pixels are lit");
     assert!(
         flips as f64 <= FLIPS * pixels as f64,
         "{flips} flips in {pixels} pixels"

@@ -47,7 +47,7 @@ impl Draft<'_> {
             self.triangle(&materials[index as usize % 3], corners);
         }
         if self.random.chance(0.5) {
-            let normal = self.random.direction();
+            let normal = self.towards(direction);
             self.plane(&materials[0], along([0.0; 3], normal, -2.5), normal);
         }
         self.lights(1, 5);
@@ -73,7 +73,7 @@ impl Draft<'_> {
         let material = self.material();
         let center = self.random.point(0.5);
         self.sphere(&material, center, 0.3);
-        let normal = self.random.direction();
+        let normal = self.towards(direction);
         let material = self.material();
         self.plane(&material, along([0.0; 3], normal, -1.8), normal);
         self.lights(1, 4);

@@ -137,7 +137,7 @@ impl<'f> Draft<'f> {
     fn new(seed: u64, folder: &'f Path) -> Self {
         let mut random = Random::new(seed);
         let scale = random.choice(&[1.0, 1.0, 1.0, 1e-6, 1e-3, 1e3, 1e6]);
-        let far = random.choice(&[0.0, 0.0, 0.0, 10.0, 1e3, 1e6]);
+        let far = random.choice(&[0.0, 0.0, 0.0, 10.0, 1e3, 1e6, 1e9]);
         let origin = random.point(far * scale);
         let [width, height] = RESOLUTION;
         let background = random.choice(&["0", "0.25", "[0.1, 0.2, 0.4]", "\"#204060\""]);
@@ -280,6 +280,17 @@ impl<'f> Draft<'f> {
             let [x, y, z] = self.random.direction();
             let distance = self.random.between(2.0, 8.0);
             self.light(along([0.0; 3], [x, y.abs() + 0.1, z], distance));
+        }
+    }
+
+    /// A unit vector less than 60 degrees from another, for walls that face the viewer.
+    fn towards(&mut self, direction: Vector) -> Vector {
+        loop {
+            let found = self.random.direction();
+            let cosine: f64 = found.iter().zip(direction).map(|(a, b)| a * b).sum();
+            if cosine > 0.5 {
+                return found;
+            }
         }
     }
 
