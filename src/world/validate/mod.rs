@@ -110,7 +110,7 @@ impl<'a> Validator<'a> {
             spheres: Vec::new(),
             planes: Vec::new(),
             triangles: Triangles::default(),
-            transport: Vec::new(),
+            transport: Vec::with_capacity(self.scene.lights.len() * self.scene.materials.len()),
         };
         for object in &self.scene.objects {
             // An object that cannot be made is an error as well.
