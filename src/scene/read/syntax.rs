@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 use toml::de::{DeTable, DeValue, Error};
+use toml_parser::lexer::TokenKind;
 
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, shortened};
 use super::Node;
@@ -18,6 +19,9 @@ const FIRSTS_SHOWN: usize = 20;
 
 /// How many keys a dotted key may have in the TOML parser.
 const DEEPEST_KEY: usize = 80;
+
+/// How many brackets may be open within each other; no scene needs more than four.
+const DEEPEST_BRACKET: usize = 64;
 
 /// What syntax errors leave unreliable in the tree that was recovered.
 ///
@@ -69,6 +73,11 @@ pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
         let message = "a carriage return without a line feed; lines end in LF or CR LF";
         return hopeless(span, Problem::Syntax(message.to_owned()));
     }
+    // The parser has a stack frame for every open bracket, whatever its own limit says.
+    if let Some(span) = too_deep(text) {
+        let message = "brackets within brackets, more than a scene can have; is one not closed?";
+        return hopeless(span, Problem::Syntax(message.to_owned()));
+    }
     let first = match DeTable::parse(text) {
         Ok(root) => return (root.into_inner(), Damage::none(), Vec::new()),
         Err(error) => error,
@@ -104,6 +113,44 @@ fn lone_return(text: &str) -> Option<Span> {
         .map(|(start, _)| start)
         .find(|start| bytes.get(start + 1) != Some(&b'\n'))
         .map(|start| Span::from(start..start + 1))
+}
+
+/// The first bracket that more than [`DEEPEST_BRACKET`] others are open around.
+///
+/// A closing bracket counts only where it fits the innermost open one, so that after errors the
+/// depth is rather over- than underrated.
+fn too_deep(text: &str) -> Option<Span> {
+    let mut open = Vec::with_capacity(DEEPEST_BRACKET);
+    for token in toml_parser::Source::new(text).lex() {
+        match token.kind() {
+            kind @ (TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket) => {
+                if open.len() == DEEPEST_BRACKET {
+                    let span = token.span();
+                    return Some(Span::from(span.start()..span.end()));
+                }
+                open.push(kind);
+            }
+            TokenKind::RightSquareBracket => {
+                open.pop_if(|kind| *kind == TokenKind::LeftSquareBracket);
+            }
+            TokenKind::RightCurlyBracket => {
+                open.pop_if(|kind| *kind == TokenKind::LeftCurlyBracket);
+            }
+            TokenKind::Dot
+            | TokenKind::Equals
+            | TokenKind::Comma
+            | TokenKind::Whitespace
+            | TokenKind::Comment
+            | TokenKind::Newline
+            | TokenKind::LiteralString
+            | TokenKind::BasicString
+            | TokenKind::MlLiteralString
+            | TokenKind::MlBasicString
+            | TokenKind::Atom
+            | TokenKind::Eof => {}
+        }
+    }
+    None
 }
 
 /// Tells the errors that stay within their line from those after which nothing is certain, and

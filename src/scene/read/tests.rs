@@ -477,3 +477,47 @@ fn hostile_text_ends_soon_in_a_short_message() {
         );
     }
 }
+
+/// Brackets of one kind alone, mixed, and with closing ones that do not fit: the parser has a frame
+/// on the stack for each, so that an answer at all is the test.
+#[test]
+fn brackets_within_brackets() {
+    for pattern in [
+        "[",
+        "{a=",
+        "{a=[",
+        "[{",
+        "[}{]",
+        "{a=[}",
+        "[\n",
+        "{a=[#]\n",
+        "[\"]\"{'}'",
+    ] {
+        let text = format!("image = {}", pattern.repeat(50_000));
+        let error = Scene::parse(&text, "deep.toml").unwrap_err().to_string();
+        assert!(
+            error.contains("brackets within brackets"),
+            "{pattern}: {error}"
+        );
+    }
+}
+
+/// Sequences of brackets without rule, of a seeded generator (splitmix64).
+#[test]
+fn any_brackets_have_an_answer() {
+    let mut state: u64 = 7;
+    let mut next = move || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (mixed ^ (mixed >> 31)) as usize
+    };
+    const PIECES: [&str; 12] = [
+        "[", "{", "[", "{a=", "]", "}", "a=", ",", "\n", "'", "\"", "1",
+    ];
+    for _ in 0..200 {
+        // Half of the pieces open something, so that the depth goes up all the time.
+        let text: String = (0..5_000).map(|_| PIECES[next() % PIECES.len()]).collect();
+        assert!(Scene::parse(&format!("a = {text}"), "any.toml").is_err());
+    }
+}
