@@ -164,7 +164,7 @@ pub fn write<T>(
 /// result goes there.
 ///
 /// # Errors
-/// As [`write`], as far as it can be known before.
+/// As [`write()`], as far as it can be known before.
 pub fn check(path: &Path) -> Result<(), OutputError> {
     let checked = match resolve(path) {
         Ok(Target::File { path: target, .. }) => tempfile::tempfile_in(folder_of(&target))

@@ -206,7 +206,7 @@ impl Scene {
     /// # Errors
     /// Everything that is wrong with the file's form, each with its place: syntax, unknown or
     /// missing keys, wrong types, mesh files that cannot be read. Values out of range are found
-    /// by [`crate::world::World::new`]; [`crate::load`] reports both together.
+    /// by [`crate::world::World::new`]; [`crate::world::World::load`] reports both together.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Diagnostics> {
         Reading::of_file(path.as_ref()).complete()
     }

@@ -72,7 +72,7 @@ fn exp2(x: f64) -> f64 {
     polynomial(&EXPONENTIAL, rest) * f64::from_bits(((integer as i64 + 1023) as u64) << 52)
 }
 
-/// Σ coefficients[k] xᵏ, even and odd powers apart: two chains of dependent sums in place of one.
+/// Σ `coefficients[k]` xᵏ, even and odd powers apart: two chains of dependent sums in place of one.
 fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     let x2 = x * x;
     let (mut even, mut odd) = (0.0, 0.0);
