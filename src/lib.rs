@@ -1,4 +1,112 @@
 //! candela: a renderer for direct light.
+//!
+//! For every pixel it computes what a viewer receives from point lights by way of one surface
+//! (L9, with its parts L1 to L8 in [`oracle`], [`visibility`] and [`shading`]):
+//!
+//! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
+//!
+//! in candela, lux and cd/m², with the metre as the scene unit. The image is the same to the bit
+//! for any number of threads.
+//!
+//! # The way of the data
+//!
+//! ```text
+//!  scene.toml, *.ply, *.obj
+//!            │ Scene::load
+//!          scene ─────────────────── oracle      as written, every value with its place
+//!            │ World::new              │
+//!          world                       │         legal: resolved, in range
+//!            │ Plan::new               │
+//!          plan                        │         just what this scene needs
+//!            │ film::render            │
+//!  ┌─ film ──┴────────────────┐        │
+//!  │ visibility ⇄ shading     │        │         camera rays to points, points to radiance
+//!  └─────────┬────────────────┘        │
+//!            │ Film::write_exr    tests, probe   the same pixels by other code, in f64
+//!        scene.exr                               linear, cd/m²
+//!            │ display::convert
+//!        scene.png                               exposed, viewed, sRGB-coded
+//! ```
+//!
+//! The modules in the order in which data flows; each uses only some of those above it:
+//!
+//! | module | job |
+//! | --- | --- |
+//! | [`units`] | photometric quantities as types: candela, lux, cd/m² |
+//! | [`math`] | points, directions, normals and rays in f64 |
+//! | [`color`] | RGB spaces: primaries, luminance, transfer functions |
+//! | [`output`] | files that appear whole or not at all |
+//! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
+//! | [`world`] | what is legal: resolved, in range, in the working space; and the [`Plan`](world::Plan) |
+//! | [`visibility`] | what a camera ray sees (L1, L2) and what a light reaches (L4) |
+//! | [`shading`] | how much light goes from there to the viewer (L3, L5 to L9) |
+//! | [`film`] | pixels: tiles, samples, the box filter, and OpenEXR out and in |
+//! | [`display`] | EXR to PNG: exposure, view, sRGB |
+//! | [`oracle`] | the equations in f64 by brute force, from the scene as written: the truth for tests and `candela probe`; it shares nothing else with the renderer |
+//!
+//! The command line is a program on top of these.
+//!
+//! # Scope
+//!
+//! In: diffuse point lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
+//! to the letter and normalized; perspective and orthographic cameras; RGB in linear Rec.709.
+//!
+//! Out: indirect light, mirrors and refraction, lights with a size or a direction, spectra, other
+//! working spaces, textures, motion, further layers of the image, adaptive sampling.
+//!
+//! # Example
+//!
+//! One light of 10 cd, 2 m above a floor, seen from above: the middle of the image is lit straight
+//! from above, so that L_o = k_d I/d² = 0.5 · 10 cd / (2 m)² = 1.25 cd/m². Towards the side, at x
+//! from there, d² = h² + x² and cos(n, ω_i) = h/d: L_o = k_d I h / (h² + x²)^{3/2}.
+//!
+//! ```
+//! use candela::display::{self, Settings};
+//! use candela::film::exr::ExrOptions;
+//! use candela::output::Unfinished;
+//! use candela::{Options, Scene, World, render};
+//!
+//! let text = r#"
+//!     [image]
+//!     resolution = [9, 9]
+//!
+//!     [camera.orthographic]
+//!     eye = [0, 1, 0]
+//!     look_at = [0, 0, 0]
+//!     up = [0, 0, -1]
+//!     height = 9
+//!
+//!     [materials.chalk.phong]
+//!     diffuse = 0.5
+//!
+//!     [lights.lamp.point]
+//!     position = [0, 2, 0]
+//!     intensity = 10
+//!
+//!     [objects.floor.plane]
+//!     material = "chalk"
+//!     point = [0, 0, 0]
+//!     normal = [0, 1, 0]
+//! "#;
+//! let scene = Scene::parse(text, "floor.toml")?; // what was written
+//! let world = World::new(&scene)?; // what is legal
+//! let film = render(&world, &Options::default());
+//!
+//! // One pixel is one metre; column 4 is x = 0, column 7 is x = 3.
+//! let pixel = |x: usize, y: usize| film.pixels()[9 * y + x];
+//! let expected = |x: f64| (0.5 * 10.0 * 2.0 / (2.0_f64.powi(2) + x * x).powf(1.5)) as f32;
+//! let agrees = |actual: f32, expected: f32| (actual - expected).abs() <= 1e-6 * expected;
+//! assert!(agrees(pixel(4, 4)[0], 1.25));
+//! assert!(agrees(pixel(7, 4)[0], expected(3.0)));
+//! assert_eq!(pixel(4, 4)[3], 1.0); // A: covered
+//!
+//! let folder = tempfile::tempdir()?;
+//! let (exr, png) = (folder.path().join("floor.exr"), folder.path().join("floor.png"));
+//! film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())?;
+//! display::convert(&exr, &png, &Settings::default(), &Unfinished::new())?;
+//! assert!(png.exists());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![forbid(unsafe_code)]
 
@@ -13,3 +121,7 @@ pub mod shading;
 pub mod units;
 pub mod visibility;
 pub mod world;
+
+pub use film::{Film, Options, render};
+pub use scene::Scene;
+pub use world::World;
