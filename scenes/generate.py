@@ -136,8 +136,8 @@ resolution = [960, 540]
 
 [camera.perspective]
 eye = [0.0, 7.0, 8.2]
-look_at = [0.0, 0.1, 0.25]
-vertical_fov = 32.0
+look_at = [0.0, 0.1, 0.52]
+vertical_fov = 33.5
 
 # Diffuse colors below 1/π = 0.318, which would be a perfect white.
 
@@ -193,10 +193,10 @@ MANY_LIGHTS = """\
 # Written by scenes/generate.py.
 
 [image]
-resolution = [960, 540]
+resolution = [640, 360]
 
 [camera.perspective]
-eye = [0.0, 5.6, 6.6]
+eye = [0.0, 5.2, 6.0]
 look_at = [0.0, 0.0, 0.3]
 vertical_fov = 30.0
 
@@ -210,7 +210,7 @@ diffuse = 0.17
 specular = 0.7
 shininess = 120
 
-# A grid of lights of at most a quarter of a candela, 0.6 m above the floor; the hue goes around the
+# A grid of lights of at most 0.3 cd, 0.5 m above the floor; the hue goes around the
 # middle, once.
 
 """
@@ -223,21 +223,21 @@ def many_lights():
         for column in range(10):
             x, z = (column - 4.5) * step, (row - 4.5) * step * 0.8
             hue = (0.5 + column / 11 + 0.25 * row / 9) % 1.0
-            color = [0.25 * c for c in colorsys.hsv_to_rgb(hue, 0.8, 1.0)]
+            color = [0.3 * c for c in colorsys.hsv_to_rgb(hue, 0.8, 1.0)]
             text += (
-                f"[lights.r{row}c{column}.point]\nposition = [{numbers((x, 0.6, z))}]\n"
+                f"[lights.r{row}c{column}.point]\nposition = [{numbers((x, 0.5, z))}]\n"
                 f"intensity = [{numbers(color)}]\n\n"
             )
     text += (
         '[objects.floor.plane]\nmaterial = "stone"\n'
         "point = [0, 0, 0]\nnormal = [0, 1, 0]\n\n"
     )
-    for row in range(5):
-        for column in range(5):
-            x, z = (column - 2) * step * 2, (row - 2) * step * 1.6
+    for row in range(9):
+        for column in range(9):
+            x, z = (column - 4) * step, (row - 4) * step * 0.8
             text += (
                 f'[objects.ball{row}{column}.sphere]\nmaterial = "ball"\n'
-                f"center = [{numbers((x, 0.3, z))}]\nradius = 0.3\n\n"
+                f"center = [{numbers((x, 0.2, z))}]\nradius = 0.2\n\n"
             )
     return text.rstrip() + "\n"
 
