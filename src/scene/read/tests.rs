@@ -195,7 +195,7 @@ fn the_builtin_scene_is_the_lecture_scene() {
     let scene = Scene::builtin();
     assert_eq!(scene.source.path, Path::new("<lecture.toml>"));
     assert_eq!(scene.image.resolution.value, [1280, 720]);
-    assert_eq!((scene.lights.len(), scene.objects.len()), (3, 4));
+    assert_eq!((scene.lights.len(), scene.objects.len()), (3, 7));
     assert!(scene.source.text.starts_with("# The lecture's scene: "));
 }
 

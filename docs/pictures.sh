@@ -1,0 +1,41 @@
+#!/bin/sh
+# Renders the scenes of scenes/ into docs/pictures/, with the release binary:
+#
+#     cargo build --release && docs/pictures.sh [NAME…]
+#
+# CANDELA names another binary. The lecture's picture is as large as its scene says; the others are
+# 480 pixels wide, or 320 where there is so much detail that a larger file would be too large.
+set -eu
+cd "$(dirname "$0")/.."
+candela=${CANDELA:-target/release/candela}
+
+work=$(mktemp -d)
+# The small copy of a scene stands beside the original, where the paths of its meshes lead on. Its
+# name begins with a dot, so that nothing takes it for a scene.
+small=scenes/.picture.toml
+trap 'rm -rf "$work" "$small"' EXIT
+trap 'exit 1' HUP INT TERM
+
+mkdir -p docs/pictures
+[ $# -gt 0 ] || set -- $(cd scenes && ls -- *.toml | sed 's/\.toml$//')
+for name; do
+    scene=scenes/$name.toml
+    if [ "$name" = lecture ]; then
+        samples=64
+    else
+        samples=16
+        case $name in
+        many-*) width=320 ;;
+        *) width=480 ;;
+        esac
+        awk -v width="$width" '
+            /^resolution = / && match($0, /[0-9]+, [0-9]+/) {
+                split(substr($0, RSTART, RLENGTH), size, ", ")
+                $0 = "resolution = [" width ", " int(width * size[2] / size[1] + 0.5) "]"
+            }
+            { print }' "$scene" > "$small"
+        scene=$small
+    fi
+    "$candela" render "$scene" -o "$work/$name.exr" --samples "$samples" --quiet
+    "$candela" tonemap "$work/$name.exr" -o "docs/pictures/$name.png" --alpha opaque
+done

@@ -1,0 +1,254 @@
+#!/usr/bin/env python3
+"""Writes what is too long to write by hand: the meshes of scenes/meshes/, many-spheres.toml and
+many-lights.toml. Needs Python 3 alone; the same files to the byte each time:
+
+    python3 scenes/generate.py
+"""
+
+import colorsys
+from math import cos, pi, sin, sqrt
+from pathlib import Path
+
+SCENES = Path(__file__).resolve().parent
+MESHES = SCENES / "meshes"
+
+
+def add(a, b):
+    return tuple(x + y for x, y in zip(a, b))
+
+
+def sub(a, b):
+    return tuple(x - y for x, y in zip(a, b))
+
+
+def scale(s, a):
+    return tuple(s * x for x in a)
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def unit(a):
+    return scale(1 / sqrt(dot(a, a)), a)
+
+
+def number(x, digits=4):
+    """A float with few digits, without trailing zeros and without -0."""
+    return f"{round(x, digits) + 0.0:.{digits}f}".rstrip("0").rstrip(".")
+
+
+def numbers(values, digits=4):
+    return ", ".join(number(value, digits) for value in values)
+
+
+def knot(t, p=2, q=3, ring=0.62, swing=0.27):
+    """The (p, q) torus knot at t in [0, 2π), about the y axis."""
+    r = ring + swing * cos(q * t)
+    return (r * cos(p * t), swing * sin(q * t), r * sin(p * t))
+
+
+def torus_knot(along=190, around=15, tube=0.13):
+    """A tube around the knot as PLY text: vertices with normals, and triangles."""
+    vertices, triangles = [], []
+    for i in range(along):
+        t = 2 * pi * i / along
+        center = knot(t)
+        tangent = unit(sub(knot(t + 1e-4), knot(t - 1e-4)))
+        # A frame from the torus itself returns to where it began, so that the tube closes.
+        axis = (0.62 * cos(2 * t), 0.0, 0.62 * sin(2 * t))
+        side = unit(sub(center, axis))
+        side = unit(sub(side, scale(dot(side, tangent), tangent)))
+        other = cross(tangent, side)
+        for j in range(around):
+            angle = 2 * pi * j / around
+            normal = add(scale(cos(angle), side), scale(sin(angle), other))
+            vertices.append((add(center, scale(tube, normal)), normal))
+            a, b = i * around + j, i * around + (j + 1) % around
+            c, d = (a + around) % (along * around), (b + around) % (along * around)
+            triangles += [(a, b, c), (b, d, c)]
+    lines = [
+        "ply",
+        "format ascii 1.0",
+        "comment a (2, 3) torus knot, by scenes/generate.py",
+        f"element vertex {len(vertices)}",
+        *(f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")),
+        f"element face {len(triangles)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
+    for position, normal in vertices:
+        values = [number(x) for x in position] + [number(x, 3) for x in normal]
+        lines.append(" ".join(values))
+    lines += ["3 " + " ".join(map(str, triangle)) for triangle in triangles]
+    return "\n".join(lines) + "\n"
+
+
+def gem(sides=8):
+    """A cut stone as OBJ text: table, crown, girdle and pavilion are groups, no normals."""
+    rings = [(0.30, 0.62, 0.5), (0.47, 0.49, 0.0), (0.55, 0.36, 0.5), (0.55, 0.32, 0.5)]
+    lines = ["# A brilliant, by scenes/generate.py", "o gem"]
+    for radius, height, turn in rings:
+        for i in range(sides):
+            angle = 2 * pi * (i + turn) / sides
+            at = (radius * cos(angle), height - 0.32, radius * sin(angle))
+            lines.append("v " + " ".join(number(x) for x in at))
+    lines.append(f"v 0 {number(-0.36)} 0")
+
+    def at(ring, i):
+        return 1 + ring * sides + i % sides
+
+    def face(*corners):
+        lines.append("f " + " ".join(map(str, corners)))
+
+    lines.append("g table")
+    face(*(at(0, i) for i in reversed(range(sides))))
+    lines.append("g crown")
+    for i in range(sides):
+        face(at(0, i), at(0, i + 1), at(1, i + 1))
+        face(at(0, i), at(1, i + 1), at(2, i))
+        face(at(0, i + 1), at(2, i + 1), at(1, i + 1))
+        face(at(1, i + 1), at(2, i + 1), at(2, i))
+    lines.append("g girdle")
+    for i in range(sides):
+        face(at(2, i), at(2, i + 1), at(3, i + 1), at(3, i))
+    lines.append("g pavilion")
+    for i in range(sides):
+        face(at(3, i), at(3, i + 1), 4 * sides + 1)
+    return "\n".join(lines) + "\n"
+
+
+MANY_SPHERES = """\
+# Each of COUNT spheres stands at the golden angle from the one before it, as the seeds of a sunflower do: many shapes, one tree.
+#
+# Written by scenes/generate.py.
+
+[image]
+resolution = [960, 540]
+
+[camera.perspective]
+eye = [0.0, 7.0, 8.2]
+look_at = [0.0, 0.1, 0.52]
+vertical_fov = 33.5
+
+# Diffuse colors below 1/π = 0.318, which would be a perfect white.
+
+[materials.soil.phong]
+diffuse = [0.05, 0.055, 0.08]
+
+"""
+
+SEEDS = 1200
+RINGS = 24  # of one color each
+GOLDEN_ANGLE = pi * (3 - sqrt(5))
+
+
+def many_spheres():
+    text = MANY_SPHERES.replace("COUNT", str(SEEDS))
+    for i in range(RINGS):
+        hue = (0.97 + 0.66 * i / RINGS) % 1.0
+        color = [0.26 * x for x in colorsys.hsv_to_rgb(hue, 0.78, 1.0)]
+        text += (
+            f"[materials.ring{i}.phong]\ndiffuse = [{numbers(color, 3)}]\n"
+            "specular = 0.5\nshininess = 60\n\n"
+        )
+    text += "# In candela.\n\n"
+    for name, position, intensity in [
+        ("key", (-5, 6.5, 3), (125, 115, 100)),
+        ("fill", (6, 5, 4), (38, 48, 66)),
+        ("front", (1, 7, 9), (60, 60, 60)),
+    ]:
+        text += (
+            f"[lights.{name}.point]\nposition = [{numbers(position)}]\n"
+            f"intensity = [{numbers(intensity)}]\n\n"
+        )
+    text += (
+        '[objects.ground.plane]\nmaterial = "soil"\n'
+        "point = [0, 0, 0]\nnormal = [0, 1, 0]\n\n"
+    )
+    for i in range(SEEDS):
+        distance = 0.118 * sqrt(i + 0.5)
+        angle = i * GOLDEN_ANGLE
+        height = 0.4 + 0.30 * cos(2.1 * distance)
+        center = (distance * cos(angle), height, distance * sin(angle))
+        radius = 0.085 + 0.022 * distance / 4
+        text += (
+            f'[objects.seed{i}.sphere]\nmaterial = "ring{i * RINGS // SEEDS}"\n'
+            f"center = [{numbers(center, 3)}]\nradius = {number(radius, 3)}\n\n"
+        )
+    return text.rstrip() + "\n"
+
+
+MANY_LIGHTS = """\
+# A hundred lights, each with its own color and its own shadows, add up to one image (L9).
+#
+# Written by scenes/generate.py.
+
+[image]
+resolution = [640, 360]
+
+[camera.perspective]
+eye = [0.0, 5.2, 6.0]
+look_at = [0.0, 0.0, 0.3]
+vertical_fov = 30.0
+
+# Diffuse colors below 1/π = 0.318, which would be a perfect white.
+
+[materials.stone.phong]
+diffuse = 0.24
+
+[materials.ball.phong]
+diffuse = 0.17
+specular = 0.7
+shininess = 120
+
+# A grid of lights of at most 0.3 cd, 0.5 m above the floor; the hue goes around the
+# middle, once.
+
+"""
+
+
+def many_lights():
+    text = MANY_LIGHTS
+    step = 0.9
+    for row in range(10):
+        for column in range(10):
+            x, z = (column - 4.5) * step, (row - 4.5) * step * 0.8
+            hue = (0.5 + column / 11 + 0.25 * row / 9) % 1.0
+            color = [0.3 * c for c in colorsys.hsv_to_rgb(hue, 0.8, 1.0)]
+            text += (
+                f"[lights.r{row}c{column}.point]\nposition = [{numbers((x, 0.5, z))}]\n"
+                f"intensity = [{numbers(color)}]\n\n"
+            )
+    text += (
+        '[objects.floor.plane]\nmaterial = "stone"\n'
+        "point = [0, 0, 0]\nnormal = [0, 1, 0]\n\n"
+    )
+    for row in range(9):
+        for column in range(9):
+            x, z = (column - 4) * step, (row - 4) * step * 0.8
+            text += (
+                f'[objects.ball{row}{column}.sphere]\nmaterial = "ball"\n'
+                f"center = [{numbers((x, 0.2, z))}]\nradius = 0.2\n\n"
+            )
+    return text.rstrip() + "\n"
+
+
+def main():
+    MESHES.mkdir(exist_ok=True)
+    (MESHES / "knot.ply").write_text(torus_knot())
+    (MESHES / "gem.obj").write_text(gem())
+    (SCENES / "many-spheres.toml").write_text(many_spheres())
+    (SCENES / "many-lights.toml").write_text(many_lights())
+
+
+if __name__ == "__main__":
+    main()
