@@ -90,6 +90,12 @@ impl Normal {
     }
 }
 
+impl From<Direction> for Normal {
+    fn from(direction: Direction) -> Self {
+        Self(direction.0)
+    }
+}
+
 impl Ray {
     /// The point at parameter `t` (L1).
     pub fn at(&self, t: f64) -> Point {

@@ -198,23 +198,19 @@ struct PixelSum {
 impl PixelSum {
     fn add(&mut self, radiance: Radiance) {
         for (sum, channel) in self.radiance.iter_mut().zip(radiance.0.0) {
-            *sum += f64::from(channel);
+            *sum += channel;
         }
     }
 
     /// R, G, B, A, and how many channels are beyond the largest f32.
     fn mean(&self, samples: u32) -> ([f32; 4], u64) {
         let samples = f64::from(samples);
-        let mean = self.radiance.map(|sum| (sum / samples) as f32);
-        let [r, g, b] = mean.map(|channel| {
-            if channel.is_finite() {
-                channel
-            } else {
-                f32::MAX
-            }
-        });
+        let mean = self.radiance.map(|sum| sum / samples);
+        let is_beyond = |channel: &&f64| **channel > f64::from(f32::MAX);
+        let clamped = mean.iter().filter(is_beyond).count();
+        // Here, and nowhere before, light becomes f32.
+        let [r, g, b] = mean.map(|channel| channel.min(f64::from(f32::MAX)) as f32);
         let alpha = (f64::from(self.hits) / samples) as f32;
-        let clamped = mean.iter().filter(|channel| !channel.is_finite()).count();
         ([r, g, b, alpha], clamped as u64)
     }
 }

@@ -22,9 +22,6 @@ pub struct Shaded {
 }
 
 /// L9: L_o(ω_o) = Σ_s L_i^s(p) r(ω_i^s, ω_o) V^s(p), light by light over a batch of points.
-///
-/// The geometry of a term, cosines over d², is computed in f64: near the terminator and in sharp
-/// highlights it is where digits are lost. Light and color are f32.
 pub fn radiance(
     world: &World,
     plan: &Plan,

@@ -36,12 +36,12 @@ const ROUNDS: f64 = 1.5 * (1_u64 << 52) as f64;
 /// baseⁿ for a base from 0 to 1 and n above 0. Relative error: below 1e-12 where the result is
 /// above 1e-300, and 0 below that.
 ///
-/// A base may be above 1 by rounding, as cosines are.
+/// A base above 1, as a cosine may be by rounding, counts as 1.
 pub fn power(base: f64, exponent: f64) -> f64 {
     if base < f64::MIN_POSITIVE {
         return 0.0;
     }
-    exp2(exponent * log2(base))
+    exp2(exponent * log2(if base < 1.0 { base } else { 1.0 }))
 }
 
 /// log₂ x of a normal number: with x = 2ᵉ m, m from 1/√2 to √2, log₂ x = e + 2 log₂ e · artanh(s),
@@ -118,6 +118,7 @@ mod tests {
     fn exact_where_it_can_be() {
         for exponent in [0.3, 1.0, 50.0, 1e9] {
             assert_eq!(power(1.0, exponent), 1.0);
+            assert_eq!(power(1.0 + f64::EPSILON, exponent), 1.0);
             assert_eq!(power(0.0, exponent), 0.0);
         }
         assert_eq!(power(0.5, 20.0), 2.0_f64.powi(-20));

@@ -10,7 +10,7 @@ use crate::world::{Lobes, Material, Plan};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Geometry {
     /// The light is above the surface: cosine terms over d², in m⁻².
-    Lit(Lobes<f32>),
+    Lit(Lobes<f64>),
     /// The light is below the surface and adds nothing.
     Below,
     /// The light is at the point itself, d = 0, where L3 has no value; it adds nothing.
@@ -46,8 +46,8 @@ impl Geometry {
             0.0
         };
         Self::Lit(Lobes {
-            diffuse: (cos_incident / distance_squared) as f32,
-            specular: (specular / distance_squared) as f32,
+            diffuse: cos_incident / distance_squared,
+            specular: specular / distance_squared,
         })
     }
 

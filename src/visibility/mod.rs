@@ -11,6 +11,7 @@
 
 mod bundle;
 mod bvh;
+mod descent;
 mod plane;
 mod search;
 mod sphere;
@@ -24,6 +25,11 @@ use crate::world::{Plan, World};
 use bundle::Bundle;
 use search::Search;
 use triangle::{Facet, ShearedRay};
+
+/// How much a few operations in f64 on coordinates of magnitude 1 can be off: each by ε/2, eight of
+/// them, and as much again for room. Times a length, it is the bound below which "on the surface"
+/// and "beside it" are the same.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The primary rays of one batch.
 #[derive(Clone, Debug)]
@@ -153,8 +159,8 @@ impl<'w> Visibility<'w> {
 
         let spheres = self.spheres.within(&bundle);
         if !spheres.is_empty() {
-            let limits: Vec<f64> = nearest.iter().map(limit_of).collect();
-            spheres.visit(&rays, &limits, |ball, ray| {
+            let mut limits: Vec<f64> = nearest.iter().map(limit_of).collect();
+            spheres.visit(&rays, &mut limits, |ball, ray| {
                 if let Some(t) = ball.intersect(&rays[ray]) {
                     self.keep_nearest(&mut nearest[ray], t, Primitive::Sphere(ball.index()));
                 }
@@ -163,9 +169,9 @@ impl<'w> Visibility<'w> {
         }
         let triangles = self.triangles.within(&bundle);
         if !triangles.is_empty() {
-            let limits: Vec<f64> = nearest.iter().map(limit_of).collect();
+            let mut limits: Vec<f64> = nearest.iter().map(limit_of).collect();
             let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
-            triangles.visit(&rays, &limits, |triangle, ray| {
+            triangles.visit(&rays, &mut limits, |triangle, ray| {
                 if let Some(t) = triangle.intersect(&sheared[ray]) {
                     self.keep_nearest(&mut nearest[ray], t, Primitive::Triangle(triangle.index()));
                 }
@@ -228,8 +234,8 @@ impl<'w> Visibility<'w> {
         }
         let spheres = self.spheres.within(&bundle);
         if !spheres.is_empty() {
-            let before = limits.clone();
-            spheres.visit(&rays, &before, |ball, ray| {
+            let mut before = limits.clone();
+            spheres.visit(&rays, &mut before, |ball, ray| {
                 if ball.occludes(&rays[ray], &points[ray]) {
                     limits[ray] = DONE;
                 }
@@ -238,9 +244,9 @@ impl<'w> Visibility<'w> {
         }
         let triangles = self.triangles.within(&bundle);
         if !triangles.is_empty() {
-            let before = limits.clone();
+            let mut before = limits.clone();
             let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
-            triangles.visit(&rays, &before, |triangle, ray| {
+            triangles.visit(&rays, &mut before, |triangle, ray| {
                 if triangle.occludes(&sheared[ray], &points[ray]) {
                     limits[ray] = DONE;
                 }

@@ -1,6 +1,6 @@
 //! L2 and L4 for infinite planes.
 
-use super::SurfacePoint;
+use super::{ROUNDING, SurfacePoint};
 use crate::math::Ray;
 use crate::world::Plane;
 
@@ -20,7 +20,7 @@ pub(super) fn occludes(plane: &Plane, ray: &Ray, point: &SurfacePoint) -> bool {
     let to_light = ray.origin.from(plane.point);
     let point_height = normal.dot(to_point);
     let light_height = normal.dot(to_light);
-    let rounding = |length: f64| 4.0 * f64::EPSILON * length;
+    let rounding = |length: f64| ROUNDING * length;
     (point_height > 0.0) != (light_height > 0.0)
         && point_height.abs() > point.error + rounding(to_point.length())
         && light_height.abs() > rounding(to_light.length() + ray.origin.0.length())

@@ -2,7 +2,7 @@
 
 use super::bvh::Bounds;
 use super::search::Bounded;
-use super::{Primitive, SurfacePoint};
+use super::{Primitive, ROUNDING, SurfacePoint};
 use crate::math::{DVec3, Point, Ray};
 use crate::world::Sphere;
 
@@ -82,20 +82,21 @@ impl Ball {
         let outwards = point.position.from(self.center);
         let distance = outwards.length();
         let light_distance = ray.origin.from(self.center).length();
-        let rounding = |length: f64| 8.0 * f64::EPSILON * length;
+        let rounding = |length: f64| ROUNDING * length;
+        // A light on the sphere itself is not occluded by the surface that it is on.
+        let at_light = rounding(light_distance + self.radius + ray.origin.0.length());
         let is_own = point.primitive == Primitive::Sphere(self.index);
         let at_point = point.error + rounding(distance + self.radius);
         if is_own || (distance - self.radius).abs() <= at_point {
             // The point is on this sphere, so no root of L2 at the point can be trusted. Where the
             // way to the light leads inwards, it leaves the sphere again unless the light is
             // inside; where it leads outwards, it never comes back.
-            return outwards.dot(ray.direction) > 0.0 && light_distance > self.radius;
+            let light_is_outside = light_distance - self.radius > at_light;
+            return outwards.dot(ray.direction) > 0.0 && light_is_outside;
         }
         let Some(Crossings { first, second }) = self.crossings(ray) else {
             return false;
         };
-        // A light on the sphere itself is not occluded by the surface that it is on.
-        let at_light = rounding(light_distance + self.radius + ray.origin.0.length());
         let after_light = at_light / ray.direction.length();
         let is_between = |t: f64| t > after_light && t < 1.0;
         is_between(first) || is_between(second)

@@ -1,6 +1,6 @@
 //! The point of a surface that a primary ray hits.
 
-use super::{Hit, triangle};
+use super::{Hit, ROUNDING, triangle};
 use crate::math::{DVec3, Direction, Normal, Point, Ray};
 use crate::world::World;
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
@@ -55,12 +55,9 @@ impl SurfacePoint {
             Primitive::Sphere(index) => {
                 let sphere = &world.spheres()[index as usize];
                 let normal = Normal::new(position.from(sphere.center));
-                (
-                    sphere.object,
-                    normal.expect("a radius is above 0"),
-                    None,
-                    position,
-                )
+                // A sphere smaller than the rounding of its place faces the viewer.
+                let normal = normal.unwrap_or(Normal::from(to_viewer));
+                (sphere.object, normal, None, position)
             }
             Primitive::Plane(index) => {
                 let plane = &world.planes()[index as usize];
@@ -94,7 +91,7 @@ impl SurfacePoint {
         Self {
             position,
             tangent,
-            error: 4.0 * f64::EPSILON * magnitude,
+            error: ROUNDING * magnitude,
             to_viewer,
             geometric_normal,
             shading_normal,
@@ -109,7 +106,7 @@ impl SurfacePoint {
         let to_light = light.from(self.tangent);
         // The largest component stands for the length, which is at most √3 times as long.
         let length = |vector: DVec3| vector.abs().max_element();
-        let rounding = 16.0 * f64::EPSILON * (length(to_light) + length(light.0));
+        let rounding = 2.0 * ROUNDING * (length(to_light) + length(light.0));
         let known_to = if self.tangent == self.position {
             self.error
         } else {

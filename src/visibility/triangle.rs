@@ -2,7 +2,7 @@
 
 use super::bvh::Bounds;
 use super::search::Bounded;
-use super::{Primitive, SurfacePoint};
+use super::{Primitive, ROUNDING, SurfacePoint};
 use crate::math::{DVec3, Ray};
 use crate::world::geometry::{area_vector, from_shorter_edges};
 
@@ -121,17 +121,20 @@ impl Facet {
         }
         let ray = &sheared.ray;
         let normal = area_vector(self.vertices);
-        let t = normal.dot(self.vertices[0] - ray.origin.0) / normal.dot(ray.direction);
-        // The hit is between the corners, also where the normal of a sliver is not worth much. A
-        // ray in the triangle's plane gives an infinite or NaN t: seen edge-on it has no extent.
+        let speed = normal.dot(ray.direction);
+        // Seen edge-on, as far as can be told, a triangle has no extent.
+        let tilt = normal.length_squared() * ray.direction.length_squared();
+        if speed * speed <= ROUNDING * ROUNDING * tilt {
+            return None;
+        }
+        let t = normal.dot(self.vertices[0] - ray.origin.0) / speed;
+        // The hit is between the corners, also where the normal of a sliver is not worth much.
         let heights = self
             .vertices
             .map(|vertex| sheared.axis.of(vertex - ray.origin.0) / sheared.axis.of(ray.direction));
         let nearest = heights[0].min(heights[1]).min(heights[2]);
         let farthest = heights[0].max(heights[1]).max(heights[2]);
-        (t.is_finite() && farthest > 0.0)
-            .then(|| t.clamp(nearest, farthest))
-            .filter(|&t| t > 0.0)
+        Some(t.max(nearest).min(farthest)).filter(|&t| t > 0.0)
     }
 
     /// L4: whether the triangle stands strictly between the start of the ray, a light, and
@@ -149,7 +152,7 @@ impl Facet {
         let to_light = light - self.vertices[0];
         let point_height = normal.dot(to_point);
         let light_height = normal.dot(to_light);
-        let rounding = |length: f64| 8.0 * f64::EPSILON * length;
+        let rounding = |length: f64| ROUNDING * length;
         let scale = normal.length();
         (point_height > 0.0) != (light_height > 0.0)
             && point_height.abs() > (point.error + rounding(to_point.length())) * scale

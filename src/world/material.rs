@@ -1,6 +1,7 @@
 //! The materials of L8, in the one form that the kernels know.
 
 use super::Lobes;
+use crate::units::{Reflectance, Rgb};
 
 /// A Phong material (L5–L8) in the one form that the kernels know:
 ///
@@ -9,8 +10,8 @@ use super::Lobes;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     model: Model,
-    /// k_d and k_s in f64, before any light is multiplied in.
-    reflectance: Lobes<[f64; 3]>,
+    /// k_d and k_s, before any light is multiplied in.
+    reflectance: Lobes<Reflectance>,
     /// n. Meaningless, and 1, where k_s is 0.
     shininess: f64,
 }
@@ -29,7 +30,10 @@ impl Material {
     pub(super) fn phong(diffuse: [f64; 3], specular: [f64; 3], shininess: f64) -> Self {
         Self {
             model: Model::Phong,
-            reflectance: Lobes { diffuse, specular },
+            reflectance: Lobes {
+                diffuse: Reflectance(Rgb(diffuse)),
+                specular: Reflectance(Rgb(specular)),
+            },
             shininess,
         }
     }
@@ -40,8 +44,8 @@ impl Material {
         Self {
             model: Model::NormalizedPhong,
             reflectance: Lobes {
-                diffuse: diffuse.map(|albedo| albedo / PI),
-                specular: specular.map(|albedo| albedo * (shininess + 2.0) / TAU),
+                diffuse: Reflectance(Rgb(diffuse.map(|albedo| albedo / PI))),
+                specular: Reflectance(Rgb(specular.map(|albedo| albedo * (shininess + 2.0) / TAU))),
             },
             shininess,
         }
@@ -53,7 +57,7 @@ impl Material {
     }
 
     /// k_d and k_s of the formula above, per primary.
-    pub fn reflectance(&self) -> Lobes<[f64; 3]> {
+    pub fn reflectance(&self) -> Lobes<Reflectance> {
         self.reflectance
     }
 
@@ -64,6 +68,6 @@ impl Material {
 
     /// Whether the material has a specular lobe at all.
     pub fn is_specular(&self) -> bool {
-        self.reflectance.specular != [0.0; 3]
+        !self.reflectance.specular.is_black()
     }
 }

@@ -102,7 +102,7 @@ impl fmt::Display for Warning {
 pub fn albedo_at_normal_incidence(material: &Material) -> [f64; 3] {
     let reflectance = material.reflectance();
     let lobe = TAU / (material.shininess() + 2.0);
-    std::array::from_fn(|i| PI * reflectance.diffuse[i] + lobe * reflectance.specular[i])
+    std::array::from_fn(|i| PI * reflectance.diffuse.0.0[i] + lobe * reflectance.specular.0.0[i])
 }
 
 /// Everything about a world that may not be meant, in the order of the file.
@@ -213,8 +213,8 @@ mod tests {
                 let ring = |step: u32| {
                     let theta = (f64::from(step) + 0.5) / f64::from(steps) * PI / 2.0;
                     let (sin, cos) = theta.sin_cos();
-                    let reflected =
-                        reflectance.diffuse[i] + reflectance.specular[i] * cos.powf(shininess);
+                    let reflected = reflectance.diffuse.0.0[i]
+                        + reflectance.specular.0.0[i] * cos.powf(shininess);
                     TAU * sin * cos * reflected
                 };
                 (0..steps).map(ring).sum::<f64>() * PI / 2.0 / f64::from(steps)

@@ -6,7 +6,7 @@ use super::World;
 
 /// Up to this many shapes of one kind are gone through one by one: a tree over fewer costs more
 /// than it saves (measured on spheres: see the notes on speed in ARCHITECTURE.md).
-const LONGEST_LIST: usize = 16;
+pub const LONGEST_LIST: usize = 16;
 
 /// How the shapes of one kind are searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

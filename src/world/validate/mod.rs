@@ -14,11 +14,15 @@ use crate::scene::{
     self, Broken, ColorSpace, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene,
     Span, Spanned, Value,
 };
-use crate::units::{Intensity, Radiance, ReflectedIntensity, Rgb};
+use crate::units::{Intensity, Radiance, Rgb};
 
 /// The largest coordinate, length and factor. Products of four of them, as the edge functions of
 /// triangles have, still fit an f64 with room to spare.
 const LARGEST: f64 = 1e30;
+
+/// The largest shininess. Its lobe is 3e-5 wide (1/√n); the rounding of a cosine, 1e-16, changes
+/// cosⁿ by 1e-7 there, and no longer by little beyond.
+const SHARPEST: f64 = 1e9;
 
 /// Largest sum of the albedos of a `normalized_phong` material: 1, and an allowance for decimal
 /// fractions such as 0.7 + 0.3 that binary numbers miss by a rounding.
@@ -97,15 +101,12 @@ impl<'a> Validator<'a> {
         let mut world = World {
             resolution,
             color_space: space.value,
-            background: Radiance(Rgb::narrowed(background)),
+            background: Radiance(Rgb(background)),
             anchor: self.anchor,
             // A camera that cannot be made is an error, after which the world is dropped.
             camera: camera.unwrap_or_else(|Reported| placeholder_camera()),
             materials,
-            lights: lights
-                .iter()
-                .map(|light| light.map(LightSource::point))
-                .collect(),
+            lights,
             objects: Vec::with_capacity(self.scene.objects.len()),
             spheres: Vec::new(),
             planes: Vec::new(),
@@ -133,19 +134,17 @@ impl<'a> Validator<'a> {
                 },
             );
         }
-        for (light, entry) in lights.iter().zip(&self.scene.lights) {
-            for material in &world.materials {
-                let lobes = light.value.transport(&material.value);
-                if !(lobes.diffuse.0.is_finite() && lobes.specular.0.is_finite()) {
-                    let conflict = format!(
-                        "the light `{}` on the material `{}` is beyond 3.4e38, the largest f32: \
-                         expected a smaller intensity or reflectance",
-                        light.name, material.name,
-                    );
-                    self.report(entry.span, Problem::Conflict(conflict));
+        for light in &world.lights {
+            let reflected = |material: &Named<Material>| {
+                let reflectance = material.value.reflectance();
+                Lobes {
+                    diffuse: light.value.intensity.reflected(reflectance.diffuse),
+                    specular: light.value.intensity.reflected(reflectance.specular),
                 }
-                world.transport.push(lobes);
-            }
+            };
+            world
+                .transport
+                .extend(world.materials.iter().map(reflected));
         }
         world
     }
@@ -307,9 +306,14 @@ impl<'a> Validator<'a> {
         let specular = self.color("specular", &lobes.specular);
         let shininess = match lobes.shininess {
             Some(written) => {
-                let legal = |n: f64| n > 0.0 && n <= LARGEST;
-                self.number("shininess", written, legal, "an exponent above 0")
-                    .unwrap_or(1.0)
+                let legal = |n: f64| n > 0.0 && n <= SHARPEST;
+                self.number(
+                    "shininess",
+                    written,
+                    legal,
+                    "an exponent above 0, up to 1e9",
+                )
+                .unwrap_or(1.0)
             }
             None => {
                 if specular != [0.0; 3] {
@@ -339,54 +343,17 @@ impl<'a> Validator<'a> {
         }
     }
 
-    fn light(&mut self, entry: &scene::Entry<scene::Light>) -> LightSource {
+    fn light(&mut self, entry: &scene::Entry<scene::Light>) -> PointLight {
         match &entry.value {
             scene::Light::Point {
                 position,
                 intensity,
-            } => LightSource {
+            } => PointLight {
                 position: self
                     .position("position", *position)
                     .unwrap_or(Point(DVec3::ZERO)),
-                intensity: self.color("intensity", intensity),
+                intensity: Intensity(Rgb(self.color("intensity", intensity))),
             },
-        }
-    }
-}
-
-/// A point light in f64, before anything is narrowed.
-struct LightSource {
-    position: Point,
-    intensity: [f64; 3],
-}
-
-impl LightSource {
-    fn point(&self) -> PointLight {
-        PointLight {
-            position: self.position,
-            intensity: Intensity(Rgb::narrowed(self.intensity)),
-        }
-    }
-
-    /// I · k of both lobes, narrowed to the precision of the film only here.
-    fn transport(&self, material: &Material) -> Lobes<ReflectedIntensity> {
-        let reflected = |reflectance: [f64; 3]| {
-            let product = std::array::from_fn(|i| self.intensity[i] * reflectance[i]);
-            ReflectedIntensity(Rgb::narrowed(product))
-        };
-        let reflectance = material.reflectance();
-        Lobes {
-            diffuse: reflected(reflectance.diffuse),
-            specular: reflected(reflectance.specular),
-        }
-    }
-}
-
-impl<T> Named<T> {
-    fn map<U>(&self, f: impl FnOnce(&T) -> U) -> Named<U> {
-        Named {
-            name: self.name.clone(),
-            value: f(&self.value),
         }
     }
 }

@@ -125,7 +125,8 @@ impl Validator<'_> {
         let degrees = self.vector("rotate", rotate);
         let moved = self.position("translate", translate);
         let (factors, degrees, moved) = (factors?, degrees?, moved?);
-        if factors.to_array().contains(&0.0) {
+        let smallest = factors.abs().min_element();
+        if smallest < 1.0 / LARGEST {
             let value = format!("{:?}", scale.value);
             self.out_of_range("scale", scale.span, value, "factors that are not 0");
             return Err(Reported);
@@ -165,7 +166,7 @@ impl Validator<'_> {
         let placed = &triangles.positions[first_vertex..];
         if placed
             .iter()
-            .any(|position| position.is_nan() || position.abs().max_element() > LARGEST)
+            .any(|position| position.is_nan() || position.abs().max_element() > 2.0 * LARGEST)
         {
             let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
             self.report(span, Problem::Conflict(conflict.to_owned()));
