@@ -6,8 +6,10 @@ many-lights.toml. Needs Python 3 alone; the same files to the byte each time:
 """
 
 import colorsys
-from math import cos, pi, sin, sqrt
+from math import cos, dist, pi, sin, sqrt, tau
 from pathlib import Path
+
+GOLDEN_ANGLE = pi * (3 - sqrt(5))
 
 SCENES = Path(__file__).resolve().parent
 MESHES = SCENES / "meshes"
@@ -148,7 +150,6 @@ diffuse = [0.05, 0.055, 0.08]
 
 SEEDS = 1200
 RINGS = 24  # of one color each
-GOLDEN_ANGLE = pi * (3 - sqrt(5))
 
 
 def many_spheres():
@@ -187,59 +188,69 @@ def many_spheres():
     return text.rstrip() + "\n"
 
 
-MANY_LIGHTS = """\
-# A hundred lights, each with its own color and its own shadows, add up to one image (L9).
+def vector(*numbers):
+    return "[" + ", ".join(f"{number:.4g}" for number in numbers) + "]"
+
+
+def many_lights(count=100):
+    """Lamps on a flat sunflower, their hue the angle, over a matte floor with spheres."""
+    text = f"""\
+# Many lights are no problem: every pixel is the sum over all {count} (L9), none of them picked at
+# random, so that there is no noise.
 #
-# Written by scenes/generate.py.
+# Written by generate.py: {count} colored lamps of about 1 cd, candles, 0.5 m over the floor on a
+# spiral. Metres and candela.
 
 [image]
-resolution = [640, 360]
+resolution = [1280, 720]
 
 [camera.perspective]
-eye = [0.0, 5.2, 6.0]
-look_at = [0.0, 0.0, 0.3]
-vertical_fov = 30.0
+eye = [0.0, 9.0, 11.0]
+look_at = [0.0, 0.1, 0.35]
+vertical_fov = 29.0
 
-# Diffuse colors below 1/π = 0.318, which would be a perfect white.
+[materials.floor.phong]
+diffuse = 0.14
 
-[materials.stone.phong]
-diffuse = 0.24
+[materials.pearl.phong]
+diffuse = 0.2
+specular = 0.3
+shininess = 40
 
-[materials.ball.phong]
-diffuse = 0.17
-specular = 0.7
-shininess = 120
-
-# A grid of lights of at most 0.3 cd, 0.5 m above the floor; the hue goes around the
-# middle, once.
-
+[objects.floor.plane]
+material = "floor"
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 1.0, 0.0]
 """
-
-
-def many_lights():
-    text = MANY_LIGHTS
-    step = 0.9
-    for row in range(10):
-        for column in range(10):
-            x, z = (column - 4.5) * step, (row - 4.5) * step * 0.8
-            hue = (0.5 + column / 11 + 0.25 * row / 9) % 1.0
-            color = [0.3 * c for c in colorsys.hsv_to_rgb(hue, 0.8, 1.0)]
-            text += (
-                f"[lights.r{row}c{column}.point]\nposition = [{numbers((x, 0.5, z))}]\n"
-                f"intensity = [{numbers(color)}]\n\n"
-            )
-    text += (
-        '[objects.floor.plane]\nmaterial = "stone"\n'
-        "point = [0, 0, 0]\nnormal = [0, 1, 0]\n\n"
-    )
-    for row in range(9):
-        for column in range(9):
-            x, z = (column - 4) * step, (row - 4) * step * 0.8
-            text += (
-                f'[objects.ball{row}{column}.sphere]\nmaterial = "ball"\n'
-                f"center = [{numbers((x, 0.2, z))}]\nradius = 0.2\n\n"
-            )
-    return text.rstrip() + "\n"
+    spheres = [(0.0, 0.0, 1.0)]
+    spheres += [
+        (2.9 * cos(a), 2.9 * sin(a), 0.45)
+        for a in (tau * (k + 0.25) / 6 for k in range(6))
+    ]
+    lamps = 0
+    for i in range(2 * count):
+        distance = 0.6 * sqrt(i + 0.5)
+        angle = i * GOLDEN_ANGLE
+        x, z = distance * cos(angle), distance * sin(angle)
+        # A lamp in a sphere would light nothing but its inside.
+        outside = all(dist((x, 0.5, z), (u, r, v)) > 1.15 * r for u, v, r in spheres)
+        if lamps < count and outside:
+            hue = angle / tau % 1
+            rgb = [1.2 * channel for channel in colorsys.hsv_to_rgb(hue, 0.8, 1.0)]
+            text += f"""
+[lights.l{lamps}.point]
+position = {vector(x, 0.5, z)}
+intensity = {vector(*rgb)}
+"""
+            lamps += 1
+    for k, (x, z, radius) in enumerate(spheres):
+        text += f"""
+[objects.pearl-{k}.sphere]
+material = "pearl"
+center = {vector(x, radius, z)}
+radius = {radius}
+"""
+    return text
 
 
 def main():
