@@ -71,15 +71,15 @@ pub enum OutputProblem {
 /// cancellation exclude each other: after [`Unfinished::cancel`] no temporary file is left and no
 /// target changes any more.
 ///
-/// ```no_run
-/// # use candela::output::Unfinished;
+/// ```
+/// use candela::output::{self, Unfinished};
+///
 /// let unfinished = Unfinished::new();
-/// let handler = unfinished.clone();
-/// ctrlc::set_handler(move || {
-///     handler.cancel();
-///     std::process::exit(130);
-/// })?;
-/// # Ok::<(), ctrlc::Error>(())
+/// let at_interrupt = unfinished.clone();
+/// // What a signal handler does before it ends the process:
+/// at_interrupt.cancel();
+/// let late = output::write("late.exr".as_ref(), &unfinished, |_| Ok(()));
+/// assert!(late.is_err());
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Unfinished {

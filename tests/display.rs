@@ -337,6 +337,7 @@ fn values_that_are_no_numbers_are_counted() {
     fs::write(&exr, exr_of(&pixels)).unwrap();
     let settings = Settings {
         exposure: Exposure::Auto,
+        alpha: Alpha::Keep,
         ..Settings::default()
     };
     let report = convert(&exr, &png, &settings, &Unfinished::new()).unwrap();

@@ -8,6 +8,7 @@ mod tonemap;
 
 use std::error::Error;
 use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use candela::film::{self, Options, Window};
@@ -16,8 +17,13 @@ use candela::scene::Diagnostics;
 use candela::world::World;
 use clap::{Parser, Subcommand};
 
+/// What a shell adds to the number of the signal that ended a program.
+#[cfg(unix)]
+const SIGNALED: i32 = 128;
+
 /// What a shell reports of a program that Ctrl-C ended: 128 + SIGINT.
-const INTERRUPTED: u8 = 130;
+#[cfg(not(unix))]
+const INTERRUPTED: i32 = 130;
 
 /// A renderer for direct light: exact, fast, deterministic
 ///
@@ -37,7 +43,7 @@ Examples:
       The sum at one pixel, term by term
 
 Exit codes: 0 done; 1 something is wrong with a file, a value or the machine; 2 wrong usage;
-130 interrupted.")]
+128 + n ended by signal n, such as 130 by Ctrl-C.")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -62,8 +68,10 @@ pub(crate) fn main() -> ExitCode {
     let result = at_interrupt(&unfinished).and_then(|()| run(&arguments.command, &unfinished));
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        // The handler below ends the process; what it interrupted is no failure of its own.
-        Err(_) if unfinished.is_canceled() => ExitCode::from(INTERRUPTED),
+        // The handler below is about to end the process; what it interrupted is no failure.
+        Err(_) if unfinished.is_canceled() => loop {
+            std::thread::park();
+        },
         // Whoever reads the output has stopped to, as `head` does.
         Err(failure) if is_broken_pipe(&*failure) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -76,7 +84,7 @@ pub(crate) fn main() -> ExitCode {
 fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
     match command {
         Command::Render(arguments) => render::run(arguments, unfinished),
-        Command::Tonemap(arguments) => Ok(tonemap::run(arguments, unfinished, &mut io::stderr())?),
+        Command::Tonemap(arguments) => tonemap::run(arguments, unfinished, &mut io::stderr()),
         Command::Check(arguments) => check::run(arguments, &mut io::stdout().lock()),
         Command::Probe(arguments) => {
             let (scene, world) = World::load(&arguments.scene)?;
@@ -105,14 +113,83 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
     }
 }
 
-/// Makes Ctrl-C, SIGTERM and SIGHUP end the run at once, without a file half-written.
+/// Makes Ctrl-C, SIGTERM and SIGHUP end the run at once, without a file half-written. What whoever
+/// started the run wants ignored, as `nohup` does, stays so.
+#[cfg(unix)]
+fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let ignored = ignored_signals();
+    let heeded = [SIGINT, SIGTERM, SIGHUP];
+    let heeded = heeded
+        .iter()
+        .filter(|&&signal| ignored & (1 << (signal - 1)) == 0);
+    let mut signals = signal_hook::iterator::Signals::new(heeded)?;
+    let unfinished = unfinished.clone();
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            unfinished.cancel();
+            std::process::exit(SIGNALED + signal);
+        }
+    });
+    Ok(())
+}
+
+/// One bit for each signal that the process was started to ignore, as Linux tells; elsewhere none.
+#[cfg(unix)]
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .unwrap_or(0)
+}
+
+/// Makes Ctrl-C end the run at once, without a file half-written.
+#[cfg(not(unix))]
 fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
     let unfinished = unfinished.clone();
     ctrlc::set_handler(move || {
         unfinished.cancel();
-        std::process::exit(i32::from(INTERRUPTED));
+        std::process::exit(INTERRUPTED);
     })?;
     Ok(())
+}
+
+/// Refuses to write over a file that is read, or two files to one place.
+fn refuse_same_files(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
+    for (number, output) in outputs.iter().enumerate() {
+        let Some(place) = place(output) else { continue };
+        let is_there = |other: &&&Path| self::place(other).as_ref() == Some(&place);
+        if let Some(input) = inputs.iter().find(is_there) {
+            return Err(format!(
+                "{} would be written over {}, which is read; give another name",
+                output.display(),
+                input.display(),
+            )
+            .into());
+        }
+        if let Some(other) = outputs[..number].iter().find(is_there) {
+            return Err(format!(
+                "{} and {} would be one file; give another name",
+                other.display(),
+                output.display(),
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
+/// Where a file is or would be, whatever links lead there; `None` for what is no place for a file,
+/// such as a device, which may be written to twice.
+fn place(path: &Path) -> Option<PathBuf> {
+    if let Ok(metadata) = path.metadata() {
+        return path.canonicalize().ok().filter(|_| metadata.is_file());
+    }
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+    Some(folder.join(path.file_name()?))
 }
 
 fn is_broken_pipe(failure: &(dyn Error + 'static)) -> bool {

@@ -1,7 +1,7 @@
 //! `candela render`: a scene file becomes an EXR.
 
 use std::ffi::OsStr;
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -21,6 +21,9 @@ use super::Failure;
 /// A run that takes longer than this shows a progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
+/// More threads than any machine makes use of.
+const MAX_THREADS: u32 = 1024;
+
 /// Render a scene to a linear OpenEXR image in cd/m²
 ///
 /// Each pixel is the sum over all lights of I/d² times the reflectance times the visibility, in
@@ -31,7 +34,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 Examples:
   candela render
       Render the built-in scene to lecture.exr
-  candela render scene.toml -o out/scene.exr --samples 64
+  candela render scene.toml -o scene.exr --samples 64
       64 samples a pixel, for smooth edges
   candela render scene.toml --preview scene.png
       Also make a PNG, as `candela tonemap` would
@@ -48,9 +51,14 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "OUT.exr", value_parser = named("exr"))]
     output: Option<PathBuf>,
 
-    /// Samples a pixel: 1 is its center, more are spread over it
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    /// Samples a pixel, 1 to 65536: 1 is its center, more are spread over it
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        allow_negative_numbers = true
+    )]
+    #[arg(value_parser = |text: &str| count(text, MAX_SAMPLES))]
     samples: u32,
 
     /// Also make a PNG of the EXR, as `candela tonemap` does without options
@@ -63,16 +71,16 @@ pub(crate) struct Arguments {
 
     /// Render only columns X0 to X1 and rows Y0 to Y1, X1 and Y1 not included; (0, 0) is the top
     /// left. The EXR keeps the place in the whole image
-    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop, allow_hyphen_values = true)]
     crop: Option<Crop>,
 
-    /// Threads to render with [default: one for each logical processor]
-    #[arg(long, value_name = "N")]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    /// Threads to render with, 1 to 1024 [default: one for each logical processor]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = |text: &str| count(text, MAX_THREADS))]
+    threads: Option<u32>,
 
     /// Write counts and times as JSON
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, value_name = "FILE.json", value_parser = named("json"))]
     stats: Option<PathBuf>,
 
     /// Compression of the EXR; dwaa, dwab and, for 32-bit values, pxr24 lose precision
@@ -111,7 +119,7 @@ struct Statistics<'a> {
     /// Channels whose radiance does not fit their type: f32, and HALF with `--half`.
     clamped: u64,
     clamped_to_half: u64,
-    seconds: Seconds,
+    seconds: &'a Seconds,
     plan: &'a Plan,
 }
 
@@ -126,7 +134,7 @@ struct Seconds {
 
 pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, usize::from))
+        .num_threads(arguments.threads.map_or(0, |threads| threads as usize))
         .build()?;
     pool.install(|| render(arguments, unfinished))
 }
@@ -139,23 +147,36 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let mut seconds = Seconds::default();
     let start = Instant::now();
 
-    let world = match &arguments.scene {
-        Some(path) => World::load(path)?.1,
-        None => World::new(&Scene::builtin())?,
+    let (scene, world) = match &arguments.scene {
+        Some(path) => World::load(path)?,
+        None => {
+            let scene = Scene::builtin();
+            let world = World::new(&scene)?;
+            (scene, world)
+        }
     };
     let window = arguments
         .crop
         .map(|crop| crop.within(world.resolution()))
         .transpose()?;
     // Found out now rather than after an hour of rendering.
-    let targets = [
+    let outputs = [
         Some(&output),
         arguments.preview.as_ref(),
         arguments.stats.as_ref(),
     ];
-    for target in targets.into_iter().flatten() {
-        output::check(target)?;
+    let outputs: Vec<&Path> = outputs
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
+    let inputs = scene.files();
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    super::refuse_same_files(&inputs, &outputs)?;
+    for output in &outputs {
+        output::check(output)?;
     }
+    drop(scene);
     let whole = window.unwrap_or(Window::whole(world.resolution()));
     fits_in_memory(whole)?;
     let plan = Plan::new(&world);
@@ -194,16 +215,6 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     seconds.write = write;
     seconds.total = start.elapsed().as_secs_f64();
 
-    if !arguments.quiet {
-        summarize(
-            &output,
-            &world,
-            arguments,
-            &counts,
-            report.clamped_to_half,
-            &seconds,
-        );
-    }
     if let Some(path) = &arguments.stats {
         let Window {
             x,
@@ -221,11 +232,21 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             singular_lights: counts.singular,
             clamped: counts.clamped,
             clamped_to_half: report.clamped_to_half,
-            seconds,
+            seconds: &seconds,
             plan: &plan,
         };
         let json = serde_json::to_string_pretty(&statistics)?;
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
+    }
+    if !arguments.quiet {
+        summarize(
+            &output,
+            &world,
+            arguments,
+            &counts,
+            report.clamped_to_half,
+            &seconds,
+        );
     }
     Ok(())
 }
@@ -275,26 +296,30 @@ fn summarize(
         1 => "1 sample".to_owned(),
         samples => format!("{samples} samples"),
     };
-    eprintln!(
+    let mut lines = vec![format!(
         "{}: {width} × {height}, {samples} a pixel, rendered in {:.2} s",
         output.display(),
         seconds.render,
+    )];
+    let mut warn = |count: u64, what: &str| {
+        if count > 0 {
+            lines.push(format!("warning: {what}: {count}"));
+        }
+    };
+    warn(
+        counts.singular,
+        "points at which a light is (d = 0), and where it adds nothing",
     );
-    if counts.singular > 0 {
-        eprintln!(
-            "warning: {} times a light was on the very point to shade (d = 0) and added nothing",
-            counts.singular,
-        );
-    }
-    if counts.clamped > 0 {
-        eprintln!(
-            "warning: {} values are beyond the largest FLOAT, and became that",
-            counts.clamped
-        );
-    }
-    if clamped_to_half > 0 {
-        eprintln!("warning: {clamped_to_half} values are beyond the largest HALF, and became that");
-    }
+    warn(
+        counts.clamped,
+        "values beyond the largest FLOAT, which became that",
+    );
+    warn(
+        clamped_to_half,
+        "values beyond the largest HALF, which became that",
+    );
+    // Nowhere is left to report that the messages themselves cannot be written.
+    let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
 }
 
 /// A progress bar that shows itself only when it is worth it.
@@ -368,6 +393,9 @@ fn crop(text: &str) -> Result<Crop, String> {
 fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(move |path| {
         let path = PathBuf::from(path);
+        if path.as_os_str() == "-" {
+            return Err("a file name is needed; standard output is /dev/stdout".to_owned());
+        }
         match path.extension() {
             Some(found) if !found.eq_ignore_ascii_case(extension) => Err(format!(
                 "this option writes {}; name the file {}",
@@ -377,4 +405,13 @@ fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
             Some(_) | None => Ok(path),
         }
     })
+}
+
+/// A whole number from 1 to `most`.
+fn count(text: &str, most: u32) -> Result<u32, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|number| (1..=most).contains(number));
+    number.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }

@@ -4,7 +4,8 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use candela::display::{self, Alpha, Bits, DisplayError, Exposure, Settings, View};
+use super::Failure;
+use candela::display::{self, Alpha, Bits, Exposure, Settings, View};
 use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
@@ -71,12 +72,13 @@ pub(crate) struct Arguments {
     /// What becomes of coverage
     ///
     /// keep: the PNG has an alpha channel where the EXR has one, RGB divided by it; opaque: no
-    /// alpha, the premultiplied light as it is, over black.
+    /// alpha, the premultiplied light as it is, over black; auto: keep, but opaque where there is
+    /// light without coverage (a background), which a PNG with alpha cannot hold.
     #[arg(
         long,
         default_value = Alpha::default().name(),
         value_parser = PossibleValuesParser::new(Alpha::ALL.map(Alpha::name))
-            .map(|name| if name == Alpha::Opaque.name() { Alpha::Opaque } else { Alpha::Keep })
+            .map(|name| Alpha::ALL.into_iter().find(|alpha| alpha.name() == name).unwrap_or_default())
     )]
     alpha: Alpha,
 }
@@ -86,7 +88,7 @@ pub(crate) fn run(
     arguments: &Arguments,
     unfinished: &Unfinished,
     messages: &mut impl Write,
-) -> Result<(), DisplayError> {
+) -> Result<(), Failure> {
     let settings = Settings {
         exposure: if arguments.auto_exposure {
             Exposure::Auto
@@ -99,6 +101,7 @@ pub(crate) fn run(
     };
     let default = default_output(&arguments.input);
     let output = arguments.output.as_deref().unwrap_or(&default);
+    super::refuse_same_files(&[&arguments.input], &[output])?;
     let report = display::convert(&arguments.input, output, &settings, unfinished)?;
 
     // Nowhere is left to report that the messages themselves cannot be written.
@@ -163,7 +166,7 @@ mod tests {
         assert_eq!(arguments.exposure, 0.0);
         assert_eq!(
             (arguments.view, arguments.bits, arguments.alpha),
-            (View::Srgb, Bits::Eight, Alpha::Keep)
+            (View::Srgb, Bits::Eight, Alpha::Auto)
         );
         assert_eq!(default_output(&arguments.input), Path::new("b.c.png"));
     }

@@ -80,10 +80,12 @@ impl Bits {
 /// What becomes of the picture's coverage A.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Alpha {
-    /// It becomes the PNG's alpha, and RGB is divided by it, since PNG's is not premultiplied.
-    /// Where A is 0, such as before a background, the color stays as it is. A picture without A
-    /// gives a PNG without alpha.
+    /// As [`Alpha::Keep`], unless there is light where A is 0, as with a background: a PNG cannot
+    /// hold that beside its alpha, so the picture is then [`Alpha::Opaque`].
     #[default]
+    Auto,
+    /// It becomes the PNG's alpha, and RGB is divided by it, since PNG's is not premultiplied.
+    /// Where A is 0, the color stays as it is. A picture without A gives a PNG without alpha.
     Keep,
     /// The PNG has no alpha and shows the premultiplied light as it is: the picture over black.
     Opaque,
@@ -91,11 +93,12 @@ pub enum Alpha {
 
 impl Alpha {
     /// Every choice, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::Keep, Self::Opaque];
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Keep, Self::Opaque];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Keep => "keep",
             Self::Opaque => "opaque",
         }
@@ -173,15 +176,25 @@ pub fn convert(
         ..*settings
     };
     tonemap(&picture, &settings).write_png(png, unfinished)?;
-    Ok(Report {
-        ev,
-        warnings: picture.warnings(),
-    })
+    let mut warnings = picture.warnings();
+    if settings.alpha == Alpha::Auto && picture.has_alpha() && picture.has_uncovered_light() {
+        warnings.push(
+            "there is light where coverage is 0, a background: the PNG has no alpha, \
+             unless it is asked for"
+                .to_owned(),
+        );
+    }
+    Ok(Report { ev, warnings })
 }
 
 /// Exposes, views, encodes and quantizes a picture.
 pub fn tonemap(picture: &Picture<'_>, settings: &Settings) -> Image {
-    let has_alpha = picture.has_alpha() && settings.alpha == Alpha::Keep;
+    let has_alpha = picture.has_alpha()
+        && match settings.alpha {
+            Alpha::Auto => !picture.has_uncovered_light(),
+            Alpha::Keep => true,
+            Alpha::Opaque => false,
+        };
     let develop = Develop {
         scale: exposure::scale(settings.exposure.ev(picture)),
         view: settings.view,
@@ -319,10 +332,25 @@ mod tests {
 
     #[test]
     fn light_without_coverage_keeps_its_color() {
+        let kept = Settings {
+            alpha: Alpha::Keep,
+            ..Settings::default()
+        };
         assert_eq!(
-            samples(&[[1.0, 0.0, 0.5, 0.0]], true, Settings::default()),
+            samples(&[[1.0, 0.0, 0.5, 0.0]], true, kept),
             [255, 0, 188, 0]
         );
+    }
+
+    /// A PNG's alpha would make a background invisible.
+    #[test]
+    fn a_background_makes_the_picture_opaque() {
+        let settings = Settings::default();
+        let covered = [0.25, 0.25, 0.25, 0.5];
+        assert_eq!(samples(&[covered, [0.0; 4]], true, settings).len(), 8);
+        let lit = [0.0, 0.5, 0.0, 0.0];
+        let opaque = samples(&[covered, lit], true, settings);
+        assert_eq!(opaque, [137, 137, 137, 0, 188, 0]);
     }
 
     #[test]

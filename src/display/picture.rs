@@ -75,6 +75,13 @@ impl<'a> Picture<'a> {
         self.has_alpha
     }
 
+    /// Whether any pixel has light but no coverage.
+    pub fn has_uncovered_light(&self) -> bool {
+        let is_uncovered =
+            |&[r, g, b, a]: &[f32; 4]| a == 0.0 && [r, g, b].iter().any(|&c| c > 0.0);
+        self.has_alpha && self.pixels.iter().any(is_uncovered)
+    }
+
     /// R, G, B, A of every pixel that there is data for, row by row.
     pub fn pixels(&self) -> &[[f32; 4]] {
         &self.pixels

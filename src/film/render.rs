@@ -109,6 +109,7 @@ fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
         provenance: vec![
             ("plan".to_owned(), plan),
             ("samples".to_owned(), options.samples.to_string()),
+            ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
         ],
     }
 }

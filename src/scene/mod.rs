@@ -219,6 +219,21 @@ impl Scene {
         Reading::of_text(text.to_owned(), path.as_ref()).complete()
     }
 
+    /// The files that the scene was read from: its own, and those of its meshes.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let folder = self.source.path.parent().unwrap_or(Path::new(""));
+        let meshes = self
+            .objects
+            .iter()
+            .filter_map(|object| match &object.value {
+                Object::Mesh { file, .. } => Some(folder.join(&file.value)),
+                Object::Sphere { .. } | Object::Plane { .. } | Object::Triangle { .. } => None,
+            });
+        std::iter::once(self.source.path.clone())
+            .chain(meshes)
+            .collect()
+    }
+
     /// The scene that is rendered where no file is named: the lecture's.
     pub fn builtin() -> Self {
         Self::parse(BUILTIN, "<lecture.toml>").expect("a test reads the built-in scene")

@@ -113,7 +113,8 @@ impl Camera {
     }
 
     /// World to NDC for column vectors, before the division by w: x and y from 0 to 1 over the
-    /// image, (0, 0) its top left, y down; z is the depth along the view.
+    /// image, (0, 0) its top left, y down; z is 1 − 1/depth with a perspective camera, so that the
+    /// matrix can be inverted, and the depth with an orthographic one.
     pub fn world_to_ndc(&self, anchor: DVec3) -> [[f64; 4]; 4] {
         let [right, up, forward, one] = self.world_to_camera(anchor);
         let aspect = f64::from(self.resolution[0]) / f64::from(self.resolution[1]);
@@ -123,7 +124,7 @@ impl Camera {
             Projection::Perspective { half_height } => [
                 combine(right, 0.5 / (half_height * aspect), forward, 0.5),
                 combine(up, -0.5 / half_height, forward, 0.5),
-                forward,
+                combine(forward, 1.0, one, -1.0),
                 forward,
             ],
             Projection::Orthographic { half_height } => [
@@ -179,7 +180,11 @@ mod tests {
                 let ndc = matrix.map(|r| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]);
                 assert!((ndc[0] / ndc[3] * 640.0 - x).abs() < 1e-10);
                 assert!((ndc[1] / ndc[3] * 360.0 - y).abs() < 1e-10);
-                assert!((ndc[2] - t).abs() < 1e-12);
+                let z = match projection {
+                    Projection::Perspective { .. } => 1.0 - 1.0 / t,
+                    Projection::Orthographic { .. } => t,
+                };
+                assert!((ndc[2] / ndc[3] - z).abs() < 1e-12);
             }
         }
     }

@@ -26,6 +26,8 @@ use crate::units::{Intensity, Radiance, ReflectedIntensity};
 /// A legal scene.
 #[derive(Clone, Debug)]
 pub struct World {
+    /// SHA-256 of the scene file's text, in hexadecimal digits.
+    scene_hash: String,
     resolution: [u32; 2],
     color_space: ColorSpace,
     background: Radiance,
@@ -107,6 +109,11 @@ impl World {
     /// As [`Scene::load`] and [`World::new`].
     pub fn load(path: impl AsRef<Path>) -> Result<(Scene, Self), Diagnostics> {
         validate::validate_reading(Reading::of_file(path.as_ref()))
+    }
+
+    /// SHA-256 of the scene file's text, in hexadecimal digits, as `sha256sum` prints it.
+    pub fn scene_hash(&self) -> &str {
+        &self.scene_hash
     }
 
     /// Width and height of the image in pixels.

@@ -45,7 +45,7 @@ fn an_interruption_leaves_nothing() {
     let scene = scenes.path().join("ball.toml");
     let large = SCENE.replace("[60, 40]", "[4000, 4000]");
     fs::write(&scene, large).unwrap();
-    for (signal, code) in [("-INT", 130), ("-TERM", 130)] {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let mut child = candela(
             outputs.path(),
             "render --samples 4096 --threads 2 -o long.exr",
@@ -64,6 +64,54 @@ fn an_interruption_leaves_nothing() {
         assert_eq!(status.code(), Some(code), "{signal}");
         assert_eq!(files(outputs.path()), [""; 0]);
     }
+}
+
+/// `nohup` starts a program with SIGHUP ignored, so that a closed terminal does not end it.
+#[test]
+fn an_ignored_signal_stays_ignored() {
+    let outputs = tempfile::tempdir().unwrap();
+    let scenes = folder();
+    let scene = scenes.path().join("ball.toml");
+    fs::write(&scene, SCENE.replace("[60, 40]", "[4000, 4000]")).unwrap();
+    let mut child = Command::new("sh")
+        .current_dir(outputs.path())
+        .args([
+            "-c",
+            "trap '' HUP; exec \"$@\"",
+            "sh",
+            env!("CARGO_BIN_EXE_candela"),
+        ])
+        .args([
+            "render",
+            "--samples",
+            "4096",
+            "--threads",
+            "2",
+            "-o",
+            "long.exr",
+        ])
+        .arg(&scene)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_for_threads(&child);
+    let kill = |signal: &str| {
+        let id = child.id().to_string();
+        assert!(
+            Command::new("kill")
+                .arg(signal)
+                .arg(id)
+                .status()
+                .unwrap()
+                .success()
+        );
+    };
+    kill("-HUP");
+    std::thread::sleep(Duration::from_millis(300));
+    kill("-INT");
+    // Had SIGHUP been heeded, the code would be 129.
+    let status = wait(&mut child, Duration::from_secs(20));
+    assert_eq!(status.code(), Some(130));
 }
 
 /// As in `candela check scene.toml | head -1`: a reader that has seen enough is no error.

@@ -251,6 +251,46 @@ fn outputs_that_cannot_be_written() {
     assert_eq!(files(folder.path()), ["ball.toml", "taken.exr"]);
 }
 
+/// Names that lead to one file, whatever they look like, would lose what is in it.
+#[test]
+fn no_output_goes_over_what_is_read_or_written() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    fs::copy(path("ball.toml"), path("plain")).unwrap();
+    succeeds(folder.path(), "render ball.toml -o made.exr --quiet");
+    let mut cases = vec!["render plain -o plain"];
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        symlink("ball.toml", path("link.exr")).unwrap();
+        symlink("ball.toml", path("link.json")).unwrap();
+        symlink("made.exr", path("link.png")).unwrap();
+        cases.extend([
+            "render ball.toml -o link.exr",
+            "render ball.toml -o new.exr --stats link.json",
+            "render ball.toml -o made.exr --preview link.png",
+            "tonemap made.exr -o link.png",
+        ]);
+    }
+    let before = [
+        fs::read(path("ball.toml")).unwrap(),
+        fs::read(path("made.exr")).unwrap(),
+    ];
+    for arguments in cases {
+        let message = fails(folder.path(), arguments, 1);
+        assert!(
+            message.contains("give another name"),
+            "{arguments}: {message}"
+        );
+    }
+    let after = [
+        fs::read(path("ball.toml")).unwrap(),
+        fs::read(path("made.exr")).unwrap(),
+    ];
+    assert!(before == after);
+    assert!(!path("new.exr").exists());
+}
+
 #[test]
 fn what_is_there_stays_after_an_error() {
     let folder = folder();

@@ -4,6 +4,8 @@ mod shapes;
 
 use std::sync::Arc;
 
+use sha2::{Digest, Sha256};
+
 use glam::DVec3;
 
 use super::geometry::Triangles;
@@ -98,7 +100,9 @@ impl<'a> Validator<'a> {
         let materials = named(&self.scene.materials, |material| self.material(material));
         let lights = named(&self.scene.lights, |light| self.light(light));
 
+        let hash = Sha256::digest(self.scene.source.text.as_bytes());
         let mut world = World {
+            scene_hash: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
             resolution,
             color_space: space.value,
             background: Radiance(Rgb(background)),
@@ -190,7 +194,7 @@ impl<'a> Validator<'a> {
         if value.is_finite() && legal(value) {
             return Ok(value);
         }
-        self.out_of_range(key, span, value.to_string(), expected);
+        self.out_of_range(key, span, as_written(value), expected);
         Err(Reported)
     }
 
@@ -330,7 +334,16 @@ impl<'a> Validator<'a> {
             }
         };
         match entry.value {
-            scene::Material::Phong(_) => Material::phong(diffuse, specular, shininess),
+            scene::Material::Phong(_) => {
+                // k_d is the share that is reflected towards any one viewer; k_s has no such limit,
+                // since a narrow lobe with a large k_s still reflects little in all.
+                if diffuse.iter().any(|&channel| channel > 1.0) {
+                    let span = lobes.diffuse.span;
+                    let expected = "an albedo of at most 1 in every channel";
+                    self.out_of_range("diffuse", span, format!("{diffuse:?}"), expected);
+                }
+                Material::phong(diffuse, specular, shininess)
+            }
             scene::Material::NormalizedPhong(_) => {
                 let albedo: [f64; 3] = std::array::from_fn(|i| diffuse[i] + specular[i]);
                 if albedo.iter().any(|&albedo| albedo > LARGEST_ALBEDO) {
@@ -367,6 +380,16 @@ fn named<T, U>(
         value: f(entry),
     });
     named.collect()
+}
+
+/// A number as one would write it, without rows of zeros.
+fn as_written(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 || !value.is_finite() || (1e-5..1e15).contains(&magnitude) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
 }
 
 /// Stands in after an error, in a world that is dropped.
