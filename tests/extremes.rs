@@ -155,17 +155,42 @@ fn a_sphere_smaller_than_the_rounding_of_the_eye() {
     }
 }
 
+/// Seen along a diagonal, from where positions are measured: no coordinate of their boxes is exact.
 #[test]
 fn spheres_smaller_than_the_rounding_of_their_place() {
-    let mut text = view([5, 5], [1e8, 1e8, 1e8 + 5.0], [1e8, 1e8, 1e8])
-        + GLOSSY
-        + &light(0, [1e8, 1e8 + 1.0, 1e8 + 5.0], 50.0);
-    for number in 0..20 {
-        text += &sphere(number, [1e8; 3], 1e-12);
+    for look_at in [[0.0; 3], [1e8; 3]] {
+        let mut text = view([5, 5], [1e8 + 5.0; 3], look_at)
+            + GLOSSY
+            + &light(0, [1e8, 1e8 + 1.0, 1e8 + 5.0], 50.0);
+        for number in 0..20 {
+            text += &sphere(number, [1e8; 3], 1e-12);
+        }
+        let scene = parse(&text);
+        assert_finite("far and tiny", &film_of(&scene, 1));
+        assert_agrees("far and tiny", &scene);
     }
-    let scene = parse(&text);
-    assert_finite("far and tiny", &film_of(&scene, 1));
-    assert_agrees("far and tiny", &scene);
+}
+
+/// Each is half as large as the one before and as far from a point that all approach: trees that
+/// split off one at a time go as deep as there are shapes.
+#[test]
+fn a_series_of_ever_smaller_spheres() {
+    for copies in [1, 3] {
+        let mut text = view([32, 24], [0.2, 1.0, 3.0], [0.3, 0.1, 0.0])
+            + GLOSSY
+            + &light(0, [2.0, 3.0, 1.0], 20.0)
+            + &light(1, [-2.0, 3.0, 2.0], 20.0);
+        for number in 0..200 * copies {
+            let size = 0.5_f64.powi((number / copies) as i32);
+            let aside = 0.1 * (number % copies) as f64;
+            text += &sphere(number, [size, aside * size, 0.0], size / 4.0);
+        }
+        let scene = parse(&text);
+        let expected = film_of(&scene, 1);
+        assert_eq!(bits(&film_on_small_stacks(&scene)), bits(&expected));
+        let lit = assert_agrees("series", &scene);
+        assert!(lit > 20, "{lit}");
+    }
 }
 
 /// More spheres than a list takes on a floor of many triangles, `scale` times as large.
