@@ -9,6 +9,7 @@ mod cli;
 mod closed_form;
 mod display;
 mod exr;
+mod extremes;
 mod fuzz_mesh;
 mod fuzz_scene;
 mod fuzzing;

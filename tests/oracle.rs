@@ -176,6 +176,18 @@ fn judge(scenes: &[(String, Scene)]) {
     );
 }
 
+/// One scene with the oracle's image, for tests that stand elsewhere: within [`TOLERANCE`] and
+/// [`FLIPS`]. How many pixels show a surface with light on it.
+pub(crate) fn assert_agrees(name: &str, scene: &Scene) -> usize {
+    let comparison = compare(scene);
+    let flips = (FLIPS * comparison.pixels as f64).max(1.0);
+    assert!(
+        comparison.worst <= TOLERANCE && comparison.flips as f64 <= flips,
+        "{name}: {comparison:?}"
+    );
+    comparison.lit
+}
+
 #[test]
 fn generated_scenes() {
     let folder = tempfile::tempdir().unwrap();
