@@ -392,7 +392,7 @@ fn a_planet_under_pebbles() {
 /// 1/d² is far beyond an f32 where the light gives nothing in a channel.
 #[test]
 fn no_light_from_a_black_channel_however_near() {
-    for height in [1e-10, 1e-20, 1e-29, 1e-100, 1e-150] {
+    for height in [1e-10, 1e-20, 1e-29, 1e-100, 1e-150, 1e-155, 1e-160] {
         let text = format!(
             "[image]\nresolution = [3, 3]\n\
              [camera.orthographic]\neye = [0, {height:?}, 0]\nlook_at = [0, 0, 0]\n\

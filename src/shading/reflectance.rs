@@ -45,9 +45,12 @@ impl Geometry {
         } else {
             0.0
         };
+        // Closer than 1e-154 to a light the quotient is beyond f64, and would make a black channel
+        // NaN.
+        let per_area = |cosine: f64| (cosine / distance_squared).min(f64::MAX);
         Self::Lit(Lobes {
-            diffuse: cos_incident / distance_squared,
-            specular: specular / distance_squared,
+            diffuse: per_area(cos_incident),
+            specular: per_area(specular),
         })
     }
 

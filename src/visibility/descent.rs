@@ -92,29 +92,29 @@ impl Bvh {
         let mut quads = Vec::with_capacity(rays.len().div_ceil(QUAD));
         for (rays, limits) in rays.chunks(QUAD).zip(limits.chunks(QUAD)) {
             // The last quad may have fewer rays; the others of it never meet anything.
-            let mut quad = QuadRays {
-                origin: [Vec4::ZERO; 3],
-                inverse: [Vec4::ONE; 3],
-                limit: Vec4::NEG_ONE,
-            };
+            let mut origins = [[0.0; QUAD]; 3];
+            let mut inverses = [[1.0; QUAD]; 3];
+            let mut nearest = [-1.0; QUAD];
             for (lane, (ray, &limit)) in rays.iter().zip(limits).enumerate() {
                 let origin = self.to_frame(ray.origin.0);
                 reach = reach.max(origin.abs().max_element());
-                let origin = origin.clamp(-FARTHEST, FARTHEST).as_vec3();
+                let origin = origin.clamp(-FARTHEST, FARTHEST).as_vec3().to_array();
                 // Directions about 1 long, whatever their length in the world.
                 let direction = ray.direction * self.scale();
-                let length = direction.abs().max_element();
-                let exponent = if length > 0.0 { libm::ilogb(length) } else { 0 };
-                let unit = libm::exp2(-f64::from(exponent));
-                let direction = (direction * unit).as_vec3();
+                let length = power_of_two_below(direction.abs().max_element());
+                let direction = (direction * (1.0 / length)).as_vec3().to_array();
                 for axis in 0..3 {
-                    quad.origin[axis][lane] = origin[axis];
-                    quad.inverse[axis][lane] = inverse(direction[axis]);
+                    origins[axis][lane] = origin[axis];
+                    inverses[axis][lane] = inverse(direction[axis]);
                 }
-                quad.limit[lane] = not_below(limit / unit);
-                stretch.push(1.0 / unit);
+                nearest[lane] = not_below(limit * length);
+                stretch.push(length);
             }
-            quads.push(quad);
+            quads.push(QuadRays {
+                origin: origins.map(Vec4::from_array),
+                inverse: inverses.map(Vec4::from_array),
+                limit: Vec4::from_array(nearest),
+            });
         }
         let margin = if reach < FARTHEST.x {
             (reach as f32 + 1.0) * BOX_GIVES_WAY
@@ -277,6 +277,13 @@ fn inverse(component: f32) -> f32 {
         component
     };
     1.0 / divisor
+}
+
+/// The largest power of two that is not above a length, to be divided by; 1 for a length of 0.
+fn power_of_two_below(length: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    let power = f64::from_bits(length.to_bits() & EXPONENT);
+    if power > 0.0 { power } else { 1.0 }
 }
 
 /// A parameter in f32 that is not below it, with room for the rounding of a slab test.

@@ -209,21 +209,27 @@ impl<'w> Visibility<'w> {
     /// geometric normal faces the light; `facing` says which, and for the others the answer is
     /// no. At the light itself (d = 0) it is no as well.
     pub fn lit(&self, light: Point, points: &[SurfacePoint], facing: &[bool]) -> Vec<bool> {
-        let rays: Vec<Ray> = points
-            .iter()
-            .map(|point| Ray {
-                origin: light,
-                direction: point.position.from(light),
-            })
-            .collect();
-        let asked = rays.iter().zip(facing).filter(|&(_, &facing)| facing);
-        let directions = asked.map(|(ray, _)| ray.direction);
+        let asked = points.iter().zip(facing).filter(|&(_, &facing)| facing);
+        let asked: Vec<&SurfacePoint> = asked.map(|(point, _)| point).collect();
+        let mut lit = self.reached(light, &asked).into_iter();
+        let answer = |&facing: &bool| facing && lit.next().unwrap_or(false);
+        facing.iter().map(answer).collect()
+    }
+
+    /// Which of these points the light reaches.
+    fn reached(&self, light: Point, points: &[&SurfacePoint]) -> Vec<bool> {
+        let shadow_ray = |point: &&SurfacePoint| Ray {
+            origin: light,
+            direction: point.position.from(light),
+        };
+        let rays: Vec<Ray> = points.iter().map(shadow_ray).collect();
+        let directions = rays.iter().map(|ray| ray.direction);
         let Some(bundle) = Bundle::from_point(light, directions, 1.0) else {
-            return vec![false; points.len()];
+            return Vec::new();
         };
         // The limit of a ray: 1, the point itself, while nothing is known to be in its way.
         const DONE: f64 = -1.0;
-        let mut limits: Vec<f64> = facing.iter().map(|&f| if f { 1.0 } else { DONE }).collect();
+        let mut limits = vec![1.0; rays.len()];
         for (index, plane) in self.world.planes().iter().enumerate() {
             for ((ray, point), limit) in rays.iter().zip(points).zip(&mut limits) {
                 let is_own = point.primitive == Primitive::Plane(index as u32);
@@ -236,7 +242,7 @@ impl<'w> Visibility<'w> {
         if !spheres.is_empty() {
             let mut before = limits.clone();
             spheres.visit(&rays, &mut before, |ball, ray| {
-                if ball.occludes(&rays[ray], &points[ray]) {
+                if ball.occludes(&rays[ray], points[ray]) {
                     limits[ray] = DONE;
                 }
                 limits[ray]
@@ -247,7 +253,7 @@ impl<'w> Visibility<'w> {
             let mut before = limits.clone();
             let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
             triangles.visit(&rays, &mut before, |triangle, ray| {
-                if triangle.occludes(&sheared[ray], &points[ray]) {
+                if triangle.occludes(&sheared[ray], points[ray]) {
                     limits[ray] = DONE;
                 }
                 limits[ray]
