@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use candela::scene::Scene;
+use candela::world::World;
 
 /// Relative to the package, where tests run, so that messages name no folder of one machine.
 const FOLDER: &str = "tests/bad_scenes";
@@ -25,7 +25,7 @@ fn files(extension: &str) -> Vec<PathBuf> {
 }
 
 fn message(scene: &Path) -> Option<String> {
-    let error = Scene::load(scene).err()?;
+    let error = World::load(scene).err()?;
     Some(format!("{error}\n"))
 }
 

@@ -207,7 +207,7 @@ impl<'a> Validator<'a> {
         self.out_of_range(
             key,
             span,
-            format!("{value:?}"),
+            listed(&value),
             "three numbers from -1e30 to 1e30",
         );
         Err(Reported)
@@ -230,7 +230,7 @@ impl<'a> Validator<'a> {
     ) -> Result<Normal, Reported> {
         let vector = self.vector(key, written)?;
         Normal::new(vector).ok_or_else(|| {
-            let value = format!("{:?}", written.value);
+            let value = listed(&written.value);
             self.out_of_range(key, written.span, value, "a direction, so not all zero");
             Reported
         })
@@ -250,10 +250,8 @@ impl<'a> Validator<'a> {
             return rgb;
         }
         let (value, expected) = match written.value {
-            Value::Uniform(value) => (value.to_string(), "a number from 0 to 3.4e38"),
-            Value::Rgb { .. } | Value::Srgb(_) => {
-                (format!("{rgb:?}"), "three numbers from 0 to 3.4e38")
-            }
+            Value::Uniform(value) => (as_written(value), "a number from 0 to 3.4e38"),
+            Value::Rgb { .. } | Value::Srgb(_) => (listed(&rgb), "three numbers from 0 to 3.4e38"),
         };
         self.out_of_range(key, written.span, value, expected);
         [0.0; 3]
@@ -340,7 +338,7 @@ impl<'a> Validator<'a> {
                 if diffuse.iter().any(|&channel| channel > 1.0) {
                     let span = lobes.diffuse.span;
                     let expected = "an albedo of at most 1 in every channel";
-                    self.out_of_range("diffuse", span, format!("{diffuse:?}"), expected);
+                    self.out_of_range("diffuse", span, listed(&diffuse), expected);
                 }
                 Material::phong(diffuse, specular, shininess)
             }
@@ -349,7 +347,7 @@ impl<'a> Validator<'a> {
                 if albedo.iter().any(|&albedo| albedo > LARGEST_ALBEDO) {
                     let span = lobes.specular.span.max(lobes.diffuse.span);
                     let expected = "an albedo of at most 1 in every channel";
-                    self.out_of_range("diffuse + specular", span, format!("{albedo:?}"), expected);
+                    self.out_of_range("diffuse + specular", span, listed(&albedo), expected);
                 }
                 Material::normalized_phong(diffuse, specular, shininess)
             }
@@ -390,6 +388,12 @@ fn as_written(value: f64) -> String {
     } else {
         format!("{value:e}")
     }
+}
+
+/// Numbers as one would write them in a scene.
+fn listed(values: &[f64]) -> String {
+    let values: Vec<String> = values.iter().copied().map(as_written).collect();
+    format!("[{}]", values.join(", "))
 }
 
 /// Stands in after an error, in a world that is dropped.

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{LARGEST, Reported, Validator};
+use super::{LARGEST, Reported, Validator, listed};
 use crate::math::Normal;
 use crate::scene::mesh::MeshRemarks;
 use crate::scene::{self, MeshFile, Problem, Span, Spanned};
@@ -127,7 +127,7 @@ impl Validator<'_> {
         let (factors, degrees, moved) = (factors?, degrees?, moved?);
         let smallest = factors.abs().min_element();
         if smallest < 1.0 / LARGEST {
-            let value = format!("{:?}", scale.value);
+            let value = listed(&scale.value);
             self.out_of_range("scale", scale.span, value, "factors that are not 0");
             return Err(Reported);
         }
