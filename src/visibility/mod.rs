@@ -156,10 +156,10 @@ impl<'w> Visibility<'w> {
             }
         }
         let limit_of = |nearest: &Option<Hit>| nearest.map_or(f64::INFINITY, |hit| hit.t);
+        let mut limits: Vec<f64> = nearest.iter().map(limit_of).collect();
 
         let spheres = self.spheres.within(&bundle);
         if !spheres.is_empty() {
-            let mut limits: Vec<f64> = nearest.iter().map(limit_of).collect();
             spheres.visit(&rays, &mut limits, |ball, ray| {
                 if let Some(t) = ball.intersect(&rays[ray]) {
                     self.keep_nearest(&mut nearest[ray], t, Primitive::Sphere(ball.index()));
@@ -169,7 +169,6 @@ impl<'w> Visibility<'w> {
         }
         let triangles = self.triangles.within(&bundle);
         if !triangles.is_empty() {
-            let mut limits: Vec<f64> = nearest.iter().map(limit_of).collect();
             let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
             triangles.visit(&rays, &mut limits, |triangle, ray| {
                 if let Some(t) = triangle.intersect(&sheared[ray]) {
@@ -229,34 +228,27 @@ impl<'w> Visibility<'w> {
         };
         // The limit of a ray: 1, the point itself, while nothing is known to be in its way.
         const DONE: f64 = -1.0;
+        let limit_if = |is_occluded: bool| if is_occluded { DONE } else { 1.0 };
         let mut limits = vec![1.0; rays.len()];
         for (index, plane) in self.world.planes().iter().enumerate() {
             for ((ray, point), limit) in rays.iter().zip(points).zip(&mut limits) {
                 let is_own = point.primitive == Primitive::Plane(index as u32);
-                if *limit > 0.0 && !is_own && plane::occludes(plane, ray, point) {
-                    *limit = DONE;
+                if *limit > 0.0 && !is_own {
+                    *limit = limit_if(plane::occludes(plane, ray, point));
                 }
             }
         }
         let spheres = self.spheres.within(&bundle);
         if !spheres.is_empty() {
-            let mut before = limits.clone();
-            spheres.visit(&rays, &mut before, |ball, ray| {
-                if ball.occludes(&rays[ray], points[ray]) {
-                    limits[ray] = DONE;
-                }
-                limits[ray]
+            spheres.visit(&rays, &mut limits, |ball, ray| {
+                limit_if(ball.occludes(&rays[ray], points[ray]))
             });
         }
         let triangles = self.triangles.within(&bundle);
         if !triangles.is_empty() {
-            let mut before = limits.clone();
             let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
-            triangles.visit(&rays, &mut before, |triangle, ray| {
-                if triangle.occludes(&sheared[ray], points[ray]) {
-                    limits[ray] = DONE;
-                }
-                limits[ray]
+            triangles.visit(&rays, &mut limits, |triangle, ray| {
+                limit_if(triangle.occludes(&sheared[ray], points[ray]))
             });
         }
         limits.iter().map(|&limit| limit > 0.0).collect()

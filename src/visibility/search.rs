@@ -105,7 +105,7 @@ impl<S> Candidates<'_, S> {
     }
 
     /// Shows `found` the shapes that each ray may meet at t from 0 to its limit, with the ray's
-    /// index. `found` gives back the ray's new limit, below 0 if the ray is done.
+    /// index. `found` gives back the ray's new limit, below 0 if the ray is done; `limits` keeps it.
     pub(super) fn visit(
         &self,
         rays: &[Ray],
@@ -122,18 +122,18 @@ impl<S> Candidates<'_, S> {
         let Some((Tree { shapes, tree }, roots)) = &self.tree else {
             return;
         };
-        let batches = rays.chunks(LARGEST_BATCH).zip(limits.chunks(LARGEST_BATCH));
+        let batches = rays
+            .chunks(LARGEST_BATCH)
+            .zip(limits.chunks_mut(LARGEST_BATCH));
         for (number, (rays, limits)) in batches.enumerate() {
             let mut batch = tree.batch(rays, limits);
             tree.descend(roots, &mut batch, |leaf, index| {
-                let mut limit = 0.0;
                 for shape in &shapes[leaf] {
-                    limit = found(shape, number * LARGEST_BATCH + index);
-                    if limit < 0.0 {
-                        break;
+                    if limits[index] >= 0.0 {
+                        limits[index] = found(shape, number * LARGEST_BATCH + index);
                     }
                 }
-                limit
+                limits[index]
             });
         }
     }
