@@ -4,7 +4,9 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use candela::display::{Alpha, Bits, DisplayError, Exposure, Settings, View, convert};
+use candela::display::{
+    Alpha, Bits, DisplayError, Exposure, Picture, Settings, View, convert, tonemap,
+};
 use candela::film::exr::{Compression, ExrOptions, ExrProblem, read};
 use candela::film::{Film, Metadata, Window};
 use candela::output::{OutputProblem, Unfinished};
@@ -322,6 +324,19 @@ fn exr_of(pixels: &[[f32; 4]]) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     film.write_exr_to(&mut file, &options).unwrap();
     file.into_inner()
+}
+
+/// A library user need not go over a file.
+#[test]
+fn a_film_is_shown_as_its_file_is() {
+    let film = crate::images::film_of(&candela::Scene::builtin(), 1);
+    let folder = tempfile::tempdir().unwrap();
+    let exr = folder.path().join("film.exr");
+    film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
+        .unwrap();
+    let settings = Settings::default();
+    let from_file = tonemap(&Picture::new(read(&exr).unwrap()), &settings);
+    assert_eq!(tonemap(&Picture::of_film(&film), &settings), from_file);
 }
 
 #[test]
