@@ -34,7 +34,7 @@
 //! | --- | --- |
 //! | [`units`] | photometric quantities as types: candela, lux, cd/m² |
 //! | [`math`] | points, directions, normals and rays in f64 |
-//! | [`color`] | RGB spaces: primaries, luminance, transfer functions |
+//! | [`color`] | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
 //! | [`output`] | files that appear whole or not at all |
 //! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
 //! | [`world`] | what is legal: resolved, in range, in the working space; and the [`Plan`](world::Plan) |

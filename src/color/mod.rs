@@ -77,8 +77,8 @@ impl Primaries {
 
     /// Linear RGB to XYZ, with R = G = B = 1 at the white's XYZ, Y = 1 (SMPTE RP 177).
     ///
-    /// The middle row is [`Self::luminance_weights`], to the bit. Primaries that lie on one line, or
-    /// a y of zero, give components that are not finite.
+    /// The middle row is [`Self::luminance_weights`], to the bit. Primaries that lie on one line,
+    /// or a y of zero, give components that are not finite.
     pub fn to_xyz(&self) -> DMat3 {
         let columns = DMat3::from_cols_array_2d(&self.columns());
         columns * DMat3::from_diagonal(DVec3::from_array(self.luminance_weights()))
