@@ -421,6 +421,99 @@ radius = 0.34
     return text
 
 
+SODIUM = """\
+# Where there is one wavelength there is one color: under low-pressure sodium, at the right, whose two
+# lines are 0.6 nm apart, things are lighter or darker and no more. At the left, the same under D65.
+#
+# Written by scenes/generate.py. Metres and candela. A divider in the middle keeps each lamp's light
+# to its own half. Reflectances are measured ones, of the ColorChecker. The yellow of sodium is beyond
+# Rec.709, so that its blue is below 0.
+
+[image]
+resolution = [1280, 720]
+
+# In the plane of the divider, so that it is seen edge-on.
+[camera.perspective]
+eye = [0.0, 2.0, 7.0]
+look_at = [0.0, 0.66, 0.0]
+vertical_fov = 22.5
+
+[lights.daylight.point]
+position = [-1.65, 3.1, 5.0]
+intensity = { candela = 75, color = { illuminant = "D65" } }
+
+# The sodium D lines: nm, and how strong one is beside the other.
+[lights.sodium.point]
+position = [1.05, 3.1, 5.0]
+intensity = { candela = 38, color = { lines = [[589.0, 0.5], [589.6, 0.5]] } }
+
+[materials.room.normalized_phong]
+diffuse = 0.5
+
+[objects.floor.plane]
+material = "room"
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 1.0, 0.0]
+
+[objects.wall.plane]
+material = "room"
+point = [0.0, 0.0, -1.0]
+normal = [0.0, 0.0, 1.0]
+
+# From the wall to in front of the lamps, and higher than they are.
+[objects.divider.mesh]
+material = "room"
+file = "meshes/square.obj"
+scale = [7.5, 5.0, 1.0]
+rotate = [0.0, 90.0, 0.0]
+translate = [0.0, 2.5, 2.25]
+"""
+
+# Patch, center relative to the middle of the half, radius.
+SODIUM_BALLS = [
+    ("red", (-0.6, 0.26, 0.6), 0.26),
+    ("yellow", (0.02, 0.2, 0.95), 0.2),
+    ("purplish-blue", (0.62, 0.26, 0.6), 0.26),
+    ("green", (-0.85, 0.36, -0.3), 0.36),
+]
+
+
+def sodium():
+    """The same things in two halves, under two lamps."""
+    text = SODIUM
+    for patch in [*(patch for patch, _, _ in SODIUM_BALLS), "bluish-green", "magenta"]:
+        text += f"""
+[materials.{patch}.normalized_phong]
+diffuse = {{ file = "curves/colorchecker/{patch}.csv" }}
+specular = 0.03
+shininess = 60
+"""
+    for half, middle in [("daylight", -1.35), ("sodium", 1.35)]:
+        for patch, center, radius in SODIUM_BALLS:
+            text += f"""
+[objects.{half}-{patch}.sphere]
+material = "{patch}"
+center = [{numbers(add(center, (middle, 0, 0)))}]
+radius = {radius}
+"""
+        text += f"""
+[objects.{half}-knot.mesh]
+material = "bluish-green"
+file = "meshes/knot.ply"
+scale = 0.6
+rotate = [66.0, 0.0, 0.0]
+translate = [{numbers((middle + 0.02, 0.66, -0.2))}]
+
+[objects.{half}-gem.mesh]
+material = "magenta"
+file = "meshes/gem.obj"
+scale = 0.85
+rotate = [0.0, 14.0, -57.0]
+translate = [{numbers((middle + 0.85, 0.35, -0.3))}]
+"""
+    return text
+
+
 def main():
     MESHES.mkdir(exist_ok=True)
     (MESHES / "knot.ply").write_text(torus_knot())
@@ -432,6 +525,7 @@ def main():
         suffix = "" if lamp == "D65" else f"-{lamp.lower()}"
         (SCENES / f"colorchecker{suffix}.toml").write_text(checker(lamp))
     (SCENES / "blackbody.toml").write_text(blackbody())
+    (SCENES / "sodium.toml").write_text(sodium())
 
 
 if __name__ == "__main__":
