@@ -193,8 +193,9 @@ def write_checker(named, patches):
         for patch, sd in patches.items():
             rows.append((light, patch, *decimals(xyz(sd, named[light], FINE))))
     comments = [
-        "CIE XYZ (1931, 2°) of the ColorChecker and of scenes/curves/metamer-*.csv under six lights,",
-        "relative: Y = 1 for the perfect white, which is the patch `white`. Sums at 1 nm, 360 to 830 nm.",
+        "CIE XYZ (1931, 2°) of the ColorChecker and of scenes/curves/metamer-*.csv under six",
+        "lights, relative: Y = 1 for the perfect white, which is the patch `white`. Sums at 1 nm,",
+        "360 to 830 nm.",
         "Reflectances measured by Ohta (1997), as contained in colour-science.",
         *SOURCE,
     ]
@@ -206,9 +207,10 @@ def write_illuminants(named):
     for name, sd in named.items():
         rows.append((name, *decimals(colour.XYZ_to_xy(white(sd, FINE)))))
     comments = [
-        "CIE 1931 2° chromaticities of lights, from sums at 1 nm, 360 to 830 nm. Spectra: A by its equation",
-        "at 1 nm; D50 to D75 and `daylight` (its temperature as it stands) by those of CIE 15 at 5 nm;",
-        "`blackbody` by Planck's law with c2 = 0.01438776877 m K at 1 nm; all others from CIE's tables.",
+        "CIE 1931 2° chromaticities of lights, from sums at 1 nm, 360 to 830 nm. Spectra: A by its",
+        "equation at 1 nm; D50 to D75, at 1.4388/1.4380 times their nominal temperatures, and",
+        "`daylight`, at the temperature as it stands, by those of CIE 15 at 5 nm; `blackbody` by",
+        "Planck's law with c2 = 0.01438776877 m K at 1 nm; all others from CIE's tables.",
         *SOURCE,
     ]
     write(REFERENCE / "illuminants.csv", comments, rows)
@@ -223,8 +225,9 @@ def write_metamers(named, pair):
         ]
         rows.append((name, *decimals(differences, 4)))
     comments = [
-        "How different scenes/curves/metamer-a.csv and metamer-b.csv look under six lights: CIEDE2000,",
-        "the eye adapted to the light; sums at 5 nm, 380 to 780 nm, and at 1 nm, 360 to 830 nm.",
+        "How different scenes/curves/metamer-a.csv and metamer-b.csv look under six lights:",
+        "CIEDE2000, the eye adapted to the light; sums at 5 nm, 380 to 780 nm, and at 1 nm,",
+        "360 to 830 nm.",
         *SOURCE,
     ]
     write(REFERENCE / "metamers.csv", comments, rows)

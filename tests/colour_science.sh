@@ -21,6 +21,10 @@ if ! python3 -c 'import ensurepip, venv' 2>/dev/null; then
     echo "tests/colour_science.sh: python3 cannot make virtual environments; install python3-venv" >&2
     exit 1
 fi
+if ! python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then
+    echo "tests/colour_science.sh: $(python3 --version) is too old for colour-science; install 3.11 or newer" >&2
+    exit 1
+fi
 
 echo "installing ${packages[*]} into $folder"
 rm -rf "$folder"
