@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
-"""Writes what is too long to write by hand: the meshes of scenes/meshes/, many-spheres.toml and
-many-lights.toml. Needs Python 3 alone; the same files to the byte each time:
+"""Writes what is too long to write by hand: the meshes of scenes/meshes/, many-spheres.toml,
+many-lights.toml, colorchecker*.toml, blackbody.toml and sodium.toml. Needs Python 3 alone; the same
+files to the byte each time:
 
     python3 scenes/generate.py
+
+The curves of scenes/curves/ are made by reference/colorimetry.py.
 """
 
 import colorsys
+import csv
 from math import cos, dist, pi, sin, sqrt, tau
 from pathlib import Path
 
@@ -13,6 +17,7 @@ GOLDEN_ANGLE = pi * (3 - sqrt(5))
 
 SCENES = Path(__file__).resolve().parent
 MESHES = SCENES / "meshes"
+REFERENCE = SCENES.parent / "reference"
 
 
 def add(a, b):
@@ -126,6 +131,19 @@ def gem(sides=8):
     for i in range(sides):
         face(at(3, i), at(3, i + 1), 4 * sides + 1)
     return "\n".join(lines) + "\n"
+
+
+def square():
+    """A square of side 1 about the origin, across the z axis, as OBJ text."""
+    return """\
+# A square, by scenes/generate.py
+o square
+v -0.5 -0.5 0
+v 0.5 -0.5 0
+v 0.5 0.5 0
+v -0.5 0.5 0
+f 1 2 3 4
+"""
 
 
 MANY_SPHERES = """\
@@ -253,12 +271,261 @@ radius = {radius}
     return text
 
 
+CHECKER_CLAIMS = {
+    "D65": """\
+# Colors from measured spectra: the 24 patches of a ColorChecker under D65, daylight at noon, have the
+# colors that colorimetry gives them (reference/colorchecker.csv).
+""",
+    "A": """\
+# The light decides what a color is: the chart of colorchecker.toml under illuminant A, tungsten. The
+# picture is not adapted to the light, so that white is orange.
+""",
+    "F11": """\
+# The light decides what a color is: the chart of colorchecker.toml under illuminant F11, a
+# fluorescent lamp of three narrow bands, where RGB colors would be wrong by ΔE00 3.5 on the average.
+""",
+    "LED-B3": """\
+# The light decides what a color is: the chart of colorchecker.toml under illuminant LED-B3, a blue
+# diode with a phosphor, where RGB colors would be wrong by ΔE00 3.2 on the average.
+""",
+    "HP1": """\
+# The light decides what a color is: the chart of colorchecker.toml under illuminant HP1, high-pressure
+# sodium, where RGB colors would be wrong by ΔE00 18 on the average.
+""",
+}
+
+# cd/m² of a perfect white: as much as leaves its strongest channel on the screen.
+CHECKER_WHITES = {"D65": 1.0, "A": 0.5, "F11": 0.7, "LED-B3": 0.7, "HP1": 0.35}
+
+CHECKER = """\
+#
+# Written by scenes/generate.py. Metres and candela. The strip below is a perfect white of WHITE cd/m².
+
+[image]
+resolution = [960, 810]
+
+# 0.32 m by 0.27 m, three pixels to the millimetre.
+[camera.orthographic]
+eye = [0.0, 0.0, 1.0]
+look_at = [0.0, 0.0, 0.0]
+height = 0.27
+
+# So far away that it shines on all patches alike: LUX lx, π times the white's luminance.
+[lights.lamp.point]
+position = [0.0, 0.0, 100.0]
+intensity = { candela = CANDELA, color = { illuminant = "LAMP" } }
+
+[materials]
+board.normalized_phong = { diffuse = 0.04 }
+white.normalized_phong = { diffuse = 1.0 }
+"""
+
+
+def checker_patches():
+    """The names of the chart's patches, row by row."""
+    with open(REFERENCE / "colorchecker.csv", encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        names = [row["patch"] for row in rows if row["light"] == "D65"]
+    return [name for name in names if name != "white" and not name.startswith("metamer")]
+
+
+def checker(lamp):
+    """The chart: six by four patches of 40 mm, 50 mm apart, over a strip of white."""
+    white = CHECKER_WHITES[lamp]
+    text = CHECKER_CLAIMS[lamp] + CHECKER.replace("WHITE", number(white)).replace(
+        "CANDELA", number(pi * white * 100**2)
+    ).replace("LUX", number(pi * white, 3)).replace("LAMP", lamp)
+    patches = checker_patches()
+    for name in patches:
+        curve = f'{{ file = "curves/colorchecker/{name}.csv" }}'
+        text += f"{name}.normalized_phong = {{ diffuse = {curve} }}\n"
+    text += """
+[objects]
+board.plane = { material = "board", point = [0, 0, 0], normal = [0, 0, 1] }
+"""
+
+    def rectangle(name, x, y, width):
+        return (
+            f'{name}.mesh = {{ material = "{name}", file = "meshes/square.obj", '
+            f"scale = [{width}, 0.04, 1], translate = [{numbers((x, y, 0.001))}] }}\n"
+        )
+
+    for i, name in enumerate(patches):
+        text += rectangle(name, -0.125 + 0.05 * (i % 6), 0.1 - 0.05 * (i // 6), 0.04)
+    return text + rectangle("white", 0, -0.1, 0.29)
+
+
+BLACKBODY = """\
+# Heat alone gives a light its color (Planck's law): blackbodies of KELVINS K from left to right,
+# all with the same luminous intensity, so that only the color differs.
+#
+# Written by scenes/generate.py. Metres and candela.
+
+[image]
+resolution = [1260, 360]
+
+# One cell is 1 m wide and 180 pixels.
+[camera.orthographic]
+eye = [0.0, 2.4, 6.0]
+look_at = [0.0, 0.42, -0.3]
+height = 2.0
+
+[materials.plaster.normalized_phong]
+diffuse = 0.6
+
+[materials.glaze.normalized_phong]
+diffuse = 0.45
+specular = 0.02
+shininess = 40
+
+[objects.floor.plane]
+material = "plaster"
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 1.0, 0.0]
+
+[objects.wall.plane]
+material = "plaster"
+point = [0.0, 0.0, -0.7]
+normal = [0.0, 0.0, 1.0]
+
+# Planes without end between the cells keep each lamp's light to itself. The camera sees them edge-on,
+# so not at all.
+"""
+
+TEMPERATURES = [2000, 2500, 3200, 4000, 5000, 6500, 10000]
+
+
+def blackbody():
+    kelvins = ", ".join(map(str, TEMPERATURES[:-1])) + f" and {TEMPERATURES[-1]}"
+    text = BLACKBODY.replace("KELVINS", kelvins)
+    first = -(len(TEMPERATURES) - 1) / 2
+    for i, (left, right) in enumerate(zip(TEMPERATURES, TEMPERATURES[1:])):
+        text += f"""
+[objects.between-{left}-and-{right}.plane]
+material = "plaster"
+point = [{first + i + 0.5}, 0.0, 0.0]
+normal = [1.0, 0.0, 0.0]
+"""
+    for i, temperature in enumerate(TEMPERATURES):
+        x = first + i
+        text += f"""
+[lights.blackbody-{temperature}.point]
+position = [{x - 0.4}, 2.4, 2.8]
+intensity = {{ candela = 16, color = {{ blackbody = {temperature} }} }}
+
+[objects.ball-{temperature}.sphere]
+material = "glaze"
+center = [{x}, 0.34, 0.0]
+radius = 0.34
+"""
+    return text
+
+
+SODIUM = """\
+# Where there is one wavelength there is one color: under low-pressure sodium, at the right, whose two
+# lines are 0.6 nm apart, things are lighter or darker and no more. At the left, the same under D65.
+#
+# Written by scenes/generate.py. Metres and candela. A divider in the middle keeps each lamp's light
+# to its own half. Reflectances are measured ones, of the ColorChecker. The yellow of sodium is beyond
+# Rec.709, so that its blue is below 0.
+
+[image]
+resolution = [1280, 720]
+
+# In the plane of the divider, so that it is seen edge-on.
+[camera.perspective]
+eye = [0.0, 2.0, 7.0]
+look_at = [0.0, 0.66, 0.0]
+vertical_fov = 22.5
+
+[lights.daylight.point]
+position = [-1.65, 3.1, 5.0]
+intensity = { candela = 75, color = { illuminant = "D65" } }
+
+# The sodium D lines: nm, and how strong one is beside the other.
+[lights.sodium.point]
+position = [1.05, 3.1, 5.0]
+intensity = { candela = 38, color = { lines = [[589.0, 0.5], [589.6, 0.5]] } }
+
+[materials.room.normalized_phong]
+diffuse = 0.5
+
+[objects.floor.plane]
+material = "room"
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 1.0, 0.0]
+
+[objects.wall.plane]
+material = "room"
+point = [0.0, 0.0, -1.0]
+normal = [0.0, 0.0, 1.0]
+
+# From the wall to in front of the lamps, and higher than they are.
+[objects.divider.mesh]
+material = "room"
+file = "meshes/square.obj"
+scale = [7.5, 5.0, 1.0]
+rotate = [0.0, 90.0, 0.0]
+translate = [0.0, 2.5, 2.25]
+"""
+
+# Patch, center relative to the middle of the half, radius.
+SODIUM_BALLS = [
+    ("red", (-0.6, 0.26, 0.6), 0.26),
+    ("yellow", (0.02, 0.2, 0.95), 0.2),
+    ("purplish-blue", (0.62, 0.26, 0.6), 0.26),
+    ("green", (-0.85, 0.36, -0.3), 0.36),
+]
+
+
+def sodium():
+    """The same things in two halves, under two lamps."""
+    text = SODIUM
+    for patch in [*(patch for patch, _, _ in SODIUM_BALLS), "bluish-green", "magenta"]:
+        text += f"""
+[materials.{patch}.normalized_phong]
+diffuse = {{ file = "curves/colorchecker/{patch}.csv" }}
+specular = 0.03
+shininess = 60
+"""
+    for half, middle in [("daylight", -1.35), ("sodium", 1.35)]:
+        for patch, center, radius in SODIUM_BALLS:
+            text += f"""
+[objects.{half}-{patch}.sphere]
+material = "{patch}"
+center = [{numbers(add(center, (middle, 0, 0)))}]
+radius = {radius}
+"""
+        text += f"""
+[objects.{half}-knot.mesh]
+material = "bluish-green"
+file = "meshes/knot.ply"
+scale = 0.6
+rotate = [66.0, 0.0, 0.0]
+translate = [{numbers((middle + 0.02, 0.66, -0.2))}]
+
+[objects.{half}-gem.mesh]
+material = "magenta"
+file = "meshes/gem.obj"
+scale = 0.85
+rotate = [0.0, 14.0, -57.0]
+translate = [{numbers((middle + 0.85, 0.35, -0.3))}]
+"""
+    return text
+
+
 def main():
     MESHES.mkdir(exist_ok=True)
     (MESHES / "knot.ply").write_text(torus_knot())
     (MESHES / "gem.obj").write_text(gem())
+    (MESHES / "square.obj").write_text(square())
     (SCENES / "many-spheres.toml").write_text(many_spheres())
     (SCENES / "many-lights.toml").write_text(many_lights())
+    for lamp in CHECKER_CLAIMS:
+        suffix = "" if lamp == "D65" else f"-{lamp.lower()}"
+        (SCENES / f"colorchecker{suffix}.toml").write_text(checker(lamp))
+    (SCENES / "blackbody.toml").write_text(blackbody())
+    (SCENES / "sodium.toml").write_text(sodium())
 
 
 if __name__ == "__main__":
