@@ -118,6 +118,7 @@ pub mod oracle;
 pub mod output;
 pub mod scene;
 pub mod shading;
+pub mod spectrum;
 pub mod units;
 pub mod visibility;
 pub mod world;

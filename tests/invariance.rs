@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use candela::film::Film;
 use candela::scene::{Camera, Light, Material, Object, Scene, Spanned, Value};
+use candela::spectrum::{Curve, Lines};
 use candela::world::plan::Acceleration;
 use candela::world::{Plan, World};
 
@@ -106,7 +107,7 @@ fn moved(
             intensity,
         } = &mut light.value;
         put(position);
-        intensity.value = times(intensity.value, scale * scale);
+        intensity.value = times(&intensity.value, scale * scale);
     }
     for object in &mut scene.objects {
         match &mut object.value {
@@ -135,12 +136,12 @@ fn moved(
 }
 
 /// A value times a factor; codes of sRGB become what they stand for.
-fn times(value: Value, factor: f64) -> Value {
+fn times(value: &Value, factor: f64) -> Value {
     match value {
         Value::Uniform(value) => Value::Uniform(value * factor),
         Value::Rgb { rgb, space } => Value::Rgb {
             rgb: rgb.map(|channel| channel * factor),
-            space,
+            space: *space,
         },
         Value::Srgb(codes) => Value::Rgb {
             rgb: codes.map(|code| {
@@ -148,15 +149,39 @@ fn times(value: Value, factor: f64) -> Value {
             }),
             space: candela::scene::ColorSpace::Rec709,
         },
+        Value::Curve(curve) => {
+            let values = curve.values().iter().map(|value| value * factor).collect();
+            let curve = Curve::new(curve.wavelengths().to_vec(), values);
+            Value::Curve(Arc::new(curve.unwrap()))
+        }
+        Value::Lines(lines) => {
+            let lines = lines
+                .lines()
+                .iter()
+                .map(|[nm, power]| [*nm, power * factor]);
+            Value::Lines(Arc::new(Lines::new(lines.collect()).unwrap()))
+        }
+        Value::Sized {
+            unit,
+            amount,
+            color,
+        } => Value::Sized {
+            unit: *unit,
+            amount: amount * factor,
+            color: color.clone(),
+        },
+        Value::Illuminant(_) | Value::Daylight(_) | Value::Blackbody(_) => {
+            panic!("a color without a size is no light")
+        }
     }
 }
 
 fn with_light(scene: &Scene, factor: f64) -> Scene {
     let mut scene = scene.clone();
-    scene.image.background.value = times(scene.image.background.value, factor);
+    scene.image.background.value = times(&scene.image.background.value, factor);
     for light in &mut scene.lights {
         let Light::Point { intensity, .. } = &mut light.value;
-        intensity.value = times(intensity.value, factor);
+        intensity.value = times(&intensity.value, factor);
     }
     scene
 }
@@ -308,8 +333,8 @@ fn linear_in_the_reflectance() {
             for material in &mut scene.materials {
                 let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) =
                     &mut material.value;
-                lobes.diffuse.value = times(lobes.diffuse.value, factor);
-                lobes.specular.value = times(lobes.specular.value, factor);
+                lobes.diffuse.value = times(&lobes.diffuse.value, factor);
+                lobes.specular.value = times(&lobes.specular.value, factor);
             }
             scene
         };

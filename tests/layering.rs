@@ -7,13 +7,14 @@ use std::path::{Path, PathBuf};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written, so that no mistake can hide on both
 /// sides.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 12] = [
     ("units", &[]),
     ("math", &[]),
     ("color", &[]),
     ("output", &[]),
-    ("scene", &["units"]),
-    ("world", &["scene", "units", "math", "color"]),
+    ("spectrum", &["units"]),
+    ("scene", &["units", "spectrum"]),
+    ("world", &["scene", "units", "math", "color", "spectrum"]),
     ("visibility", &["world", "math"]),
     ("shading", &["world", "visibility", "units", "math"]),
     (

@@ -12,6 +12,12 @@ pub(super) fn linear_rgb(value: &Value) -> [f64; 3] {
             space: ColorSpace::Rec709 | ColorSpace::P3D65 | ColorSpace::Rec2020 | ColorSpace::AcesCg,
         } => rgb,
         Value::Srgb(code) => code.map(srgb_decoded),
+        Value::Illuminant(_)
+        | Value::Daylight(_)
+        | Value::Blackbody(_)
+        | Value::Curve(_)
+        | Value::Lines(_)
+        | Value::Sized { .. } => [0.0; 3],
     }
 }
 

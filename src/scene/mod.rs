@@ -4,6 +4,7 @@
 //! are as their file has them, before scale, rotation and translation. [`crate::world`] makes the
 //! legal scene from this one; [`crate::oracle`] computes from this one directly.
 
+mod curve;
 pub mod diagnostic;
 pub mod mesh;
 mod read;
@@ -12,10 +13,13 @@ mod value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 pub use mesh::MeshFile;
 pub use read::{Broken, Reading};
-pub use value::{ColorSpace, Value};
+pub use value::{ColorSpace, Transport, Unit, Value};
+
+use crate::spectrum::Observer;
 
 /// The text that a scene was read from, kept so that errors can show their line.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +45,8 @@ pub struct Scene {
     pub lights: Vec<Entry<Light>>,
     /// `[objects.NAME.VARIANT]`, in the order of the file.
     pub objects: Vec<Entry<Object>>,
+    /// The curve files that values name, joined to the scene's folder.
+    pub curve_files: Vec<PathBuf>,
 }
 
 /// A named entry of a section.
@@ -63,6 +69,10 @@ pub struct Image {
     pub color_space: Spanned<ColorSpace>,
     /// Radiance where a ray hits nothing, cd/m². Default 0.
     pub background: Spanned<Value>,
+    /// How light is carried along its way. Default [`Transport::Auto`].
+    pub transport: Spanned<Transport>,
+    /// Whose color matching functions make colors of spectra. Default the 2° observer of 1931.
+    pub observer: Spanned<Observer>,
 }
 
 /// The largest width and height of an image in pixels: 65 536 square is 69 GB of film.
@@ -127,7 +137,7 @@ pub enum Light {
     Point {
         /// p_L
         position: Spanned<[f64; 3]>,
-        /// I in candela. Range: 0 or more.
+        /// I: a number and `[r, g, b]` in candela, a curve in W·sr⁻¹·nm⁻¹. Range: 0 or more.
         intensity: Spanned<Value>,
     },
 }
@@ -219,7 +229,7 @@ impl Scene {
         Reading::of_text(text.to_owned(), path.as_ref()).complete()
     }
 
-    /// The files that the scene was read from: its own, and those of its meshes.
+    /// The files that the scene was read from: its own, and those of its meshes and curves.
     pub fn files(&self) -> Vec<PathBuf> {
         let folder = self.source.path.parent().unwrap_or(Path::new(""));
         let meshes = self
@@ -231,6 +241,7 @@ impl Scene {
             });
         std::iter::once(self.source.path.clone())
             .chain(meshes)
+            .chain(self.curve_files.iter().cloned())
             .collect()
     }
 

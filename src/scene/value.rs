@@ -1,12 +1,16 @@
 //! Values for light and color, as written.
 
-/// A value for light or color: `0.5`, `[r, g, b]`, `"#c86432"` or
-/// `{ rgb = [r, g, b], space = "rec709" }`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+use std::sync::Arc;
+
+use crate::spectrum::{Curve, Illuminant, Lines};
+
+/// A value for light or color.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// The same in every channel.
+    /// `0.5`: the same in every channel, and of a reflectance at every wavelength.
     Uniform(f64),
-    /// Linear, one number per primary of `space`; a bare `[r, g, b]` is Rec.709.
+    /// `[r, g, b]` or `{ rgb = [r, g, b], space = "acescg" }`: linear, one number per primary of
+    /// `space`; a bare `[r, g, b]` is Rec.709.
     Rgb {
         /// Red, green, blue.
         rgb: [f64; 3],
@@ -15,6 +19,41 @@ pub enum Value {
     },
     /// `"#rrggbb"`: sRGB-coded, 8 bits a channel.
     Srgb([u8; 3]),
+    /// `{ illuminant = "D65" }`: the color of a light.
+    Illuminant(Illuminant),
+    /// `{ daylight = 5600 }`: the color of a light, as a correlated color temperature in K.
+    Daylight(f64),
+    /// `{ blackbody = 3200 }`: the color of a light, as a temperature in K.
+    Blackbody(f64),
+    /// `{ wavelengths = […], values = […] }` or `{ file = "curve.csv" }`: of a light in
+    /// W·sr⁻¹·nm⁻¹, of a background in W·m⁻²·sr⁻¹·nm⁻¹, of a surface a reflectance.
+    Curve(Arc<Curve>),
+    /// `{ lines = [[589.0, 0.5], …] }`: of a light, in W·sr⁻¹ each.
+    Lines(Arc<Lines>),
+    /// `{ candela = 120, color = … }`: a light whose size is said in a unit.
+    Sized {
+        /// What is measured.
+        unit: Unit,
+        /// How much of it. Range: 0 or more.
+        amount: f64,
+        /// The light's color, of any size. Default: 1, which is white.
+        color: Box<Value>,
+    },
+}
+
+/// The units in which the size of a light can be said. The light is the same in all directions, so
+/// that a flux is 4π times an intensity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Unit {
+    /// Luminous intensity I in cd.
+    Candela,
+    /// Luminous flux Φ = 4π I in lm.
+    Lumens,
+    /// Radiant intensity in W/sr: ∫ I(λ) dλ from 360 to 830 nm.
+    WattsPerSteradian,
+    /// Radiant flux in W, 4π times the radiant intensity: the light that leaves the lamp, not the
+    /// electricity that enters.
+    Watts,
 }
 
 /// The RGB color spaces that a scene can name.
@@ -23,11 +62,11 @@ pub enum ColorSpace {
     /// Linear, with the primaries and white of ITU-R BT.709.
     #[default]
     Rec709,
-    /// Linear, Display P3 primaries, D65. Not rendered in yet.
+    /// Linear, Display P3 primaries, D65.
     P3D65,
-    /// Linear, ITU-R BT.2020 primaries, D65. Not rendered in yet.
+    /// Linear, ITU-R BT.2020 primaries, D65.
     Rec2020,
-    /// Linear, ACES AP1 primaries. Not rendered in yet.
+    /// Linear, ACES AP1 primaries, the ACES white.
     AcesCg,
 }
 
@@ -46,7 +85,69 @@ impl ColorSpace {
     }
 }
 
+/// What a scene asks for about the way of light, `transport`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Transport {
+    /// Spectral if anything in the scene is a spectrum, else RGB.
+    #[default]
+    Auto,
+    /// One value per primary, whatever the scene holds.
+    Rgb,
+    /// Wavelength by wavelength, whatever the scene holds.
+    Spectral,
+}
+
+impl Transport {
+    /// Every choice, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Rgb, Self::Spectral];
+
+    /// The name in a scene file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Rgb => "rgb",
+            Self::Spectral => "spectral",
+        }
+    }
+}
+
+impl Unit {
+    /// Every unit, in the order of the documentation.
+    pub const ALL: [Self; 4] = [
+        Self::Candela,
+        Self::Lumens,
+        Self::WattsPerSteradian,
+        Self::Watts,
+    ];
+
+    /// The key in a scene file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Candela => "candela",
+            Self::Lumens => "lumens",
+            Self::WattsPerSteradian => "watts_per_steradian",
+            Self::Watts => "watts",
+        }
+    }
+}
+
 impl Value {
     /// Zero in every channel.
     pub const ZERO: Self = Self::Uniform(0.0);
+
+    /// Whether it says more than RGB can: a spectrum, or a size in watts.
+    pub fn is_spectral(&self) -> bool {
+        match self {
+            Self::Uniform(_) | Self::Rgb { .. } | Self::Srgb(_) => false,
+            Self::Illuminant(_)
+            | Self::Daylight(_)
+            | Self::Blackbody(_)
+            | Self::Curve(_)
+            | Self::Lines(_) => true,
+            Self::Sized { unit, color, .. } => match unit {
+                Unit::Candela | Unit::Lumens => color.is_spectral(),
+                Unit::WattsPerSteradian | Unit::Watts => true,
+            },
+        }
+    }
 }

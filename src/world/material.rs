@@ -51,6 +51,21 @@ impl Material {
         }
     }
 
+    /// What k_d and k_s are of the numbers that were written: 1, or those of `normalized_phong`.
+    pub(super) fn factors(&self) -> Lobes<f64> {
+        use std::f64::consts::{PI, TAU};
+        match self.model {
+            Model::Phong => Lobes {
+                diffuse: 1.0,
+                specular: 1.0,
+            },
+            Model::NormalizedPhong => Lobes {
+                diffuse: 1.0 / PI,
+                specular: (self.shininess + 2.0) / TAU,
+            },
+        }
+    }
+
     /// Which model it is.
     pub fn model(&self) -> Model {
         self.model

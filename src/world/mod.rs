@@ -6,10 +6,12 @@
 //! camera looks at, so that a scene far from the origin renders like one at the origin.
 
 mod camera;
+pub mod colorimetry;
 pub(crate) mod geometry;
 pub mod material;
 pub mod physics;
 pub mod plan;
+pub mod spectra;
 mod validate;
 
 use std::path::Path;
@@ -18,9 +20,10 @@ pub use camera::{Camera, Projection};
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
 pub use material::Material;
 pub use plan::Plan;
+pub use spectra::{Bands, Spectra, Wavelengths};
 
 use crate::math::{DVec3, Point};
-use crate::scene::{ColorSpace, Diagnostics, Reading, Scene};
+use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
 use crate::units::{Intensity, Radiance, ReflectedIntensity};
 
 /// A legal scene.
@@ -41,6 +44,13 @@ pub struct World {
     triangles: Triangles,
     /// I · k of every lobe, light by light, material by material within.
     transport: Vec<Lobes<ReflectedIntensity>>,
+    asked: scene::Transport,
+    /// What in the scene is spectral.
+    spectral_values: Vec<String>,
+    spectra: Option<Spectra>,
+    /// The curves that leave out a part of the visible range, by the names of their entries, with
+    /// their ranges in nm.
+    gaps: Vec<Named<[f64; 2]>>,
 }
 
 /// Something with the name that the user gave it.
@@ -108,7 +118,23 @@ impl World {
     /// # Errors
     /// As [`Scene::load`] and [`World::new`].
     pub fn load(path: impl AsRef<Path>) -> Result<(Scene, Self), Diagnostics> {
-        validate::validate_reading(Reading::of_file(path.as_ref()))
+        Self::load_with(path, |_| {})
+    }
+
+    /// [`World::load`] of a scene in which something is changed between reading and validating,
+    /// such as its [transport](scene::Image::transport).
+    ///
+    /// # Errors
+    /// As [`World::load`].
+    pub fn load_with(
+        path: impl AsRef<Path>,
+        change: impl FnOnce(&mut Scene),
+    ) -> Result<(Scene, Self), Diagnostics> {
+        let mut reading = Reading::of_file(path.as_ref());
+        if let Some(scene) = &mut reading.scene {
+            change(scene);
+        }
+        validate::validate_reading(reading)
     }
 
     /// SHA-256 of the scene file's text, in hexadecimal digits, as `sha256sum` prints it.
@@ -171,8 +197,29 @@ impl World {
         &self.triangles
     }
 
+    /// What the scene asks for about the way of light.
+    pub fn transport_asked(&self) -> scene::Transport {
+        self.asked
+    }
+
+    /// What in the scene is spectral, as people name it: "light `key`", …
+    pub fn spectral_values(&self) -> &[String] {
+        &self.spectral_values
+    }
+
+    /// The spectra of lights and materials; `None` where light is carried as RGB.
+    pub fn spectra(&self) -> Option<&Spectra> {
+        self.spectra.as_ref()
+    }
+
+    /// The curves that leave out a part of the visible range, by the names of their entries, with
+    /// their ranges in nm.
+    pub fn gaps(&self) -> &[Named<[f64; 2]>] {
+        &self.gaps
+    }
+
     /// I · k of both lobes of every material, in the order of [`World::materials`], as lit by
-    /// one light.
+    /// one light. Zero for materials that no object has, where light is carried spectrally.
     pub fn transport(&self, light: usize) -> &[Lobes<ReflectedIntensity>] {
         let materials = self.materials.len();
         &self.transport[light * materials..(light + 1) * materials]

@@ -1,8 +1,10 @@
 use std::sync::Arc;
 
 use candela::scene::{
-    Camera, Entry, Image, Light, Lobes, Material, Object, Source, Span, Spanned, Value, View,
+    Camera, Entry, Image, Light, Lobes, Material, Object, Source, Span, Spanned, Transport, Value,
+    View,
 };
+use candela::spectrum::Observer;
 use clap::Parser;
 use serde_json::Value as Json;
 
@@ -41,6 +43,8 @@ fn scene() -> Scene {
             resolution: [65, 49].into(),
             color_space: Spanned::default(),
             background: rgb([0.01, 0.02, 0.03]).into(),
+            transport: Transport::default().into(),
+            observer: Observer::default().into(),
         },
         camera: Camera::Perspective {
             view: View {
@@ -85,6 +89,7 @@ fn scene() -> Scene {
                 },
             ),
         ],
+        curve_files: Vec::new(),
     }
 }
 

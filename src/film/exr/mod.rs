@@ -8,7 +8,6 @@ use std::str::FromStr;
 
 pub use read::{ColorTag, ExrError, ExrImage, ExrProblem, read};
 
-use crate::color::Primaries;
 use crate::scene::ColorSpace;
 
 /// How a film is stored as OpenEXR.
@@ -133,15 +132,6 @@ pub const fn color_interop_id(space: ColorSpace) -> &'static str {
         ColorSpace::P3D65 => "lin_p3d65_scene",
         ColorSpace::Rec2020 => "lin_rec2020_scene",
         ColorSpace::AcesCg => "lin_ap1_scene",
-    }
-}
-
-const fn primaries(space: ColorSpace) -> Primaries {
-    match space {
-        ColorSpace::Rec709 => Primaries::REC709,
-        ColorSpace::P3D65 => Primaries::P3_D65,
-        ColorSpace::Rec2020 => Primaries::REC2020,
-        ColorSpace::AcesCg => Primaries::AP1,
     }
 }
 

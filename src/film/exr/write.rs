@@ -20,10 +20,11 @@ use exr::prelude::{SmallVec, Vec2};
 use half::f16;
 use rayon::prelude::*;
 
+use super::color_interop_id;
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, ExrReport, Precision};
-use super::{color_interop_id, primaries};
 use crate::film::{Film, Metadata};
 use crate::output::{self, OutputError, Unfinished};
+use crate::world::colorimetry::primaries;
 
 /// The channels in the file's order, which is the alphabet's, and where a pixel has them.
 const CHANNELS: [(&str, usize); 4] = [("A", 3), ("B", 2), ("G", 1), ("R", 0)];

@@ -10,8 +10,10 @@ use std::sync::Arc;
 use super::{LightTerms, Oracle};
 use crate::scene::mesh::{MeshFile, MeshNormals, MeshRemarks};
 use crate::scene::{
-    Camera, Entry, Image, Light, Lobes, Material, Object, Scene, Source, Span, Spanned, Value, View,
+    Camera, Entry, Image, Light, Lobes, Material, Object, Scene, Source, Span, Spanned, Transport,
+    Value, View,
 };
+use crate::spectrum::Observer;
 
 /// A closed form and its transcription differ by a few roundings of f64.
 const ROUNDING: f64 = 1e-13;
@@ -80,11 +82,14 @@ impl Builder {
                 resolution: resolution.into(),
                 color_space: Spanned::default(),
                 background: Value::ZERO.into(),
+                transport: Transport::default().into(),
+                observer: Observer::default().into(),
             },
             camera: camera.into(),
             materials: Vec::new(),
             lights: Vec::new(),
             objects: Vec::new(),
+            curve_files: Vec::new(),
         })
         .material(MATTE, Material::Phong(lobes(1.0, 0.0, None)))
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Source;
+use super::curve::CurveError;
 use super::mesh::MeshError;
 
 /// A range of bytes in the scene file; empty at 0 for what has no place in it.
@@ -180,6 +181,14 @@ pub enum Problem {
         /// Why.
         error: Box<MeshError>,
     },
+    /// A curve file that cannot be used.
+    #[error("cannot use the curve file {}: {error}", path.display())]
+    Curve {
+        /// The file, joined to the scene's folder.
+        path: PathBuf,
+        /// Why.
+        error: Box<CurveError>,
+    },
     /// Values that do not fit together, such as an `up` along the view.
     #[error("{0}")]
     Conflict(String),
@@ -257,6 +266,7 @@ impl Problem {
             | Self::Duplicate { .. }
             | Self::NotYet { .. }
             | Self::Mesh { .. }
+            | Self::Curve { .. }
             | Self::Conflict(_) => None,
         }
     }

@@ -4,14 +4,14 @@ use toml::de::{DeInteger, DeTable, DeValue};
 
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned, shortened};
 use super::syntax::Damage;
-use super::{Meshes, Node};
+use super::{Files, Node};
 
 /// Reads a tree and collects what is wrong with it.
 pub(super) struct Reader<'a> {
     pub(super) text: &'a str,
     pub(super) damage: Damage,
     pub(super) diagnostics: Vec<Diagnostic>,
-    pub(super) meshes: Meshes,
+    pub(super) files: Files,
 }
 
 /// A key: its name, and its value as errors describe it.

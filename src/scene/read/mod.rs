@@ -23,6 +23,7 @@ use toml::de::{DeTable, DeValue};
 use super::diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 use super::mesh::MeshFile;
 use super::{Scene, Source};
+use crate::spectrum::Curve;
 use fields::Reader;
 
 /// A value in the tree, with its place.
@@ -154,6 +155,7 @@ struct Unsourced {
     materials: Vec<super::Entry<super::Material>>,
     lights: Vec<super::Entry<super::Light>>,
     objects: Vec<super::Entry<super::Object>>,
+    curve_files: Vec<PathBuf>,
 }
 
 impl Unsourced {
@@ -165,6 +167,7 @@ impl Unsourced {
             materials: self.materials,
             lights: self.lights,
             objects: self.objects,
+            curve_files: self.curve_files,
         }
     }
 }
@@ -202,7 +205,7 @@ fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
         text,
         damage,
         diagnostics,
-        meshes: Meshes::beside(path),
+        files: Files::beside(path),
     };
     let misspelt = unknown_sections(&mut reader, &root);
     let image = sections::image(&mut reader, &root, &misspelt);
@@ -216,12 +219,15 @@ fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
         objects: objects.broken.into_iter().collect(),
         lost_entries: reader.damage.lost_entries() || !misspelt.is_empty(),
     };
+    let mut curve_files: Vec<PathBuf> = reader.files.curves.into_keys().collect();
+    curve_files.sort();
     let scene = image.zip(camera).map(|(image, camera)| Unsourced {
         image,
         camera,
         materials: materials.sound,
         lights: lights.sound,
         objects: objects.sound,
+        curve_files,
     });
     (scene, reader.diagnostics, broken)
 }
@@ -240,19 +246,21 @@ fn unknown_sections(reader: &mut Reader<'_>, root: &DeTable<'_>) -> Vec<String> 
     misspelt
 }
 
-/// The mesh files of one scene, each read once.
-struct Meshes {
+/// The files that one scene names, each read once; `None` for a file that could not be read,
+/// which has been reported.
+struct Files {
     /// What paths in the scene are relative to.
     folder: PathBuf,
-    /// `None` for a file that could not be read, which has been reported.
-    loaded: HashMap<PathBuf, Option<Arc<MeshFile>>>,
+    meshes: HashMap<PathBuf, Option<Arc<MeshFile>>>,
+    curves: HashMap<PathBuf, Option<Arc<Curve>>>,
 }
 
-impl Meshes {
+impl Files {
     fn beside(scene: &Path) -> Self {
         Self {
             folder: scene.parent().unwrap_or(Path::new("")).to_owned(),
-            loaded: HashMap::new(),
+            meshes: HashMap::new(),
+            curves: HashMap::new(),
         }
     }
 }
@@ -260,8 +268,8 @@ impl Meshes {
 impl Reader<'_> {
     /// The mesh in `file`; one that cannot be read is reported where it is named first.
     fn mesh(&mut self, file: &Spanned<String>) -> Option<Arc<MeshFile>> {
-        let path = self.meshes.folder.join(&file.value);
-        if let Some(known) = self.meshes.loaded.get(&path) {
+        let path = self.files.folder.join(&file.value);
+        if let Some(known) = self.files.meshes.get(&path) {
             return known.clone();
         }
         let loaded = match MeshFile::load(&path) {
@@ -273,7 +281,7 @@ impl Reader<'_> {
                 None
             }
         };
-        self.meshes.loaded.insert(path, loaded.clone());
+        self.files.meshes.insert(path, loaded.clone());
         loaded
     }
 }

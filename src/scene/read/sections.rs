@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
 
 use super::super::diagnostic::{Problem, Span, Spanned};
-use super::super::value::Value;
+use super::super::value::{Transport, Value};
 use super::super::{Camera, Image, Light, Lobes, MAX_RESOLUTION, Material, Object, View};
 use super::Node;
 use super::entries::{Choice, Section, Variants, header, one_variant};
 use super::fields::{Fields, Key, Reader, key, spanned};
 use super::value::Purpose;
+use crate::spectrum::Observer;
 
 pub(super) const MATERIALS: Section<Material> = Section {
     key: "materials",
@@ -61,11 +62,8 @@ const BACKGROUND: Key = key!(
     "a radiance in cd/m² (a number, `[r, g, b]` or `\"#rrggbb\"`)",
     "[0, 0, 0]"
 );
-const TRANSPORT: Key = Key {
-    name: "transport",
-    value: "`\"auto\"` or `\"rgb\"`",
-    line: "`transport = \"auto\"`",
-};
+const TRANSPORT: Key = key!("transport", "how light is carried", "\"auto\"");
+const OBSERVER: Key = key!("observer", "the year of a CIE observer", "\"1931\"");
 
 /// `[image]`; `misspelt` are the sections that are there under another name.
 pub(super) fn image(
@@ -93,14 +91,16 @@ pub(super) fn image(
     let mut fields = Fields::new(reader, table, header);
     let resolution = resolution(&mut fields);
     let color_space = fields.color_space(&COLOR_SPACE);
-    let background = fields.value_or(&BACKGROUND, Purpose::Light, Value::ZERO);
-    let transport = transport(&mut fields);
+    let background = fields.value_or(&BACKGROUND, Purpose::Background, Value::ZERO);
+    let transport = fields.choice(&TRANSPORT, "transport", &Transport::ALL, Transport::name);
+    let observer = fields.choice(&OBSERVER, "observer", &Observer::ALL, Observer::name);
     fields.finish()?;
-    transport?;
     sound.then_some(Image {
         resolution: resolution?,
         color_space: color_space?,
         background: background?,
+        transport: transport?,
+        observer: observer?,
     })
 }
 
@@ -138,22 +138,6 @@ fn pixels(reader: &mut Reader<'_>, name: &str, node: &Node<'_>) -> Option<u32> {
 }
 
 /// Light is computed in RGB, which is what both `"auto"` and `"rgb"` come to.
-fn transport(fields: &mut Fields<'_, '_, '_>) -> Option<()> {
-    let Some(written) = fields.optional_string(&TRANSPORT)? else {
-        return Some(());
-    };
-    let problem = match written.value.as_str() {
-        "auto" | "rgb" => return Some(()),
-        "spectral" => Problem::NotYet {
-            what: "`transport = \"spectral\"`".to_owned(),
-            instead: "write `\"auto\"` or `\"rgb\"`",
-        },
-        other => Problem::unknown("transport", other, ["auto", "rgb", "spectral"]),
-    };
-    fields.reader.report(written.span, problem);
-    None
-}
-
 const EYE: Key = key!("eye", "the viewer's position", "[0, 1.2, 4]");
 const LOOK_AT: Key = key!(
     "look_at",

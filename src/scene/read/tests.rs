@@ -96,7 +96,7 @@ fn diffuse(value: &str) -> Value {
     match &scene.materials[0].value {
         Material::Phong(lobes) => {
             assert_eq!(covered(&scene, &lobes.diffuse), value);
-            lobes.diffuse.value
+            lobes.diffuse.value.clone()
         }
         Material::NormalizedPhong(_) => panic!("another material"),
     }

@@ -1,32 +1,154 @@
 //! Values for light and color, in every notation.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use toml::de::{DeTable, DeValue};
 
-use super::super::diagnostic::{Problem, Spanned};
-use super::super::value::{ColorSpace, Value};
+use super::super::diagnostic::{Problem, Span, Spanned};
+use super::super::value::{ColorSpace, Unit, Value};
 use super::Node;
 use super::fields::{Fields, Key, Reader, key, spanned};
+use crate::spectrum::{Curve, CurveProblem, Illuminant, Lines};
 
 const RGB: Key = key!("rgb", "three linear numbers", "[0.7, 0.3, 0.2]");
 const SPACE: Key = key!("space", "the name of a color space", "\"rec709\"");
-
-/// What can be written for a value that this version does not read yet.
-const VALUES_TODAY: &str = "write a number such as `0.5`, `[r, g, b]` in linear Rec.709, \
-                            or `\"#rrggbb\"`";
-
-/// Notations that the format has for every value, but this version does not read.
-const SPECTRA: [&str; 5] = ["illuminant", "blackbody", "wavelengths", "values", "file"];
-
-/// Notations that the format has for lights only: a size in a unit.
-const SIZES: [&str; 4] = ["candela", "lumens", "watts", "color"];
+const ILLUMINANT: Key = key!("illuminant", "the name of an illuminant", "\"D65\"");
+const DAYLIGHT: Key = key!("daylight", "a color temperature in K", "5600");
+const BLACKBODY: Key = key!("blackbody", "a temperature in K", "3200");
+const WAVELENGTHS: Key = key!(
+    "wavelengths",
+    "wavelengths in nm, ascending",
+    "[400, 550, 700]"
+);
+const VALUES: Key = key!("values", "a number for each wavelength", "[0.1, 0.5, 0.4]");
+const FILE: Key = key!("file", "a CSV file beside the scene", "\"curve.csv\"");
+const LINES: Key = key!(
+    "lines",
+    "wavelengths in nm, each with its W/sr",
+    "[[589.0, 0.5], [589.6, 0.5]]"
+);
+const CANDELA: Key = key!("candela", "a luminous intensity in cd", "120");
+const LUMENS: Key = key!("lumens", "a luminous flux in lm", "800");
+const WATTS_PER_STERADIAN: Key = key!("watts_per_steradian", "a radiant intensity in W/sr", "0.5");
+const WATTS: Key = key!("watts", "a radiant flux in W", "6");
+const DENSITY: Key = key!(
+    "watts_per_steradian_nm",
+    "a spectral intensity in W/(sr nm), a number or a curve",
+    "0.002"
+);
+const COLOR: Key = key!(
+    "color",
+    "the light's color (`[r, g, b]`, `\"#rrggbb\"`, `{ illuminant = \"A\" }`, …)",
+    "{ blackbody = 3200 }"
+);
+/// The size that a light of a color alone lacks.
+const SIZE: Key = Key {
+    name: "candela",
+    value: "the light's size in a unit",
+    line: "the light's size in a unit, such as `{ candela = 120, color = … }` \
+           (or `lumens`, `watts_per_steradian`, `watts`)",
+};
 
 /// What a value is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// Light, which can have its size in a unit beside its color.
+    /// The intensity of a light, which has a size.
     Light,
+    /// The color of a light whose size is beside it.
+    Color,
+    /// Radiance without a lamp.
+    Background,
     /// A reflectance.
     Surface,
+}
+
+/// The notations that are tables, each known by the first of its keys that is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Notation {
+    Rgb,
+    Illuminant,
+    Daylight,
+    Blackbody,
+    Curve,
+    File,
+    Lines,
+    Sized(Unit),
+    Density,
+}
+
+impl Notation {
+    const ALL: [Self; 12] = [
+        Self::Rgb,
+        Self::Illuminant,
+        Self::Daylight,
+        Self::Blackbody,
+        Self::Curve,
+        Self::File,
+        Self::Lines,
+        Self::Sized(Unit::Candela),
+        Self::Sized(Unit::Lumens),
+        Self::Sized(Unit::WattsPerSteradian),
+        Self::Sized(Unit::Watts),
+        Self::Density,
+    ];
+
+    const fn key(self) -> &'static Key {
+        match self {
+            Self::Rgb => &RGB,
+            Self::Illuminant => &ILLUMINANT,
+            Self::Daylight => &DAYLIGHT,
+            Self::Blackbody => &BLACKBODY,
+            Self::Curve => &WAVELENGTHS,
+            Self::File => &FILE,
+            Self::Lines => &LINES,
+            Self::Sized(Unit::Candela) => &CANDELA,
+            Self::Sized(Unit::Lumens) => &LUMENS,
+            Self::Sized(Unit::WattsPerSteradian) => &WATTS_PER_STERADIAN,
+            Self::Sized(Unit::Watts) => &WATTS,
+            Self::Density => &DENSITY,
+        }
+    }
+
+    /// Whether it is light rather than a share of it, and whether its size is said.
+    const fn is_for(self, purpose: Purpose) -> Result<(), &'static str> {
+        match (self, purpose) {
+            (Self::Rgb | Self::Curve | Self::File, _)
+            | (Self::Lines, Purpose::Light | Purpose::Color | Purpose::Background)
+            | (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Color)
+            | (Self::Sized(_) | Self::Density, Purpose::Light) => Ok(()),
+            (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Light) => Err(
+                "is a color without a size; write `{ candela = 120, color = … }` \
+                     (or `lumens`, `watts_per_steradian`, `watts`)",
+            ),
+            (
+                Self::Illuminant
+                | Self::Daylight
+                | Self::Blackbody
+                | Self::Sized(_)
+                | Self::Density,
+                Purpose::Background,
+            ) => Err(
+                "is for lights; a background is a radiance: a number or `[r, g, b]` in cd/m², \
+                     or a curve in W/(m² sr nm)",
+            ),
+            (Self::Sized(_) | Self::Density, Purpose::Color) => {
+                Err("is a size, which is said once, beside `color`")
+            }
+            (
+                Self::Illuminant
+                | Self::Daylight
+                | Self::Blackbody
+                | Self::Lines
+                | Self::Sized(_)
+                | Self::Density,
+                Purpose::Surface,
+            ) => Err(
+                "is for lights; a surface has a reflectance: a number, `[r, g, b]`, \
+                     `\"#rrggbb\"` or a curve from 0 to 1",
+            ),
+        }
+    }
 }
 
 impl Fields<'_, '_, '_> {
@@ -47,29 +169,29 @@ impl Fields<'_, '_, '_> {
         }
     }
 
-    /// A color space that this version works in; Rec.709 where the key is not there.
-    pub(super) fn color_space(&mut self, key: &Key) -> Option<Spanned<ColorSpace>> {
+    /// One of a few names; the default where the key is not there.
+    pub(super) fn choice<T: Copy + Default>(
+        &mut self,
+        key: &Key,
+        what: &'static str,
+        all: &[T],
+        name: impl Fn(T) -> &'static str,
+    ) -> Option<Spanned<T>> {
         let Some(written) = self.optional_string(key)? else {
-            return Some(Spanned::new(ColorSpace::default(), self.header));
+            return Some(Spanned::new(T::default(), self.header));
         };
-        let names = ColorSpace::ALL.map(ColorSpace::name);
-        let Some(&space) = ColorSpace::ALL
-            .iter()
-            .find(|space| space.name() == written.value)
-        else {
-            let problem = Problem::unknown("color space", &written.value, names);
+        let Some(&choice) = all.iter().find(|choice| name(**choice) == written.value) else {
+            let names = all.iter().map(|choice| name(*choice));
+            let problem = Problem::unknown(what, &written.value, names);
             self.reader.report(written.span, problem);
             return None;
         };
-        if space != ColorSpace::Rec709 {
-            let problem = Problem::NotYet {
-                what: format!("`{} = \"{}\"`", key.name, space.name()),
-                instead: "write `\"rec709\"`",
-            };
-            self.reader.report(written.span, problem);
-            return None;
-        }
-        Some(Spanned::new(space, written.span))
+        Some(Spanned::new(choice, written.span))
+    }
+
+    /// A color space; Rec.709 where the key is not there.
+    pub(super) fn color_space(&mut self, key: &Key) -> Option<Spanned<ColorSpace>> {
+        self.choice(key, "color space", &ColorSpace::ALL, ColorSpace::name)
     }
 }
 
@@ -112,29 +234,228 @@ impl Reader<'_> {
         table: &DeTable<'_>,
         purpose: Purpose,
     ) -> Option<Value> {
-        let not_yet = table.iter().find(|(key, _)| {
-            SPECTRA.contains(&key.get_ref().as_ref())
-                || (purpose == Purpose::Light && SIZES.contains(&key.get_ref().as_ref()))
-        });
-        if let Some((key, _)) = not_yet {
-            let problem = Problem::NotYet {
-                what: format!("a value by `{}`", key.get_ref()),
-                instead: VALUES_TODAY,
-            };
-            self.report(key.span().into(), problem);
+        let span = Span::from(node.span());
+        let written = Notation::ALL
+            .into_iter()
+            .find(|notation| table.contains_key(notation.key().name));
+        let Some(notation) = written else {
+            self.no_notation(table, span, purpose);
+            return None;
+        };
+        let key = notation.key();
+        if let Err(why) = notation.is_for(purpose) {
+            let place = table.keys().find(|written| written.get_ref() == key.name);
+            let place = place.map_or(span, |written| written.span().into());
+            self.report(place, Problem::Conflict(format!("`{}` {why}", key.name)));
             return None;
         }
-        let mut fields = Fields::new(self, table, node.span().into());
-        let rgb = match fields.require(&RGB) {
-            Some(node) => fields.reader.numbers(&RGB, RGB.name, node),
-            None => None,
-        };
-        let space = fields.color_space(&SPACE);
+        let mut fields = Fields::new(self, table, span);
+        let value = fields.notation(notation);
         fields.finish()?;
-        Some(Value::Rgb {
-            rgb: rgb?,
-            space: space?.value,
-        })
+        value
+    }
+
+    /// Reports a table of which no key says what it is.
+    fn no_notation(&mut self, table: &DeTable<'_>, span: Span, purpose: Purpose) {
+        let mut fields = Fields::new(self, table, span);
+        for notation in Notation::ALL {
+            if notation.is_for(purpose).is_ok() {
+                fields.get(notation.key());
+            }
+        }
+        let missing = if table.contains_key(COLOR.name) && purpose == Purpose::Light {
+            fields.get(&COLOR);
+            &SIZE
+        } else if table.contains_key(VALUES.name) {
+            fields.get(&VALUES);
+            &WAVELENGTHS
+        } else {
+            fields.get(&SPACE);
+            &RGB
+        };
+        fields.require(missing);
+        fields.finish();
+    }
+}
+
+impl Fields<'_, '_, '_> {
+    /// The value of a table in this notation.
+    fn notation(&mut self, notation: Notation) -> Option<Value> {
+        match notation {
+            Notation::Rgb => {
+                let node = self.require(&RGB);
+                let rgb = node.and_then(|node| self.reader.numbers(&RGB, RGB.name, node));
+                let space = self.color_space(&SPACE);
+                Some(Value::Rgb {
+                    rgb: rgb?,
+                    space: space?.value,
+                })
+            }
+            Notation::Illuminant => self.illuminant().map(Value::Illuminant),
+            Notation::Daylight => self.number(&DAYLIGHT).map(|t| Value::Daylight(t.value)),
+            Notation::Blackbody => self.number(&BLACKBODY).map(|t| Value::Blackbody(t.value)),
+            Notation::Curve => self.curve(),
+            Notation::File => {
+                let file = self.string(&FILE)?;
+                self.reader.curve_file(&file).map(Value::Curve)
+            }
+            Notation::Lines => self.lines(),
+            Notation::Sized(unit) => {
+                let amount = self.number(notation.key());
+                let white = Value::Uniform(1.0);
+                let color = self.value_or(&COLOR, Purpose::Color, white);
+                Some(Value::Sized {
+                    unit,
+                    amount: amount?.value,
+                    color: Box::new(color?.value),
+                })
+            }
+            Notation::Density => self.density(),
+        }
+    }
+
+    fn illuminant(&mut self) -> Option<Illuminant> {
+        let name = self.string(&ILLUMINANT)?;
+        let illuminant = Illuminant::named(&name.value);
+        if illuminant.is_none() {
+            let names = Illuminant::ALL.iter().map(|known| known.name());
+            let problem = Problem::unknown("illuminant", &name.value, names);
+            self.reader.report(name.span, problem);
+        }
+        illuminant
+    }
+
+    /// `{ wavelengths = […], values = […] }`
+    fn curve(&mut self) -> Option<Value> {
+        let (wavelengths, values) = (self.require(&WAVELENGTHS), self.require(&VALUES));
+        let (wavelength_node, value_node) = (wavelengths?, values?);
+        let wavelengths = self.reader.list(&WAVELENGTHS, wavelength_node);
+        let values = self.reader.list(&VALUES, value_node);
+        let curve = Curve::new(wavelengths?, values?);
+        let place = |problem: &CurveProblem| {
+            if problem.is_about_wavelength() {
+                wavelength_node
+            } else {
+                value_node
+            }
+        };
+        let curve = self.reader.legal(curve, place)?;
+        Some(Value::Curve(Arc::new(curve)))
+    }
+
+    /// `{ lines = [[nm, W/sr], …] }`
+    fn lines(&mut self) -> Option<Value> {
+        let node = self.require(&LINES)?;
+        let Some(items) = node.get_ref().as_array() else {
+            self.reader.wrong_type(LINES.name, node, LINES.value);
+            return None;
+        };
+        let lines: Vec<Option<[f64; 2]>> = items
+            .iter()
+            .enumerate()
+            .map(|(i, item)| self.reader.numbers(&LINES, &format!("lines[{i}]"), item))
+            .collect();
+        let lines = lines.into_iter().collect::<Option<Vec<_>>>()?;
+        let lines = self.reader.legal(Lines::new(lines), |_| node)?;
+        Some(Value::Lines(Arc::new(lines)))
+    }
+
+    /// `{ watts_per_steradian_nm = … }`: a number, which is the same at every wavelength, or a
+    /// curve.
+    fn density(&mut self) -> Option<Value> {
+        let node = self.require(&DENSITY)?;
+        match node.get_ref() {
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                let density = self.reader.number(&DENSITY, DENSITY.name, node)?;
+                let ends = [crate::spectrum::FIRST, crate::spectrum::LAST].map(f64::from);
+                let curve = Curve::new(ends.to_vec(), vec![density; 2]);
+                let curve = self.reader.legal(curve, |_| node)?;
+                Some(Value::Curve(Arc::new(curve)))
+            }
+            DeValue::Table(table) => {
+                let mut fields = Fields::new(self.reader, table, node.span().into());
+                let notation = if table.contains_key(FILE.name) {
+                    Notation::File
+                } else {
+                    Notation::Curve
+                };
+                let value = fields.notation(notation);
+                fields.finish()?;
+                value
+            }
+            DeValue::String(_) | DeValue::Boolean(_) | DeValue::Datetime(_) | DeValue::Array(_) => {
+                self.reader.wrong_type(DENSITY.name, node, DENSITY.value);
+                None
+            }
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// An array of numbers of any length.
+    fn list(&mut self, key: &Key, node: &Node<'_>) -> Option<Vec<f64>> {
+        let Some(items) = node.get_ref().as_array() else {
+            self.wrong_type(key.name, node, key.value);
+            return None;
+        };
+        let mut numbers = Vec::with_capacity(items.len());
+        let mut sound = true;
+        for (i, item) in items.iter().enumerate() {
+            let number = match item.get_ref() {
+                DeValue::Integer(_) | DeValue::Float(_) => self.number(key, key.name, item),
+                DeValue::String(_)
+                | DeValue::Boolean(_)
+                | DeValue::Datetime(_)
+                | DeValue::Array(_)
+                | DeValue::Table(_) => {
+                    self.wrong_type(&format!("{}[{i}]", key.name), item, "a number");
+                    None
+                }
+            };
+            sound &= number.is_some();
+            numbers.extend(number);
+        }
+        sound.then_some(numbers)
+    }
+
+    /// What is there, if it is legal; else an error at the item of the array that is wrong.
+    fn legal<'n, 'i: 'n, T>(
+        &mut self,
+        made: Result<T, CurveProblem>,
+        place: impl Fn(&CurveProblem) -> &'n Node<'i>,
+    ) -> Option<T> {
+        let problem = match made {
+            Ok(legal) => return Some(legal),
+            Err(problem) => problem,
+        };
+        let node = place(&problem);
+        let items = node.get_ref().as_array();
+        let item = problem
+            .index()
+            .zip(items)
+            .and_then(|(index, items)| items.get(index));
+        let span = item.unwrap_or(node).span().into();
+        self.report(span, Problem::Conflict(problem.to_string()));
+        None
+    }
+
+    /// The curve in `file`; one that cannot be read is reported where it is named first.
+    fn curve_file(&mut self, file: &Spanned<String>) -> Option<Arc<Curve>> {
+        let path = self.files.folder.join(Path::new(&file.value));
+        if let Some(known) = self.files.curves.get(&path) {
+            return known.clone();
+        }
+        let loaded = match super::super::curve::load(&path) {
+            Ok(curve) => Some(Arc::new(curve)),
+            Err(error) => {
+                let path = path.clone();
+                let error = Box::new(error);
+                self.report(file.span, Problem::Curve { path, error });
+                None
+            }
+        };
+        self.files.curves.insert(path, loaded.clone());
+        loaded
     }
 }
 

@@ -1,5 +1,6 @@
 //! The one door from a scene as written to a legal world.
 
+mod color;
 mod shapes;
 
 use std::sync::Arc;
@@ -8,15 +9,18 @@ use sha2::{Digest, Sha256};
 
 use glam::DVec3;
 
+use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
+use super::spectra::{Pigment, Spectra};
 use super::{Camera, Lobes, Material, Named, Object, PointLight, Projection, World};
-use crate::color::transfer;
 use crate::math::{Normal, Point};
 use crate::scene::{
-    self, Broken, ColorSpace, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene,
-    Span, Spanned, Value,
+    self, Broken, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene, Span, Spanned,
+    Transport, Value,
 };
+use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Radiance, Rgb};
+use color::{Bound, Reflection};
 
 /// The largest coordinate, length and factor. Products of four of them, as the edge functions of
 /// triangles have, still fit an f64 with room to spare.
@@ -66,6 +70,11 @@ struct Validator<'a> {
     broken: &'a Broken,
     anchor: DVec3,
     diagnostics: Vec<Diagnostic>,
+    colorimetry: Colorimetry,
+    /// Whether light is carried wavelength by wavelength.
+    is_spectral: bool,
+    spectral_values: Vec<String>,
+    gaps: Vec<Named<[f64; 2]>>,
 }
 
 /// An empty result of a part that has errors; they are in the diagnostics already.
@@ -84,6 +93,13 @@ impl<'a> Validator<'a> {
                 DVec3::ZERO
             },
             diagnostics: Vec::new(),
+            colorimetry: Colorimetry::new(
+                scene.image.observer.value,
+                scene.image.color_space.value,
+            ),
+            is_spectral: is_spectral(scene),
+            spectral_values: Vec::new(),
+            gaps: Vec::new(),
         };
         let world = validator.world();
         (world, validator.diagnostics)
@@ -91,21 +107,29 @@ impl<'a> Validator<'a> {
 
     fn world(&mut self) -> World {
         let resolution = self.resolution();
-        let space = self.scene.image.color_space;
-        if space.value != ColorSpace::Rec709 {
-            self.report(space.span, not_yet(space.value));
-        }
-        let background = self.color("background", &self.scene.image.background);
+        let background = &self.scene.image.background;
+        self.note_spectra([&background.value], || "the background".to_owned());
+        let background = self.emission("background", background);
         let camera = self.camera(resolution);
-        let materials = named(&self.scene.materials, |material| self.material(material));
-        let lights = named(&self.scene.lights, |light| self.light(light));
+        let mut pigments = Vec::new();
+        let materials = named(&self.scene.materials, |entry| {
+            let (material, lobes) = self.material(entry);
+            pigments.extend(lobes);
+            material
+        });
+        let mut spectra = Vec::new();
+        let lights = named(&self.scene.lights, |entry| {
+            let (light, spectrum) = self.light(entry);
+            spectra.extend(spectrum);
+            light
+        });
 
         let hash = Sha256::digest(self.scene.source.text.as_bytes());
         let mut world = World {
             scene_hash: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
             resolution,
-            color_space: space.value,
-            background: Radiance(Rgb(background)),
+            color_space: self.scene.image.color_space.value,
+            background: Radiance(Rgb(background.rgb)),
             anchor: self.anchor,
             // A camera that cannot be made is an error, after which the world is dropped.
             camera: camera.unwrap_or_else(|Reported| placeholder_camera()),
@@ -115,7 +139,11 @@ impl<'a> Validator<'a> {
             spheres: Vec::new(),
             planes: Vec::new(),
             triangles: Triangles::default(),
-            transport: Vec::with_capacity(self.scene.lights.len() * self.scene.materials.len()),
+            transport: Vec::new(),
+            asked: self.scene.image.transport.value,
+            spectral_values: std::mem::take(&mut self.spectral_values),
+            spectra: None,
+            gaps: std::mem::take(&mut self.gaps),
         };
         for object in &self.scene.objects {
             // An object that cannot be made is an error as well.
@@ -138,6 +166,25 @@ impl<'a> Validator<'a> {
                 },
             );
         }
+        // After an error a spectrum may be missing; then the world is dropped.
+        if self.is_spectral && self.diagnostics.is_empty() {
+            let spectra = Spectra {
+                colorimetry: self.colorimetry.clone(),
+                lights: spectra,
+                materials: pigments,
+                background: background.spectrum.expect("spectral light has a spectrum"),
+            };
+            let mut used = vec![false; world.materials.len()];
+            for object in &world.objects {
+                used[object.material] = true;
+            }
+            world.transport = spectra.transport(&world.lights, &used);
+            world.spectra = Some(spectra);
+            return world;
+        }
+        world
+            .transport
+            .reserve(world.lights.len() * world.materials.len());
         for light in &world.lights {
             let reflected = |material: &Named<Material>| {
                 let reflectance = material.value.reflectance();
@@ -236,27 +283,6 @@ impl<'a> Validator<'a> {
         })
     }
 
-    /// A color that is not negative, in linear RGB of the working space; zero after an error.
-    fn color(&mut self, key: &'static str, written: &Spanned<Value>) -> [f64; 3] {
-        if let Value::Rgb { space, .. } = written.value
-            && space != ColorSpace::Rec709
-        {
-            self.report(written.span, not_yet(space));
-            return [0.0; 3];
-        }
-        let rgb = linear(written.value);
-        let legal = |channel: &f64| (0.0..=f64::from(f32::MAX)).contains(channel);
-        if rgb.iter().all(legal) {
-            return rgb;
-        }
-        let (value, expected) = match written.value {
-            Value::Uniform(value) => (as_written(value), "a number from 0 to 3.4e38"),
-            Value::Rgb { .. } | Value::Srgb(_) => (listed(&rgb), "three numbers from 0 to 3.4e38"),
-        };
-        self.out_of_range(key, written.span, value, expected);
-        [0.0; 3]
-    }
-
     fn camera(&mut self, resolution: [u32; 2]) -> Result<Camera, Reported> {
         let view = self.scene.camera.value.view();
         let projection = match &self.scene.camera.value {
@@ -301,11 +327,20 @@ impl<'a> Validator<'a> {
         self.number(key, written, legal, "a length above 0, in scene units")
     }
 
-    fn material(&mut self, entry: &scene::Entry<scene::Material>) -> Material {
-        let (scene::Material::Phong(lobes) | scene::Material::NormalizedPhong(lobes)) =
-            &entry.value;
-        let diffuse = self.color("diffuse", &lobes.diffuse);
-        let specular = self.color("specular", &lobes.specular);
+    fn material(
+        &mut self,
+        entry: &scene::Entry<scene::Material>,
+    ) -> (Material, Option<Lobes<Pigment>>) {
+        let (lobes, bound) = match &entry.value {
+            // k_d is the share that is reflected towards any one viewer; k_s has no such limit,
+            // since a narrow lobe with a large k_s still reflects little in all.
+            scene::Material::Phong(lobes) => (lobes, Bound::None),
+            scene::Material::NormalizedPhong(lobes) => (lobes, Bound::Albedo),
+        };
+        let name = || format!("material `{}`", entry.name);
+        self.note_spectra([&lobes.diffuse.value, &lobes.specular.value], name);
+        let diffuse = self.reflection("diffuse", &lobes.diffuse, Bound::Albedo);
+        let specular = self.reflection("specular", &lobes.specular, bound);
         let shininess = match lobes.shininess {
             Some(written) => {
                 let legal = |n: f64| n > 0.0 && n <= SHARPEST;
@@ -318,7 +353,7 @@ impl<'a> Validator<'a> {
                 .unwrap_or(1.0)
             }
             None => {
-                if specular != [0.0; 3] {
+                if !specular.is_black() {
                     self.report(
                         lobes.specular.span,
                         Problem::Missing {
@@ -331,40 +366,114 @@ impl<'a> Validator<'a> {
                 1.0
             }
         };
-        match entry.value {
-            scene::Material::Phong(_) => {
-                // k_d is the share that is reflected towards any one viewer; k_s has no such limit,
-                // since a narrow lobe with a large k_s still reflects little in all.
-                if diffuse.iter().any(|&channel| channel > 1.0) {
-                    let span = lobes.diffuse.span;
-                    let expected = "an albedo of at most 1 in every channel";
-                    self.out_of_range("diffuse", span, listed(&diffuse), expected);
-                }
-                Material::phong(diffuse, specular, shininess)
-            }
+        let material = match entry.value {
+            scene::Material::Phong(_) => Material::phong(diffuse.rgb, specular.rgb, shininess),
             scene::Material::NormalizedPhong(_) => {
-                let albedo: [f64; 3] = std::array::from_fn(|i| diffuse[i] + specular[i]);
-                if albedo.iter().any(|&albedo| albedo > LARGEST_ALBEDO) {
-                    let span = lobes.specular.span.max(lobes.diffuse.span);
-                    let expected = "an albedo of at most 1 in every channel";
-                    self.out_of_range("diffuse + specular", span, listed(&albedo), expected);
-                }
-                Material::normalized_phong(diffuse, specular, shininess)
+                self.check_albedo(lobes, &diffuse, &specular);
+                Material::normalized_phong(diffuse.rgb, specular.rgb, shininess)
             }
+        };
+        let pigments = diffuse
+            .shade
+            .zip(specular.shade)
+            .map(|(diffuse, specular)| {
+                let factors = material.factors();
+                Lobes {
+                    diffuse: Pigment {
+                        shade: diffuse,
+                        factor: factors.diffuse,
+                    },
+                    specular: Pigment {
+                        shade: specular,
+                        factor: factors.specular,
+                    },
+                }
+            });
+        (material, pigments)
+    }
+
+    /// ρ_d + ρ_s is at most 1, in every channel or at every wavelength.
+    fn check_albedo(&mut self, lobes: &scene::Lobes, diffuse: &Reflection, specular: &Reflection) {
+        let span = lobes.specular.span.max(lobes.diffuse.span);
+        if let (Some(diffuse), Some(specular)) = (&diffuse.shade, &specular.shade) {
+            let (albedo, nm) = diffuse.peak_with(specular);
+            if albedo > LARGEST_ALBEDO {
+                let place = nm.map_or_else(String::new, |nm| format!(" at {nm} nm"));
+                let expected = "an albedo of at most 1 at every wavelength";
+                let value = format!("{}{place}", as_written(albedo));
+                self.out_of_range("diffuse + specular", span, value, expected);
+            }
+            return;
+        }
+        let albedo: [f64; 3] = std::array::from_fn(|i| diffuse.rgb[i] + specular.rgb[i]);
+        if albedo.iter().any(|&albedo| albedo > LARGEST_ALBEDO) {
+            let expected = "an albedo of at most 1 in every channel";
+            self.out_of_range("diffuse + specular", span, listed(&albedo), expected);
         }
     }
 
-    fn light(&mut self, entry: &scene::Entry<scene::Light>) -> PointLight {
+    fn light(&mut self, entry: &scene::Entry<scene::Light>) -> (PointLight, Option<Spectrum>) {
         match &entry.value {
             scene::Light::Point {
                 position,
                 intensity,
-            } => PointLight {
-                position: self
-                    .position("position", *position)
-                    .unwrap_or(Point(DVec3::ZERO)),
-                intensity: Intensity(Rgb(self.color("intensity", intensity))),
-            },
+            } => {
+                let name = || format!("light `{}`", entry.name);
+                self.note_spectra([&intensity.value], name);
+                let emission = self.emission("intensity", intensity);
+                let light = PointLight {
+                    position: self
+                        .position("position", *position)
+                        .unwrap_or(Point(DVec3::ZERO)),
+                    intensity: Intensity(Rgb(emission.rgb)),
+                };
+                (light, emission.spectrum)
+            }
+        }
+    }
+
+    /// Remembers what is spectral of an entry, and which of its curves leave out light.
+    fn note_spectra<const N: usize>(&mut self, values: [&Value; N], name: impl Fn() -> String) {
+        if values.iter().any(|value| value.is_spectral()) {
+            self.spectral_values.push(name());
+        }
+        for value in values {
+            let curve = match value {
+                Value::Sized { color, .. } => color,
+                value => value,
+            };
+            if let Value::Curve(curve) = curve
+                && let Some(range) = curve.gap()
+            {
+                self.gaps.push(Named {
+                    name: name(),
+                    value: range,
+                });
+            }
+        }
+    }
+
+    /// The colorimetry, if light is carried spectrally.
+    fn colorimetry_of_spectra(&self) -> Option<&Colorimetry> {
+        self.is_spectral.then_some(&self.colorimetry)
+    }
+}
+
+/// Whether light is carried wavelength by wavelength.
+fn is_spectral(scene: &Scene) -> bool {
+    match scene.image.transport.value {
+        Transport::Rgb => false,
+        Transport::Spectral => true,
+        Transport::Auto => {
+            let materials = scene.materials.iter().any(|entry| {
+                let (scene::Material::Phong(lobes) | scene::Material::NormalizedPhong(lobes)) =
+                    &entry.value;
+                lobes.diffuse.value.is_spectral() || lobes.specular.value.is_spectral()
+            });
+            let lights = scene.lights.iter().any(|entry| match &entry.value {
+                scene::Light::Point { intensity, .. } => intensity.value.is_spectral(),
+            });
+            materials || lights || scene.image.background.value.is_spectral()
         }
     }
 }
@@ -401,20 +510,4 @@ fn placeholder_camera() -> Camera {
     let projection = Projection::Perspective { half_height: 1.0 };
     Camera::new(Point(DVec3::ZERO), DVec3::Z, DVec3::Y, projection, [1, 1])
         .expect("z and y make a frame")
-}
-
-fn not_yet(space: ColorSpace) -> Problem {
-    Problem::NotYet {
-        what: format!("the color space `{}`", space.name()),
-        instead: "write \"rec709\"",
-    }
-}
-
-/// A value as linear Rec.709.
-fn linear(value: Value) -> [f64; 3] {
-    match value {
-        Value::Uniform(value) => [value; 3],
-        Value::Rgb { rgb, space: _ } => rgb,
-        Value::Srgb(codes) => codes.map(|code| transfer::srgb_decode(f64::from(code) / 255.0)),
-    }
 }

@@ -1,0 +1,259 @@
+//! Light that is carried wavelength by wavelength, as far as the renderer needs to know: the
+//! products of every light with every reflectance, integrated once.
+
+use rayon::prelude::*;
+
+use super::colorimetry::{Colorimetry, Shade};
+use super::{Lobes, Named, PointLight};
+use crate::spectrum::{FIRST, LAST, Spectrum};
+use crate::units::{ReflectedIntensity, Rgb};
+
+/// The spectra of a world's lights, materials and background.
+#[derive(Clone, Debug)]
+pub struct Spectra {
+    pub(super) colorimetry: Colorimetry,
+    /// I(λ) of each light in W·sr⁻¹·nm⁻¹.
+    pub(super) lights: Vec<Spectrum>,
+    /// k_d(λ) and k_s(λ) of each material.
+    pub(super) materials: Vec<Lobes<Pigment>>,
+    /// Of what is behind everything, in W·m⁻²·sr⁻¹·nm⁻¹.
+    pub(super) background: Spectrum,
+}
+
+/// k(λ) of one lobe in sr⁻¹: a reflectance and the factor of its model, such as 1/π.
+#[derive(Clone, Debug)]
+pub struct Pigment {
+    pub(super) shade: Shade,
+    pub(super) factor: f64,
+}
+
+impl Spectra {
+    /// How the observer sees them.
+    pub fn colorimetry(&self) -> &Colorimetry {
+        &self.colorimetry
+    }
+
+    /// I(λ) of a light in W·sr⁻¹·nm⁻¹.
+    pub fn light(&self, light: usize) -> &Spectrum {
+        &self.lights[light]
+    }
+
+    /// I · k of every pair of a light and one of the materials that are `used`, light by light,
+    /// material by material within:
+    ///
+    /// T = K_m ∫ I(λ) k(λ) m(λ) dλ, with the working space's color matching functions m.
+    ///
+    /// A gray k takes the light's own R, G, B, which are as they were written.
+    pub(super) fn transport(
+        &self,
+        lights: &[Named<PointLight>],
+        used: &[bool],
+    ) -> Vec<Lobes<ReflectedIntensity>> {
+        let rows = self.lights.par_iter().zip(lights);
+        rows.flat_map_iter(|(spectrum, light)| {
+            let seen = self.colorimetry.seen(spectrum);
+            let rgb = light.value.intensity.0.0;
+            let integrated = move |pigment: &Pigment| {
+                let rgb = match &pigment.shade {
+                    Shade::Flat(value) => rgb.map(|channel| channel * (value * pigment.factor)),
+                    Shade::Spectrum(reflectance) => [0, 1, 2].map(|channel: usize| {
+                        reflectance.integral(seen[channel].values()) * pigment.factor
+                    }),
+                };
+                ReflectedIntensity(Rgb(rgb))
+            };
+            let materials = self.materials.iter().zip(used);
+            materials.map(move |(lobes, used)| {
+                if *used {
+                    Lobes {
+                        diffuse: integrated(&lobes.diffuse),
+                        specular: integrated(&lobes.specular),
+                    }
+                } else {
+                    Lobes::default()
+                }
+            })
+        })
+        .collect()
+    }
+}
+
+/// The wavelengths at which a spectral image has its layers, equally spaced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wavelengths {
+    first: u32,
+    step: u32,
+    count: u32,
+}
+
+impl Default for Wavelengths {
+    /// 380 to 780 nm at 10 nm.
+    fn default() -> Self {
+        Self {
+            first: 380,
+            step: 10,
+            count: 41,
+        }
+    }
+}
+
+impl Wavelengths {
+    /// From `first` to `last` nm, both included, at `step` nm; `None` unless these are on the grid
+    /// and `last` is some steps from `first`.
+    pub const fn new(first: u32, last: u32, step: u32) -> Option<Self> {
+        if first < FIRST || last > LAST || last <= first || step == 0 {
+            return None;
+        }
+        if !(last - first).is_multiple_of(step) {
+            return None;
+        }
+        Some(Self {
+            first,
+            step,
+            count: (last - first) / step + 1,
+        })
+    }
+
+    /// How many there are: at least 2.
+    pub const fn count(self) -> usize {
+        self.count as usize
+    }
+
+    /// Their distance in nm.
+    pub const fn step(self) -> u32 {
+        self.step
+    }
+
+    /// Each in nm, ascending.
+    pub fn iter(self) -> impl ExactSizeIterator<Item = u32> {
+        (0..self.count).map(move |band| self.first + band * self.step)
+    }
+
+    /// The mean of a spectrum around each, per nm:
+    ///
+    /// S_b = (1/Δ) ∫ S(λ) max(0, 1 − |λ − λ_b|/Δ) dλ, with Δ the step.
+    ///
+    /// The weights of neighbors sum to 1 everywhere, so that no light is lost between two bands or
+    /// counted in both; Σ S_b f(λ_b) Δ is the integral of S with f interpolated linearly between
+    /// the bands, however spiky S is. At the ends of the grid, where a half of the weights is cut
+    /// off, it is the mean over the other half.
+    pub fn means(self, spectrum: &Spectrum) -> Vec<f64> {
+        let values = spectrum.values();
+        self.iter()
+            .map(|center| {
+                let from = center.saturating_sub(self.step).max(FIRST);
+                let to = (center + self.step).min(LAST);
+                let (mut sum, mut weights) = (0.0, 0.0);
+                for nm in from..=to {
+                    let weight = f64::from(self.step - center.abs_diff(nm)) / f64::from(self.step);
+                    sum += weight * values[(nm - FIRST) as usize];
+                    weights += weight;
+                }
+                sum / weights
+            })
+            .collect()
+    }
+}
+
+/// What the pixels of a spectral image are made of: I · k of every light and material, and the
+/// background, band by band.
+#[derive(Clone, Debug)]
+pub struct Bands {
+    wavelengths: Wavelengths,
+    materials: usize,
+    /// Light by light, material by material within, diffuse and specular, band by band.
+    transport: Vec<f64>,
+    background: Vec<f64>,
+}
+
+impl Bands {
+    /// The products of `spectra` at `wavelengths`.
+    pub fn new(spectra: &Spectra, wavelengths: Wavelengths) -> Self {
+        let rows = spectra.lights.par_iter();
+        let transport = rows.flat_map_iter(|light| {
+            spectra.materials.iter().flat_map(move |lobes| {
+                [&lobes.diffuse, &lobes.specular]
+                    .into_iter()
+                    .flat_map(move |pigment| {
+                        let reflected = pigment.shade.of(light);
+                        let mut means = wavelengths.means(&reflected);
+                        for mean in &mut means {
+                            *mean *= pigment.factor;
+                        }
+                        means
+                    })
+            })
+        });
+        Self {
+            wavelengths,
+            materials: spectra.materials.len(),
+            transport: transport.collect(),
+            background: wavelengths.means(&spectra.background),
+        }
+    }
+
+    /// Where the bands are.
+    pub fn wavelengths(&self) -> Wavelengths {
+        self.wavelengths
+    }
+
+    /// I · k of both lobes of a material under a light in W·sr⁻²·nm⁻¹, band by band.
+    pub fn transport(&self, light: usize, material: usize) -> Lobes<&[f64]> {
+        let bands = self.wavelengths.count();
+        let start = 2 * bands * (light * self.materials + material);
+        Lobes {
+            diffuse: &self.transport[start..start + bands],
+            specular: &self.transport[start + bands..start + 2 * bands],
+        }
+    }
+
+    /// Radiance where nothing is hit, in W·m⁻²·sr⁻¹·nm⁻¹, band by band.
+    pub fn background(&self) -> &[f64] {
+        &self.background
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wavelengths_are_checked() {
+        let wavelengths = Wavelengths::new(400, 700, 10).unwrap();
+        assert_eq!(wavelengths.count(), 31);
+        assert_eq!(wavelengths.iter().last(), Some(700));
+        assert_eq!(Wavelengths::new(380, 780, 10), Some(Wavelengths::default()));
+        for (first, last, step) in [
+            (400, 700, 0),
+            (700, 400, 10),
+            (400, 400, 10),
+            (400, 705, 10),
+            (350, 700, 10),
+            (400, 840, 10),
+        ] {
+            assert_eq!(Wavelengths::new(first, last, step), None);
+        }
+    }
+
+    /// Nothing is lost: the bands' means times the step are the whole, lines included.
+    #[test]
+    fn bands_keep_the_light() {
+        let line = |at: u32| Spectrum::from_fn(move |nm| f64::from(u8::from(nm == f64::from(at))));
+        let wavelengths = Wavelengths::new(400, 700, 7 + 3).unwrap();
+        for at in [400, 403, 555, 589, 700] {
+            let total: f64 = wavelengths.means(&line(at)).iter().sum();
+            assert!((total * 10.0 - 1.0).abs() < 1e-14, "{at}: {total}");
+        }
+        for mean in wavelengths.means(&Spectrum::constant(3.0)) {
+            assert!((mean - 3.0).abs() < 1e-14);
+        }
+        // Of a straight line the means are its values.
+        let slope = wavelengths.means(&Spectrum::from_fn(|nm| nm));
+        for (mean, nm) in slope.into_iter().zip(wavelengths.iter()) {
+            assert!((mean - f64::from(nm)).abs() < 1e-11);
+        }
+        // Also at the ends of the grid there is a mean.
+        let ends = Wavelengths::new(360, 830, 10).unwrap();
+        assert!((ends.means(&Spectrum::constant(3.0))[0] - 3.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,414 @@
+//! Values for light and color: from every notation to the working space, or to spectra.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use super::{Reported, Validator, as_written, listed};
+use crate::color::{Primaries, transfer};
+use crate::scene::{ColorSpace, Problem, Spanned, Unit, Value};
+use crate::spectrum::{Spectrum, blackbody, daylight};
+use crate::world::colorimetry::{Shade, converted};
+
+/// The temperatures in K of black bodies: below, no more than one part in 10⁹ of the radiation is
+/// visible; above, its color no longer changes.
+const BLACKBODY: [f64; 2] = [500.0, 1e6];
+
+/// The temperatures in K for which daylight is defined (CIE 15:2018).
+const DAYLIGHT: [f64; 2] = [4000.0, 25_000.0];
+
+/// Light as the world carries it.
+#[derive(Clone, Debug)]
+pub(super) struct Emission {
+    /// In the working space.
+    pub(super) rgb: [f64; 3],
+    /// Per nm; only where light is carried spectrally.
+    pub(super) spectrum: Option<Spectrum>,
+}
+
+/// A reflectance as the world carries it.
+#[derive(Clone, Debug)]
+pub(super) struct Reflection {
+    /// Under white light, in the working space.
+    pub(super) rgb: [f64; 3],
+    /// Only where light is carried spectrally.
+    pub(super) shade: Option<Shade>,
+}
+
+/// How large a reflectance may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bound {
+    /// At most 1: an albedo.
+    Albedo,
+    /// Without: a narrow lobe with a large k_s still reflects little in all.
+    None,
+}
+
+impl Emission {
+    const DARK: Self = Self {
+        rgb: [0.0; 3],
+        spectrum: None,
+    };
+}
+
+impl Reflection {
+    const BLACK: Self = Self {
+        rgb: [0.0; 3],
+        shade: None,
+    };
+
+    pub(super) fn is_black(&self) -> bool {
+        self.rgb == [0.0; 3] && self.shade.as_ref().is_none_or(Shade::is_black)
+    }
+}
+
+/// A number or triple as written, in its own space.
+struct Literal {
+    rgb: [f64; 3],
+    space: ColorSpace,
+}
+
+impl Literal {
+    /// `None` for what is not said as RGB.
+    fn of(value: &Value) -> Option<Self> {
+        let rec709 = |rgb| Self {
+            rgb,
+            space: ColorSpace::Rec709,
+        };
+        match value {
+            Value::Uniform(value) => Some(rec709([*value; 3])),
+            Value::Rgb { rgb, space } => Some(Self {
+                rgb: *rgb,
+                space: *space,
+            }),
+            Value::Srgb(codes) => Some(rec709(
+                codes.map(|code| transfer::srgb_decode(f64::from(code) / 255.0)),
+            )),
+            Value::Illuminant(_)
+            | Value::Daylight(_)
+            | Value::Blackbody(_)
+            | Value::Curve(_)
+            | Value::Lines(_)
+            | Value::Sized { .. } => None,
+        }
+    }
+
+    fn is_legal(&self) -> bool {
+        let legal = |channel: &f64| (0.0..=f64::from(f32::MAX)).contains(channel);
+        self.rgb.iter().all(legal)
+    }
+
+    /// In another space. Gray stays gray to the bit, and what is within it but for a rounding
+    /// stays within.
+    fn within(&self, space: ColorSpace) -> [f64; 3] {
+        let [r, g, b] = self.rgb;
+        if r == g && g == b {
+            return self.rgb;
+        }
+        let brightest = r.max(g).max(b);
+        converted(self.rgb, self.space, space).map(|channel| {
+            if channel.abs() <= ROUNDING * brightest {
+                0.0
+            } else {
+                channel
+            }
+        })
+    }
+
+    /// The luminance where R = G = B = 1 has 1.
+    fn luminance(&self) -> f64 {
+        let weights = Primaries::REC709.luminance_weights();
+        let rgb = self.within(ColorSpace::Rec709);
+        weights.iter().zip(rgb).map(|(w, c)| w * c).sum()
+    }
+}
+
+/// Channels that differ by no more than this, relatively, are one number after 471 additions each.
+const WHITE: f64 = 1e-12;
+
+/// What the matrices from space to space leave of a zero.
+const ROUNDING: f64 = 1e-14;
+
+impl Validator<'_> {
+    /// The intensity of a light, or the background's radiance; dark after an error.
+    pub(super) fn emission(&mut self, key: &'static str, written: &Spanned<Value>) -> Emission {
+        let emission = match &written.value {
+            Value::Sized {
+                unit,
+                amount,
+                color,
+            } => self.sized(written, *unit, *amount, color),
+            value => match Literal::of(value) {
+                Some(literal) => self
+                    .literal(key, written, &literal)
+                    .and_then(|rgb| self.literal_light(key, written, rgb)),
+                None => self
+                    .light_spectrum(key, written, value)
+                    .map(|spectrum| self.spectral_light(spectrum)),
+            },
+        };
+        let emission = emission.unwrap_or(Emission::DARK);
+        let largest = emission.rgb.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        if largest > f64::from(f32::MAX) {
+            let expected = "light of at most 3.4e38 in every channel";
+            self.out_of_range(key, written.span, listed(&emission.rgb), expected);
+            return Emission::DARK;
+        }
+        emission
+    }
+
+    /// A reflectance; black after an error.
+    pub(super) fn reflection(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        bound: Bound,
+    ) -> Reflection {
+        let reflection = match Literal::of(&written.value) {
+            Some(literal) => self
+                .literal(key, written, &literal)
+                .and_then(|rgb| self.literal_reflection(key, written, &literal, rgb, bound)),
+            None => self
+                .light_spectrum(key, written, &written.value)
+                .and_then(|spectrum| self.curve_reflection(key, written, spectrum, bound)),
+        };
+        reflection.unwrap_or(Reflection::BLACK)
+    }
+
+    /// A literal in the working space, where that can hold it.
+    fn literal(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        literal: &Literal,
+    ) -> Result<[f64; 3], Reported> {
+        if !literal.is_legal() {
+            let (value, expected) = if let Value::Uniform(value) = written.value {
+                (as_written(value), "a number from 0 to 3.4e38")
+            } else {
+                (listed(&literal.rgb), "three numbers from 0 to 3.4e38")
+            };
+            self.out_of_range(key, written.span, value, expected);
+            return Err(Reported);
+        }
+        let working = self.scene.image.color_space.value;
+        let rgb = literal.within(working);
+        if self.colorimetry_of_spectra().is_none() && rgb.iter().any(|&channel| channel < 0.0) {
+            let conflict = format!(
+                "`{key}` is outside of {working}, where it would be {value}; expected a color \
+                 that the working space holds, or `color_space = \"{space}\"` in `[image]`",
+                working = working.name(),
+                value = listed(&rgb),
+                space = literal.space.name(),
+            );
+            self.report(written.span, Problem::Conflict(conflict));
+            return Err(Reported);
+        }
+        Ok(rgb)
+    }
+
+    fn literal_light(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        rgb: [f64; 3],
+    ) -> Result<Emission, Reported> {
+        let Some(colorimetry) = self.colorimetry_of_spectra() else {
+            return Ok(Emission {
+                rgb,
+                spectrum: None,
+            });
+        };
+        let shade = colorimetry.unbounded(rgb);
+        let spectrum = shade.map(|shade| shade.of(colorimetry.white()));
+        let Some(spectrum) = spectrum else {
+            return Err(self.out_of_reach(key, written, rgb, "light"));
+        };
+        Ok(Emission {
+            rgb,
+            spectrum: Some(spectrum),
+        })
+    }
+
+    fn literal_reflection(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        literal: &Literal,
+        rgb: [f64; 3],
+        bound: Bound,
+    ) -> Result<Reflection, Reported> {
+        let above = |rgb: &[f64; 3]| rgb.iter().any(|&channel| channel > 1.0 + ROUNDING);
+        let colorimetry = self.colorimetry_of_spectra();
+        if bound == Bound::Albedo && (above(&literal.rgb) || colorimetry.is_none() && above(&rgb)) {
+            let expected = "an albedo of at most 1 in every channel";
+            self.out_of_range(key, written.span, listed(&rgb), expected);
+            return Err(Reported);
+        }
+        let Some(colorimetry) = colorimetry else {
+            return Ok(Reflection { rgb, shade: None });
+        };
+        let shade = match bound {
+            Bound::Albedo => colorimetry.reflectance_of(rgb),
+            Bound::None => colorimetry
+                .reflectance_of(rgb)
+                .or_else(|| colorimetry.unbounded(rgb)),
+        };
+        if shade.is_none() {
+            return Err(self.out_of_reach(key, written, rgb, "reflectance"));
+        }
+        Ok(Reflection { rgb, shade })
+    }
+
+    fn curve_reflection(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        spectrum: Spectrum,
+        bound: Bound,
+    ) -> Result<Reflection, Reported> {
+        let (peak, nm) = spectrum.peak();
+        if bound == Bound::Albedo && peak > 1.0 {
+            let value = format!("{} at {nm} nm", as_written(peak));
+            let expected = "an albedo of at most 1 at every wavelength";
+            self.out_of_range(key, written.span, value, expected);
+            return Err(Reported);
+        }
+        Ok(Reflection {
+            rgb: self.colorimetry.reflectance(&spectrum),
+            shade: self
+                .colorimetry_of_spectra()
+                .is_some()
+                .then(|| Shade::Spectrum(Arc::new(spectrum))),
+        })
+    }
+
+    fn out_of_reach(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        rgb: [f64; 3],
+        what: &str,
+    ) -> Reported {
+        let conflict = format!(
+            "`{key}` is {value} in {space}, more saturated than any smooth {what}; expected a \
+             color within reach, a curve of `wavelengths` and `values`, or `transport = \"rgb\"`",
+            value = listed(&rgb.map(|channel| (channel * 1e6).round() / 1e6)),
+            space = self.scene.image.color_space.value.name(),
+        );
+        self.report(written.span, Problem::Conflict(conflict));
+        Reported
+    }
+
+    fn spectral_light(&self, spectrum: Spectrum) -> Emission {
+        let [r, g, b] = self.colorimetry.light(&spectrum);
+        let (least, most) = (r.min(g).min(b), r.max(g).max(b));
+        // Sums differ in their last digits; white is white to the bit.
+        let is_white = most - least <= WHITE * most;
+        Emission {
+            rgb: if is_white { [g; 3] } else { [r, g, b] },
+            spectrum: self.colorimetry_of_spectra().map(|_| spectrum),
+        }
+    }
+
+    /// A light of a color and a size in a unit.
+    fn sized(
+        &mut self,
+        written: &Spanned<Value>,
+        unit: Unit,
+        amount: f64,
+        color: &Value,
+    ) -> Result<Emission, Reported> {
+        if !(0.0..=f64::from(f32::MAX)).contains(&amount) {
+            let expected = "a number from 0 to 3.4e38";
+            self.out_of_range(unit.name(), written.span, as_written(amount), expected);
+            return Err(Reported);
+        }
+        let key = "color";
+        match (Literal::of(color), unit) {
+            (Some(literal), Unit::Candela | Unit::Lumens) => {
+                let of_color = self.literal(key, written, &literal)?;
+                let size = self.share(written, per_steradian(unit, amount), literal.luminance())?;
+                let [r, g, b] = of_color;
+                let rgb = if r == g && g == b {
+                    // To the bit what `intensity = [100, 100, 100]` is.
+                    [per_steradian(unit, amount); 3]
+                } else {
+                    of_color.map(|channel| channel * size)
+                };
+                self.literal_light(key, written, rgb)
+            }
+            (literal, _) => {
+                let spectrum = match literal {
+                    Some(literal) => {
+                        let rgb = self.literal(key, written, &literal)?;
+                        let Some(shade) = self.colorimetry.unbounded(rgb) else {
+                            return Err(self.out_of_reach(key, written, rgb, "light"));
+                        };
+                        shade.of(self.colorimetry.white())
+                    }
+                    None => self.light_spectrum(key, written, color)?,
+                };
+                let whole = match unit {
+                    Unit::Candela | Unit::Lumens => self.colorimetry.luminous(&spectrum),
+                    Unit::WattsPerSteradian | Unit::Watts => spectrum.total(),
+                };
+                let size = self.share(written, per_steradian(unit, amount), whole)?;
+                Ok(self.spectral_light(spectrum.scaled(size)))
+            }
+        }
+    }
+
+    /// By how much a color that is `whole` in a unit is scaled to be `wanted`.
+    fn share(
+        &mut self,
+        written: &Spanned<Value>,
+        wanted: f64,
+        whole: f64,
+    ) -> Result<f64, Reported> {
+        let share = wanted / whole;
+        if share.is_finite() {
+            return Ok(share);
+        }
+        let conflict = "`color` is black, expected a color that light can have";
+        self.report(written.span, Problem::Conflict(conflict.to_owned()));
+        Err(Reported)
+    }
+
+    /// The spectrum of what is not a literal, on the grid.
+    fn light_spectrum(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        value: &Value,
+    ) -> Result<Spectrum, Reported> {
+        let mut within = |[lowest, highest]: [f64; 2], name, temperature: f64| {
+            if (lowest..=highest).contains(&temperature) {
+                return Ok(temperature);
+            }
+            let expected = format!("a temperature from {lowest} to {highest} K");
+            self.out_of_range(name, written.span, as_written(temperature), &expected);
+            Err(Reported)
+        };
+        match value {
+            Value::Illuminant(illuminant) => Ok(illuminant.spectrum()),
+            Value::Daylight(t) => within(DAYLIGHT, "daylight", *t).map(daylight),
+            Value::Blackbody(t) => within(BLACKBODY, "blackbody", *t).map(blackbody),
+            Value::Curve(curve) => Ok(curve.spectrum()),
+            Value::Lines(lines) => Ok(lines.spectrum()),
+            Value::Uniform(_) | Value::Rgb { .. } | Value::Srgb(_) | Value::Sized { .. } => {
+                // The reader lets sizes stand only where a light is, and literals are none.
+                let conflict = format!("`{key}` cannot hold a size within a size");
+                self.report(written.span, Problem::Conflict(conflict));
+                Err(Reported)
+            }
+        }
+    }
+}
+
+/// An amount of light per steradian; a point light's flux goes evenly into 4π sr.
+fn per_steradian(unit: Unit, amount: f64) -> f64 {
+    match unit {
+        Unit::Candela | Unit::WattsPerSteradian => amount,
+        Unit::Lumens | Unit::Watts => amount / (4.0 * PI),
+    }
+}
