@@ -7,6 +7,7 @@ mod bad_scenes;
 mod blessed;
 mod cli;
 mod closed_form;
+mod colorimetry;
 mod display;
 mod exr;
 mod extremes;

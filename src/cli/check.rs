@@ -3,9 +3,11 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use candela::scene::{Scene, Transport};
 use candela::visibility::Visibility;
+use candela::world::difference::differences;
 use candela::world::material::Model;
-use candela::world::plan::Acceleration;
+use candela::world::plan::{self, Acceleration};
 use candela::world::{Plan, Shape, World, physics};
 
 use super::Failure;
@@ -27,7 +29,6 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), Failure> {
     let (scene, world) = World::load(&arguments.scene)?;
-    drop(scene);
     let plan = Plan::new(&world);
     let visibility = Visibility::new(&world, &plan);
 
@@ -42,6 +43,7 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
     print_materials(&world, output)?;
     print_lights(&world, output)?;
     print_plan(&world, &plan, output)?;
+    print_differences(scene, &world, &plan, output)?;
 
     let film = u64::from(width) * u64::from(height) * size_of::<[f32; 4]>() as u64;
     let shapes = (world.triangles().memory() + visibility.memory()) as u64;
@@ -67,6 +69,9 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
     }
     Ok(())
 }
+
+/// More pairs of a light and a material than this are not compared.
+const COMPARED: usize = 1_000_000;
 
 /// More entries of a kind than this are counted, not listed.
 const LISTED: usize = 20;
@@ -131,10 +136,79 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
 fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     writeln!(output, "\nlights     {}", world.lights().len())?;
     for light in world.lights().iter().take(LISTED) {
-        let [r, g, b] = light.value.intensity.0.0;
+        let [r, g, b] = light.value.intensity.0.0.map(rounded);
         writeln!(output, "  {:<20} point, [{r} {g} {b}] cd", light.name)?;
     }
     print_rest(world.lights().len(), output)
+}
+
+/// Six digits of a number.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
+
+/// How different the colors would be if light were carried in the other way.
+fn print_differences(
+    mut scene: Scene,
+    world: &World,
+    plan: &Plan,
+    output: &mut impl Write,
+) -> Result<(), Failure> {
+    if world.lights().len() * world.materials().len() > COMPARED {
+        return Ok(());
+    }
+    let (other, what) = match plan.transport() {
+        plan::Transport::Rgb if world.spectral_values().is_empty() => (
+            Transport::Spectral,
+            "ΔE00 to smooth spectra of the same RGB values (`transport = \"spectral\"`)",
+        ),
+        plan::Transport::Rgb => (Transport::Spectral, "ΔE00 that RGB misses the spectra by"),
+        plan::Transport::Spectral => (
+            Transport::Rgb,
+            "ΔE00 that RGB (`transport = \"rgb\"`) would miss this by",
+        ),
+    };
+    scene.image.transport.value = other;
+    writeln!(output, "\ncolors     {what}")?;
+    let other = match World::new(&scene) {
+        Ok(other) => other,
+        Err(errors) => {
+            let why = errors.list().first().map(|error| error.problem.to_string());
+            let why = why.unwrap_or_default();
+            writeln!(output, "  cannot be said: {why}")?;
+            return Ok(());
+        }
+    };
+    let differences = differences(world, &other);
+    if differences.is_empty() {
+        writeln!(output, "  nothing is lit")?;
+    }
+    for difference in differences.iter().take(LISTED) {
+        writeln!(
+            output,
+            "  {:<20} mean {:.2}, worst {:.2} on {}",
+            world.lights()[difference.light].name,
+            difference.mean,
+            difference.worst,
+            world.materials()[difference.worst_material].name,
+        )?;
+    }
+    print_rest(differences.len(), output)?;
+    if differences.len() > 1 {
+        let pairs: usize = differences.iter().map(|of| of.materials).sum();
+        let sum: f64 = differences
+            .iter()
+            .map(|of| of.mean * of.materials as f64)
+            .sum();
+        let worst = differences.iter().map(|of| of.worst).fold(0.0, f64::max);
+        let mean = sum / pairs as f64;
+        writeln!(
+            output,
+            "  {:<20} mean {mean:.2}, worst {worst:.2}",
+            "all together"
+        )?;
+    }
+    Ok(())
 }
 
 fn print_rest(count: usize, output: &mut impl Write) -> Result<(), Failure> {

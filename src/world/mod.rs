@@ -7,6 +7,7 @@
 
 mod camera;
 pub mod colorimetry;
+pub mod difference;
 pub(crate) mod geometry;
 pub mod material;
 pub mod physics;

@@ -7,7 +7,10 @@ use std::fmt;
 use super::material::Model;
 use super::{Material, Mesh, Shape, World};
 use crate::math::{DVec3, Point};
+use crate::scene::ColorSpace;
 use crate::scene::mesh::MeshRemarks;
+use crate::spectrum::VISIBLE;
+use crate::units::{Reflectance, Rgb};
 
 /// Something that is legal and rendered as written, but may not be meant.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +37,22 @@ pub enum Warning {
         object: String,
         /// How many.
         triangles: usize,
+    },
+    /// A curve leaves out a part of the visible range, where its end values are used.
+    Gap {
+        /// Whose curve: "light `key`", "material `clay`".
+        entry: String,
+        /// The wavelengths in nm that it covers.
+        range: [f64; 2],
+    },
+    /// A spectrum's color is outside of the working space.
+    Outside {
+        /// Whose: "light `key`", "material `clay` under white light".
+        entry: String,
+        /// The working space.
+        space: ColorSpace,
+        /// The color there, with a channel below 0.
+        rgb: [f64; 3],
     },
     /// A mesh file is not taken as written in places.
     Mended {
@@ -63,6 +82,25 @@ impl fmt::Display for Warning {
             Self::Degenerate { object, triangles } => write!(
                 f,
                 "{triangles} triangles of object `{object}` have no area and were dropped",
+            ),
+            Self::Gap {
+                entry,
+                range: [first, last],
+            } => write!(
+                f,
+                "the curve of {entry} covers {first} to {last} nm; from there to {} and {} nm it \
+                 is taken to stay as at its ends",
+                VISIBLE[0], VISIBLE[1],
+            ),
+            Self::Outside {
+                entry,
+                space,
+                rgb: [r, g, b],
+            } => write!(
+                f,
+                "{entry} is outside of {}, [{r:.4} {g:.4} {b:.4}]; the EXR keeps channels below 0, \
+                 a PNG cannot",
+                space.name(),
             ),
             Self::Mended { object, remarks } => {
                 let MeshRemarks {
@@ -121,6 +159,13 @@ pub fn warnings(world: &World) -> Vec<Warning> {
             });
         }
     }
+    for gap in world.gaps() {
+        warnings.push(Warning::Gap {
+            entry: gap.name.clone(),
+            range: gap.value,
+        });
+    }
+    warnings.extend(outside(world));
     for object in world.objects() {
         if let Shape::Mesh(mesh) = object.shape {
             let Mesh {
@@ -151,6 +196,31 @@ pub fn warnings(world: &World) -> Vec<Warning> {
         }
     }
     warnings
+}
+
+/// Lights and reflectances with a channel below 0 in the working space, by more than rounding.
+fn outside(world: &World) -> impl Iterator<Item = Warning> {
+    let warning = |entry: String, rgb: [f64; 3]| {
+        let largest = rgb.iter().copied().fold(0.0, f64::max);
+        let is_outside = rgb.iter().any(|&channel| channel < -1e-6 * largest);
+        is_outside.then(|| Warning::Outside {
+            entry,
+            space: world.color_space(),
+            rgb,
+        })
+    };
+    let lights = world.lights().iter().filter_map(move |light| {
+        warning(format!("light `{}`", light.name), light.value.intensity.0.0)
+    });
+    let materials = world.materials().iter().filter_map(move |material| {
+        let Reflectance(Rgb(diffuse)) = material.value.reflectance().diffuse;
+        let factor = material.value.factors().diffuse;
+        warning(
+            format!("material `{}` under white light", material.name),
+            diffuse.map(|channel| channel / factor),
+        )
+    });
+    lights.chain(materials)
 }
 
 fn is_inside(world: &World, shape: Shape, point: Point) -> bool {

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::World;
+use crate::scene;
 
 /// Up to this many shapes of one kind are gone through one by one: a tree over fewer costs more
 /// than it saves (measured on spheres: see the notes on speed in ARCHITECTURE.md).
@@ -20,12 +21,15 @@ pub enum Acceleration {
     Tree,
 }
 
-/// How light is represented along its way.
+/// How light is carried along its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Transport {
     /// As one value per primary of the working space.
     Rgb,
+    /// Wavelength by wavelength: products of lights and reflectances are integrated over 1 nm once,
+    /// before rendering.
+    Spectral,
 }
 
 /// What a render computes: just what the scene uses.
@@ -61,7 +65,11 @@ impl Plan {
         };
         let meshes = world.triangles().meshes();
         Self {
-            transport: Transport::Rgb,
+            transport: if world.spectra().is_some() {
+                Transport::Spectral
+            } else {
+                Transport::Rgb
+            },
             lights: world.lights().len(),
             planes: world.planes().len(),
             spheres: acceleration(world.spheres().len()),
@@ -72,6 +80,11 @@ impl Plan {
                 .any(|object| world.materials()[object.material].value.is_specular()),
             interpolated_normals: meshes.iter().any(|mesh| mesh.normals.is_some()),
         }
+    }
+
+    /// How light is carried.
+    pub fn transport(&self) -> Transport {
+        self.transport
     }
 
     /// How spheres are searched.
@@ -87,6 +100,32 @@ impl Plan {
     /// Whether any object has a specular lobe; without one, L6 and L7 are not computed.
     pub fn specular(&self) -> bool {
         self.specular
+    }
+
+    /// Why RGB is or is not, and why spectra are or are not, what carries light.
+    fn transport_reasons(&self, world: &World) -> [String; 2] {
+        use scene::Transport::{Auto, Rgb, Spectral};
+        let values = match world.spectral_values() {
+            [] => "no value of the scene is a spectrum".to_owned(),
+            [one] => format!("spectral: {one}"),
+            [first, others @ ..] => format!("spectral: {first} and {} more", others.len()),
+        };
+        let says = |name| format!("the scene says `transport = \"{name}\"`");
+        match (self.transport, world.transport_asked()) {
+            (Transport::Rgb, Auto | Spectral) => {
+                ["every value of the scene is RGB".to_owned(), values]
+            }
+            (Transport::Rgb, Rgb) => [says("rgb"), format!("left aside though {values}")]
+                .map(|reason| reason.replace("left aside though no", "no")),
+            (Transport::Spectral, Auto | Rgb) => [
+                "would miss colors, as said below".to_owned(),
+                format!("{values}; integrated once, over 1 nm"),
+            ],
+            (Transport::Spectral, Spectral) => [
+                "would miss colors, as said below".to_owned(),
+                format!("{}; integrated once, over 1 nm", says("spectral")),
+            ],
+        }
     }
 
     /// The plan line by line, with reasons.
@@ -114,18 +153,13 @@ impl Plan {
                 if included { yes } else { no }.to_owned(),
             )
         };
+        let [rgb, spectral] = self.transport_reasons(world);
         vec![
-            match self.transport {
-                Transport::Rgb => decision(
-                    "RGB transport",
-                    true,
-                    "every value of the scene is RGB".to_owned(),
-                ),
-            },
+            decision("RGB transport", self.transport == Transport::Rgb, rgb),
             decision(
                 "spectral transport",
-                false,
-                "no value of the scene is a spectrum".to_owned(),
+                self.transport == Transport::Spectral,
+                spectral,
             ),
             yes_or_no("diffuse lobe (L5)", true, "always part of the sum", ""),
             yes_or_no(

@@ -161,7 +161,9 @@ impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
 
     /// The value of `key`, if it is there.
     pub(super) fn get(&mut self, key: &Key) -> Option<&'r Node<'i>> {
-        self.known.push(key.name);
+        if !self.known.contains(&key.name) {
+            self.known.push(key.name);
+        }
         self.table.get(key.name)
     }
 

@@ -263,17 +263,17 @@ impl Reader<'_> {
                 fields.get(notation.key());
             }
         }
-        let missing = if table.contains_key(COLOR.name) && purpose == Purpose::Light {
+        // A second key of a notation tells which one was meant; of another, the first is missing.
+        if table.contains_key(COLOR.name) && purpose == Purpose::Light {
             fields.get(&COLOR);
-            &SIZE
+            fields.require(&SIZE);
         } else if table.contains_key(VALUES.name) {
             fields.get(&VALUES);
-            &WAVELENGTHS
-        } else {
+            fields.require(&WAVELENGTHS);
+        } else if table.is_empty() || table.contains_key(SPACE.name) {
             fields.get(&SPACE);
-            &RGB
-        };
-        fields.require(missing);
+            fields.require(&RGB);
+        }
         fields.finish();
     }
 }

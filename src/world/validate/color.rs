@@ -197,7 +197,7 @@ impl Validator<'_> {
                 "`{key}` is outside of {working}, where it would be {value}; expected a color \
                  that the working space holds, or `color_space = \"{space}\"` in `[image]`",
                 working = working.name(),
-                value = listed(&rgb),
+                value = listed(&rounded(rgb)),
                 space = literal.space.name(),
             );
             self.report(written.span, Problem::Conflict(conflict));
@@ -292,7 +292,7 @@ impl Validator<'_> {
         let conflict = format!(
             "`{key}` is {value} in {space}, more saturated than any smooth {what}; expected a \
              color within reach, a curve of `wavelengths` and `values`, or `transport = \"rgb\"`",
-            value = listed(&rgb.map(|channel| (channel * 1e6).round() / 1e6)),
+            value = listed(&rounded(rgb)),
             space = self.scene.image.color_space.value.name(),
         );
         self.report(written.span, Problem::Conflict(conflict));
@@ -403,6 +403,11 @@ impl Validator<'_> {
             }
         }
     }
+}
+
+/// To six decimals, for messages.
+fn rounded(rgb: [f64; 3]) -> [f64; 3] {
+    rgb.map(|channel| (channel * 1e6).round() / 1e6)
 }
 
 /// An amount of light per steradian; a point light's flux goes evenly into 4π sr.

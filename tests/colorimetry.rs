@@ -1,0 +1,418 @@
+//! Colors through the whole program – scene file, EXR, XYZ – against tables that colour-science made
+//! (`reference/`), and against the definitions of the units.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use candela::Scene;
+use candela::color::Primaries;
+use candela::color::difference::{Lab, delta_e_2000};
+use candela::film::exr::{self, ExrOptions};
+use candela::math::DVec3;
+use candela::output::Unfinished;
+use candela::scene::ColorSpace;
+use candela::spectrum::tables;
+use candela::world::colorimetry::{converted, primaries};
+
+use crate::images::{film_of, pixel, render};
+
+/// ΔE00 of a patch: f32 in the file, and D65 as a formula rather than a rounded table.
+const WORST: f64 = 0.05;
+
+/// ΔE00 in the mean.
+const MEAN: f64 = 0.01;
+
+/// The six lights of the tables.
+const LIGHTS: [&str; 6] = ["D65", "A", "F2", "F11", "LED-B3", "HP1"];
+
+/// A table of `reference/`: its first columns are names, the others numbers.
+fn table(file: &str, names: usize) -> BTreeMap<String, Vec<f64>> {
+    let text = fs::read_to_string(Path::new("reference").join(file)).unwrap();
+    let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let numbers = cells[names..].iter().map(|cell| cell.parse().unwrap());
+            (cells[..names].join(" "), numbers.collect())
+        })
+        .collect()
+}
+
+/// The color chart under another light, in a space, as R, G, B of its patches by name, out of an EXR.
+fn chart(light: &str, space: &str) -> BTreeMap<String, [f64; 3]> {
+    let path = Path::new("scenes/colorchecker.toml");
+    let text = fs::read_to_string(path).unwrap();
+    let text = text
+        .replace("illuminant = \"D65\"", &format!("illuminant = \"{light}\""))
+        .replace(
+            "[960, 810]",
+            &format!("[96, 81]\ncolor_space = \"{space}\""),
+        );
+    let scene = Scene::parse(&text, path).unwrap_or_else(|error| panic!("{error}"));
+    let film = film_of(&scene, 1);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("chart.exr");
+    film.write_exr(&file, &ExrOptions::default(), &Unfinished::new())
+        .unwrap();
+    let image = exr::read(&file).unwrap();
+    let at = |x: usize, y: usize| {
+        let [r, g, b, _] = image.pixels[96 * y + x];
+        [r, g, b].map(f64::from)
+    };
+    let mut patches: BTreeMap<String, [f64; 3]> = scene
+        .materials
+        .iter()
+        .filter(|material| !["board", "white"].contains(&material.name.as_str()))
+        .enumerate()
+        .map(|(i, material)| {
+            let [column, row] = [i % 6, i / 6];
+            (material.name.clone(), at(10 + 15 * column, 10 + 15 * row))
+        })
+        .collect();
+    patches.insert("white".to_owned(), at(48, 70));
+    assert_eq!(patches.len(), 25);
+    patches
+}
+
+fn lab(rgb: [f64; 3], white: [f64; 3], primaries: &Primaries) -> Lab {
+    let xyz = |rgb| primaries.to_xyz() * DVec3::from_array(rgb);
+    Lab::from_xyz(xyz(rgb), xyz(white))
+}
+
+fn lab_of_xyz(xyz: &[f64], white: &[f64]) -> Lab {
+    Lab::from_xyz(DVec3::from_slice(xyz), DVec3::from_slice(white))
+}
+
+#[test]
+fn the_color_checker_has_the_published_colors() {
+    let reference = table("colorchecker.csv", 2);
+    for light in LIGHTS {
+        let patches = chart(light, "rec709");
+        let published = |patch: &str| &reference[&format!("{light} {patch}")];
+        let white = patches["white"];
+        let mut differences: Vec<f64> = patches
+            .iter()
+            .map(|(patch, &rgb)| {
+                let actual = lab(rgb, white, &Primaries::REC709);
+                let expected = lab_of_xyz(published(patch), published("white"));
+                delta_e_2000(actual, expected)
+            })
+            .collect();
+        differences.sort_by(f64::total_cmp);
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        let worst = differences[differences.len() - 1];
+        println!("{light}: mean {mean:.5}, worst {worst:.5}");
+        assert!(mean <= MEAN && worst <= WORST, "{light}: {differences:?}");
+        // White itself, the light: absolute, in the file's own XYZ.
+        let xyz = Primaries::REC709.to_xyz() * DVec3::from_array(white);
+        for (actual, expected) in (xyz / xyz.y).to_array().iter().zip(published("white")) {
+            assert!((actual - expected).abs() < 3e-4, "{light}: {xyz}");
+        }
+        assert!((xyz.y - 1.0).abs() < 3e-4, "{light}: {xyz}");
+    }
+}
+
+/// Without a test that can fail, the one above would prove little: RGB products are far off.
+#[test]
+fn rgb_transport_misses_the_published_colors() {
+    let path = Path::new("scenes/colorchecker-f11.toml");
+    let text = fs::read_to_string(path).unwrap();
+    let resolution = |transport| format!("[96, 81]\ntransport = \"{transport}\"");
+    let film = |transport| {
+        let text = text.replace("[960, 810]", &resolution(transport));
+        film_of(&Scene::parse(&text, path).unwrap(), 1)
+    };
+    let (rgb, spectral) = (film("rgb"), film("spectral"));
+    let (mut sum, mut worst) = (0.0, 0.0_f64);
+    for patch in 0..24 {
+        let color = |film| {
+            let at = |x, y| {
+                let [r, g, b, _] = pixel(film, x, y);
+                [r, g, b].map(f64::from)
+            };
+            let place = at(10 + 15 * (patch % 6), 10 + 15 * (patch / 6));
+            lab(place, at(48, 70), &Primaries::REC709)
+        };
+        let difference = delta_e_2000(color(&rgb), color(&spectral));
+        sum += difference;
+        worst = worst.max(difference);
+    }
+    // From colour-science 0.4.7 on 5 nm: 3.5 in the mean, 10.5 at worst.
+    let mean = sum / 24.0;
+    assert!(
+        (mean - 3.5).abs() < 0.2 && (worst - 10.5).abs() < 0.5,
+        "{mean} {worst}"
+    );
+}
+
+/// The same light, whatever the working space: only the numbers differ.
+#[test]
+fn every_working_space_shows_the_same_colors() {
+    for light in ["D65", "A"] {
+        let rec709 = chart(light, "rec709");
+        for space in ColorSpace::ALL {
+            let patches = chart(light, space.name());
+            for (patch, &rgb) in &patches {
+                let back = converted(rgb, space, ColorSpace::Rec709);
+                for (back, expected) in back.iter().zip(rec709[patch]) {
+                    assert!(
+                        (back - expected).abs() < 1e-6,
+                        "{patch} in {}",
+                        space.name()
+                    );
+                }
+            }
+            let [r, g, b] = patches["white"];
+            if light == "D65" {
+                assert!(r == g && g == b, "white in {} is {r} {g} {b}", space.name());
+            }
+        }
+    }
+}
+
+/// Two surfaces, as curves on 5 nm, under lights that are sums of lines on 5 nm: then the integrals
+/// are the raw sums of which the pair was made.
+#[test]
+fn the_metamers_part_as_published() {
+    let wavelengths: Vec<f64> = (0..81).map(|i| 380.0 + 5.0 * f64::from(i)).collect();
+    let published = table("metamers.csv", 1);
+    for (light, on_5_nm, rounded) in [
+        ("D65", 0.0, 0.05),
+        ("A", 6.744, 0.05),
+        ("E", 3.831, 0.05),
+        ("F2", 12.01, 0.05),
+        ("F11", 6.459, 0.05),
+        ("LED-B3", 5.015, 0.05),
+    ] {
+        let lines: Vec<String> = wavelengths
+            .iter()
+            .map(|&nm| format!("[{nm}, {}]", relative_power(light, nm)))
+            .collect();
+        let by_lines = difference(&format!("{{ lines = [{}] }}", lines.join(", ")));
+        assert!((by_lines - on_5_nm).abs() < rounded, "{light}: {by_lines}");
+        // The table's columns are the raw sums at 5 nm, and those of the curves at 1 nm.
+        let by_curve = difference(&format!("{{ illuminant = \"{light}\" }}"));
+        assert!(
+            (by_lines - published[light][0]).abs() < 2e-3,
+            "{light}: {by_lines}"
+        );
+        assert!(
+            (by_curve - published[light][1]).abs() < 2e-3,
+            "{light}: {by_curve}"
+        );
+        println!("{light}: {by_lines:.4} on 5 nm, {by_curve:.4} on 1 nm");
+    }
+}
+
+/// The spectral power of an illuminant at 5 nm, from the tables, relative.
+fn relative_power(light: &str, nm: f64) -> f64 {
+    let tabulated = |table: &tables::Table| {
+        let place = table.wavelengths().iter().position(|&there| there == nm);
+        table.column(light)[place.unwrap()]
+    };
+    match light {
+        "D65" | "A" | "E" => candela::spectrum::Illuminant::named(light)
+            .unwrap()
+            .spectrum()
+            .at(nm),
+        "F2" | "F11" => tabulated(tables::fluorescent()),
+        _ => tabulated(tables::led()),
+    }
+}
+
+/// ΔE00 of the metamers under a light, adapted to it.
+fn difference(color: &str) -> f64 {
+    let text = format!(
+        "[image]\nresolution = [3, 1]\n\
+         [camera.orthographic]\neye = [0, 0, 1]\nlook_at = [0, 0, 0]\nheight = 1\n\
+         [materials]\n\
+         a.phong = {{ diffuse = {{ file = \"curves/metamer-a.csv\" }} }}\n\
+         b.phong = {{ diffuse = {{ file = \"curves/metamer-b.csv\" }} }}\n\
+         white.phong = {{ diffuse = 1 }}\n\
+         [lights.lamp.point]\nposition = [0, 0, 1e3]\n\
+         intensity = {{ candela = 1e6, color = {color} }}\n\
+         [objects]\n\
+         a.sphere = {{ material = \"a\", center = [-1, 0, 0], radius = 0.4 }}\n\
+         white.sphere = {{ material = \"white\", center = [0, 0, 0], radius = 0.4 }}\n\
+         b.sphere = {{ material = \"b\", center = [1, 0, 0], radius = 0.4 }}\n"
+    );
+    let scene = Scene::parse(&text, "scenes/test.toml").unwrap_or_else(|e| panic!("{e}"));
+    let film = film_of(&scene, 1);
+    let [a, white, b] = [0, 1, 2].map(|x| {
+        let [r, g, b, _] = pixel(&film, x, 0);
+        [r, g, b].map(f64::from)
+    });
+    let lab = |rgb| lab(rgb, white, &Primaries::REC709);
+    delta_e_2000(lab(a), lab(b))
+}
+
+/// The illuminance in lux on a white surface one meter straight below a light, as the luminance of
+/// its pixel.
+fn lux(intensity: &str, image: &str) -> f64 {
+    let text = format!(
+        "[image]\nresolution = [1, 1]\n{image}\n\
+         [camera.orthographic]\neye = [0, 0, 0.5]\nlook_at = [0, 0, 0]\nheight = 1\n\
+         [materials.white.phong]\ndiffuse = 1\n\
+         [lights.lamp.point]\nposition = [0, 0, 1]\nintensity = {intensity}\n\
+         [objects.floor.plane]\nmaterial = \"white\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
+    );
+    let film = render(&text, 1);
+    let [r, g, b, _] = pixel(&film, 0, 0);
+    let space = film.metadata().color_space;
+    let weights = primaries(space).luminance_weights();
+    weights[0] * f64::from(r) + weights[1] * f64::from(g) + weights[2] * f64::from(b)
+}
+
+/// The light of a candela is the same in every unit, and a candela is a candela in every color.
+#[test]
+fn units_reach_the_same_light() {
+    // Adaptation from illuminant D65 to its rounded chromaticity moves colored light by this much.
+    let tolerance = 3e-4;
+    for color in [
+        "1",
+        "[1, 0.2, 0.1]",
+        "\"#4060ff\"",
+        "{ rgb = [0.4, 0.6, 0.4], space = \"rec2020\" }",
+        "{ illuminant = \"A\" }",
+        "{ illuminant = \"F11\" }",
+        "{ illuminant = \"HP1\" }",
+        "{ daylight = 5600 }",
+        "{ blackbody = 1900 }",
+        "{ lines = [[589.0, 0.5], [589.6, 0.5]] }",
+        "{ wavelengths = [400, 500, 700], values = [1, 0, 3] }",
+    ] {
+        for image in [
+            "",
+            "transport = \"rgb\"",
+            "transport = \"spectral\"",
+            "color_space = \"p3-d65\"",
+        ] {
+            let candela = lux(&format!("{{ candela = 100, color = {color} }}"), image);
+            assert!(
+                (candela / 100.0 - 1.0).abs() < tolerance,
+                "{color} {image}: {candela}"
+            );
+            let lumens = lux(
+                &format!("{{ lumens = {}, color = {color} }}", 400.0 * PI),
+                image,
+            );
+            assert!(
+                (lumens / candela - 1.0).abs() < 1e-6,
+                "{color} {image}: {lumens}"
+            );
+        }
+    }
+    // 1257 lm, as a lamp's box has it.
+    let lumens = lux("{ lumens = 1257 }", "");
+    assert!((lumens - 1257.0 / (4.0 * PI)).abs() < 1e-4, "{lumens}");
+    assert!((lumens - 100.0).abs() < 0.03);
+}
+
+/// K_m ∫ ȳ = 683 lm/W for light of one wavelength at the peak of ȳ, and the sums of the tables.
+#[test]
+fn watts_become_candela_by_the_observer() {
+    let [line, everywhere] = [
+        "{ lines = [[555, 1.0]] }",
+        "{ watts_per_steradian_nm = 0.01 }",
+    ]
+    .map(|intensity| lux(intensity, ""));
+    assert!((line / 683.0 - 1.0).abs() < 3e-4, "{line}");
+    let expected = 683.0 * 0.01 * 106.856_917;
+    assert!((everywhere / expected - 1.0).abs() < 3e-4, "{everywhere}");
+    // A flux goes into 4π sr.
+    let radiant = lux(
+        "{ watts_per_steradian = 2, color = { lines = [[555, 7]] } }",
+        "",
+    );
+    assert!((radiant / (2.0 * line) - 1.0).abs() < 1e-6);
+    let flux = lux(
+        &format!(
+            "{{ watts = {}, color = {{ lines = [[555, 7]] }} }}",
+            8.0 * PI
+        ),
+        "",
+    );
+    assert!((flux / radiant - 1.0).abs() < 1e-6);
+    // The 10° observer has its own ȳ: for equal energy 683.6 · 116.66 instead.
+    let wide = lux("{ watts_per_steradian_nm = 0.01 }", "observer = \"1964\"");
+    let expected = 683.6 * 0.01 * 116.661_877;
+    assert!((wide / expected - 1.0).abs() < 3e-4, "{wide}");
+}
+
+/// A light said as `[r, g, b]` on white gives that, to the bit; so does white light on gray.
+#[test]
+fn what_is_said_in_rgb_comes_out_in_rgb() {
+    let rgb = |intensity: &str, diffuse: &str, image: &str| {
+        let text = format!(
+            "[image]\nresolution = [1, 1]\ntransport = \"spectral\"\n{image}\n\
+             [camera.orthographic]\neye = [0, 0, 0.5]\nlook_at = [0, 0, 0]\nheight = 1\n\
+             [materials.paint.phong]\ndiffuse = {diffuse}\n\
+             [lights.lamp.point]\nposition = [0, 0, 1]\nintensity = {intensity}\n\
+             [objects.floor.plane]\nmaterial = \"paint\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
+        );
+        let [r, g, b, _] = pixel(&render(&text, 1), 0, 0);
+        [r, g, b]
+    };
+    for image in ["", "observer = \"1964\""] {
+        assert_eq!(rgb("[30, 20.5, 0.1]", "1", image), [30.0, 20.5, 0.1]);
+        let half = rgb("[30, 20.5, 0.1]", "[0.5, 0.5, 0.5]", image);
+        assert_eq!(half, [15.0, 10.25, 0.05]);
+        for space in ColorSpace::ALL {
+            let image = format!("{image}\ncolor_space = \"{}\"", space.name());
+            let gray = rgb(
+                "{ candela = 10, color = { illuminant = \"D65\" } }",
+                "0.18",
+                &image,
+            );
+            assert_eq!(gray, [gray[0]; 3], "{image}");
+            assert!((gray[0] - 1.8).abs() < 1e-6);
+        }
+        // White light on a color gives the color: as near as the spectrum that stands for it.
+        for color in [
+            [0.8_f32, 0.3, 0.05],
+            [1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 1.0, 0.0],
+        ] {
+            let actual = rgb("1", &format!("{color:?}"), image);
+            for (actual, expected) in actual.iter().zip(color) {
+                assert!((actual - expected).abs() < 1e-6, "{color:?}: {actual}");
+            }
+        }
+    }
+}
+
+/// The CIE's illuminants, black bodies and daylight have their chromaticities, as an EXR shows.
+#[test]
+fn illuminants_have_the_published_chromaticities() {
+    let published = table("illuminants.csv", 1);
+    assert!(published.len() > 35);
+    for (name, xy) in published {
+        // Tables that differ from the formulas by their rounding.
+        let color = if name.ends_with(" table") {
+            continue;
+        } else if let Some(kelvin) = name.strip_prefix("blackbody ") {
+            format!("{{ blackbody = {} }}", kelvin.trim_end_matches(" K"))
+        } else if let Some(kelvin) = name.strip_prefix("daylight ") {
+            format!("{{ daylight = {} }}", kelvin.trim_end_matches(" K"))
+        } else {
+            format!("{{ illuminant = \"{name}\" }}")
+        };
+        let text = format!(
+            "[image]\nresolution = [1, 1]\n\
+             [camera.orthographic]\neye = [0, 0, 0.5]\nlook_at = [0, 0, 0]\nheight = 1\n\
+             [materials.white.phong]\ndiffuse = 1\n\
+             [lights.lamp.point]\nposition = [0, 0, 1]\n\
+             intensity = {{ candela = 100, color = {color} }}\n\
+             [objects.floor.plane]\nmaterial = \"white\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
+        );
+        let [r, g, b, _] = pixel(&render(&text, 1), 0, 0);
+        let xyz = Primaries::REC709.to_xyz() * DVec3::from_array([r, g, b].map(f64::from));
+        let sum = xyz.x + xyz.y + xyz.z;
+        // From illuminant D65 to the rounded white of the space: 3e-5.
+        let error = (xyz.x / sum - xy[0]).abs().max((xyz.y / sum - xy[1]).abs());
+        assert!(error < 5e-5, "{name}: {} {}", xyz.x / sum, xyz.y / sum);
+    }
+}
