@@ -4,7 +4,8 @@
 #     cargo build --release && docs/pictures.sh [NAME…]
 #
 # CANDELA names another binary. The lecture's picture is as large as its scene says; the others are
-# 480 pixels wide, or 320 where there is so much detail that a larger file would be too large.
+# 480 pixels wide, or 320 where there is so much detail that a larger file would be too large. The charts
+# of docs/rgb-or-spectral.md are made each time.
 set -eu
 cd "$(dirname "$0")/.."
 candela=${CANDELA:-target/release/candela}
@@ -18,6 +19,15 @@ trap 'exit 1' HUP INT TERM
 
 mkdir -p docs/pictures
 [ $# -gt 0 ] || set -- $(cd scenes && ls -- *.toml | sed 's/\.toml$//')
+chart() { # LAMP TRANSPORT: the color chart under a lamp, its light carried in one way or the other
+    "$candela" render "scenes/colorchecker-$1.toml" --transport "$2" -o "$work/chart.exr" --quiet
+    "$candela" tonemap "$work/chart.exr" -o "docs/pictures/chart-$1-$2.png"
+}
+for lamp in a f11 hp1; do
+    chart "$lamp" spectral
+    chart "$lamp" rgb
+done
+
 for name; do
     scene=scenes/$name.toml
     if [ "$name" = lecture ]; then

@@ -11,7 +11,7 @@
 //! # The way of the data
 //!
 //! ```text
-//!  scene.toml, *.ply, *.obj
+//!  scene.toml, *.ply, *.obj, *.csv
 //!            │ Scene::load
 //!          scene ─────────────────── oracle      as written, every value with its place
 //!            │ World::new              │
@@ -36,8 +36,9 @@
 //! | [`math`] | points, directions, normals and rays in f64 |
 //! | [`color`] | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
 //! | [`output`] | files that appear whole or not at all |
+//! | [`spectrum`] | functions of wavelength: the CIE's tables, curves, illuminants, smooth spectra of colors |
 //! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
-//! | [`world`] | what is legal: resolved, in range, in the working space; and the [`Plan`](world::Plan) |
+//! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the [`Plan`](world::Plan) |
 //! | [`visibility`] | what a camera ray sees (L1, L2) and what a light reaches (L4) |
 //! | [`shading`] | how much light goes from there to the viewer (L3, L5 to L9) |
 //! | [`film`] | pixels: tiles, samples, the box filter, and OpenEXR out and in |
@@ -49,10 +50,11 @@
 //! # Scope
 //!
 //! In: diffuse point lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
-//! to the letter and normalized; perspective and orthographic cameras; RGB in linear Rec.709.
+//! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
+//! spaces, or as spectra.
 //!
-//! Out: indirect light, mirrors and refraction, lights with a size or a direction, spectra, other
-//! working spaces, textures, motion, further layers of the image, adaptive sampling.
+//! Out: indirect light, mirrors and refraction, lights with a size or a direction, textures, motion,
+//! adaptive sampling.
 //!
 //! # Example
 //!

@@ -59,7 +59,7 @@ const RESOLUTION: Key = key!("resolution", "width and height in pixels", "[1280,
 const COLOR_SPACE: Key = key!("color_space", "the name of a color space", "\"rec709\"");
 const BACKGROUND: Key = key!(
     "background",
-    "a radiance in cd/m² (a number, `[r, g, b]` or `\"#rrggbb\"`)",
+    "a radiance in cd/m² (a number, `[r, g, b]` or `\"#rrggbb\"`) or a curve",
     "[0, 0, 0]"
 );
 const TRANSPORT: Key = key!("transport", "how light is carried", "\"auto\"");
@@ -243,7 +243,7 @@ fn lobes(fields: &mut Fields<'_, '_, '_>) -> Option<Lobes> {
 const POSITION: Key = key!("position", "the light's position", "[3, 4, 3]");
 const INTENSITY: Key = key!(
     "intensity",
-    "an intensity in candela (a number, `[r, g, b]` or `\"#rrggbb\"`)",
+    "an intensity in candela (a number, `[r, g, b]` or `\"#rrggbb\"`), a curve, or in a unit",
     "[30, 30, 30]"
 );
 
