@@ -31,7 +31,8 @@ impl Rgb {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Intensity(pub Rgb);
 
-/// A reflectance k_d or k_s (L5, L7), per primary. Range: not negative.
+/// A reflectance k_d or k_s (L5, L7), per primary. Range: not negative, but for a spectrum whose color
+/// is outside of the working space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reflectance(pub Rgb);
 

@@ -42,7 +42,7 @@ pub fn conversion(from: &Primaries, to: &Primaries) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::tests::{AP0, SPACES, assert_matrix};
+    use crate::color::tests::{SPACES, assert_matrix};
 
     /// A few operations in f64 on values near 1.
     const ROUNDING: f64 = 1e-14;
@@ -65,7 +65,7 @@ mod tests {
             SIX_DECIMALS,
         );
         assert_matrix(
-            conversion(&Primaries::REC709, &AP0),
+            conversion(&Primaries::REC709, &Primaries::AP0),
             [
                 [0.439633, 0.382989, 0.177378],
                 [0.089776, 0.813439, 0.096784],

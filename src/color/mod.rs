@@ -58,6 +58,14 @@ impl Primaries {
         white: [0.32168, 0.33767],
     };
 
+    /// AP0, the primaries of ACES 2065-1 (SMPTE ST 2065-1).
+    pub const AP0: Self = Self {
+        red: [0.7347, 0.2653],
+        green: [0.0, 1.0],
+        blue: [0.0001, -0.0770],
+        white: [0.32168, 0.33767],
+    };
+
     /// The weights of R, G and B in the luminance Y; they sum to 1.
     ///
     /// They are the middle row of the matrix from RGB to XYZ (SMPTE RP 177): the columns are the
@@ -122,20 +130,12 @@ mod tests {
     /// A few operations in f64 on values near 1.
     const ROUNDING: f64 = 1e-14;
 
-    /// ACES2065-1 (SMPTE ST 2065-1), whose blue has a negative y.
-    pub(super) const AP0: Primaries = Primaries {
-        red: [0.7347, 0.2653],
-        green: [0.0, 1.0],
-        blue: [0.0001, -0.0770],
-        white: Primaries::AP1.white,
-    };
-
     pub(super) const SPACES: [Primaries; 5] = [
         Primaries::REC709,
         Primaries::P3_D65,
         Primaries::REC2020,
         Primaries::AP1,
-        AP0,
+        Primaries::AP0,
     ];
 
     /// `expected` is row by row, as matrices are printed.
@@ -210,7 +210,7 @@ mod tests {
             tolerance,
         );
         assert_matrix(
-            AP0.to_xyz(),
+            Primaries::AP0.to_xyz(),
             [
                 [0.952552395938, 0.0, 0.000093678632],
                 [0.343966449765, 0.728166096613, -0.072132546379],

@@ -3,10 +3,13 @@
 use std::borrow::Cow;
 
 use crate::color::Primaries;
-use crate::film::exr::{ColorTag, ExrImage};
+use crate::color::adaptation::conversion;
+use crate::film::exr::{ColorTag, ExrImage, color_interop_id, primaries_of};
 use crate::film::{Film, Window};
+use glam::DVec3;
 
-/// Linear radiance, RGB premultiplied by coverage A, with nothing in it that is not a number.
+/// Linear radiance in Rec.709, RGB premultiplied by coverage A, with nothing in it that is not a
+/// number.
 #[derive(Clone, Debug)]
 pub struct Picture<'a> {
     resolution: [u32; 2],
@@ -14,7 +17,8 @@ pub struct Picture<'a> {
     /// R, G, B, A row by row from the top of `window`. Infinities may be there.
     pixels: Cow<'a, [[f32; 4]]>,
     has_alpha: bool,
-    color: ColorTag,
+    /// What the file says of its color space that is not known.
+    unknown_space: Option<String>,
     /// Pixels with a NaN, which became 0.
     nan: u64,
     /// Pixels with an infinity.
@@ -22,8 +26,8 @@ pub struct Picture<'a> {
 }
 
 impl Picture<'static> {
-    /// The picture of an EXR file. A value that is not a number becomes 0, and its pixel counts in
-    /// [`Picture::warnings`].
+    /// The picture of an EXR file, converted from the space that the file names. A value that is
+    /// not a number becomes 0, and its pixel counts in [`Picture::warnings`].
     pub fn new(mut image: ExrImage) -> Self {
         let (mut nan, mut infinite) = (0, 0);
         for pixel in &mut image.pixels {
@@ -34,12 +38,16 @@ impl Picture<'static> {
             infinite += u64::from(pixel.iter().any(|value| value.is_infinite()));
             *pixel = pixel.map(|value| if value.is_nan() { 0.0 } else { value });
         }
+        let space = other_primaries(&image.color);
+        if let Ok(Some(primaries)) = &space {
+            convert(&mut image.pixels, primaries);
+        }
         Self {
             resolution: image.resolution,
             window: image.window,
             pixels: Cow::Owned(image.pixels),
             has_alpha: image.has_alpha,
-            color: image.color,
+            unknown_space: space.err(),
             nan,
             infinite,
         }
@@ -49,17 +57,17 @@ impl Picture<'static> {
 impl<'a> Picture<'a> {
     /// The picture of a film, without the way over a file. A film's values are finite.
     pub fn of_film(film: &'a Film) -> Self {
+        let mut pixels = Cow::Borrowed(film.pixels());
+        let space = primaries_of(color_interop_id(film.metadata().color_space));
+        if let Some(primaries) = space.filter(|space| *space != Primaries::REC709) {
+            convert(pixels.to_mut(), &primaries);
+        }
         Self {
             resolution: film.resolution(),
             window: Some(film.window()),
-            pixels: Cow::Borrowed(film.pixels()),
+            pixels,
             has_alpha: true,
-            color: ColorTag {
-                interop_id: Some(
-                    crate::film::exr::color_interop_id(film.metadata().color_space).to_string(),
-                ),
-                chromaticities: None,
-            },
+            unknown_space: None,
             nan: 0,
             infinite: 0,
         }
@@ -108,7 +116,7 @@ impl<'a> Picture<'a> {
             count => format!("{count} pixels have"),
         };
         let mut warnings = Vec::new();
-        if let Some(other) = other_space(&self.color) {
+        if let Some(other) = &self.unknown_space {
             warnings.push(format!(
                 "the file's color space is {other}; it is shown as linear Rec.709, without \
                  conversion"
@@ -130,32 +138,49 @@ impl<'a> Picture<'a> {
     }
 }
 
-/// Identifiers of the ASWF Color Interop Forum that say nothing against linear Rec.709.
-const REC709_IDS: [&str; 2] = ["lin_rec709_scene", "unknown"];
-
 /// How far chromaticities in old files are off, as the Color Interop Forum has it.
 const CHROMATICITY_TOLERANCE: f64 = 0.001;
 
-/// What the tag says, if that is something else than linear Rec.709. The identifier counts where
-/// there is one, as the Color Interop Forum asks. A file that says nothing is taken as Rec.709,
-/// which is OpenEXR's default.
-fn other_space(tag: &ColorTag) -> Option<String> {
-    if let Some(id) = &tag.interop_id {
-        return (!REC709_IDS.contains(&id.as_str())).then(|| format!("`{id}`"));
-    }
-    let found = tag.chromaticities?;
+/// The primaries that a tag means, where that is something else than linear Rec.709; an error is
+/// what it says that is not known. The identifier counts where there is one, as the ASWF Color Interop
+/// Forum asks. A file that says nothing is taken as Rec.709, which is OpenEXR's default.
+fn other_primaries(tag: &ColorTag) -> Result<Option<Primaries>, String> {
+    let found = match (&tag.interop_id, tag.chromaticities) {
+        (Some(id), _) if id == "unknown" => return Ok(None),
+        (Some(id), _) => primaries_of(id).ok_or_else(|| format!("`{id}`"))?,
+        (None, Some(found)) => found,
+        (None, None) => return Ok(None),
+    };
     let list = |p: &Primaries| [p.red, p.green, p.blue, p.white].into_iter().flatten();
-    let differs = list(&found)
+    let is_rec709 = list(&found)
         .zip(list(&Primaries::REC709))
         // As a range, which holds no NaN.
-        .any(|(found, expected)| {
-            !(0.0..=CHROMATICITY_TOLERANCE).contains(&(found - expected).abs())
+        .all(|(found, expected)| {
+            (0.0..=CHROMATICITY_TOLERANCE).contains(&(found - expected).abs())
         });
-    differs.then(|| {
+    if is_rec709 {
+        return Ok(None);
+    }
+    if !conversion(&found, &Primaries::REC709).is_finite() {
         let [r, g, b, w] = [found.red, found.green, found.blue, found.white]
             .map(|[x, y]| format!("({x:.4}, {y:.4})"));
-        format!("that of the chromaticities R {r}, G {g}, B {b}, white {w}")
-    })
+        let what = format!("that of the chromaticities R {r}, G {g}, B {b}, white {w}");
+        return Err(what);
+    }
+    Ok(Some(found))
+}
+
+/// Linear Rec.709, whites adapted, from another space. Infinite values stay as they are.
+fn convert(pixels: &mut [[f32; 4]], from: &Primaries) {
+    let matrix = conversion(from, &Primaries::REC709);
+    for [r, g, b, _] in pixels {
+        let rgb = DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b));
+        if rgb.is_finite() {
+            let limit = DVec3::splat(f64::from(f32::MAX));
+            let converted = (matrix * rgb).clamp(-limit, limit);
+            [*r, *g, *b] = converted.to_array().map(|channel| channel as f32);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -169,31 +194,66 @@ mod tests {
         }
     }
 
-    #[test]
-    fn color_tags() {
-        assert_eq!(other_space(&ColorTag::default()), None);
-        assert_eq!(other_space(&id("lin_rec709_scene")), None);
-        assert_eq!(
-            other_space(&id("lin_ap1_scene")),
-            Some("`lin_ap1_scene`".to_string())
-        );
-        let chromaticities = |primaries: Primaries| ColorTag {
+    fn chromaticities(primaries: Primaries) -> ColorTag {
+        ColorTag {
             interop_id: None,
             chromaticities: Some(primaries),
-        };
-        assert_eq!(other_space(&chromaticities(Primaries::REC709)), None);
+        }
+    }
+
+    #[test]
+    fn color_tags() {
+        assert_eq!(other_primaries(&ColorTag::default()), Ok(None));
+        assert_eq!(other_primaries(&id("lin_rec709_scene")), Ok(None));
+        assert_eq!(other_primaries(&id("unknown")), Ok(None));
+        assert_eq!(
+            other_primaries(&id("lin_ap1_scene")),
+            Ok(Some(Primaries::AP1))
+        );
+        assert_eq!(
+            other_primaries(&id("g22_rec709_tx")),
+            Err("`g22_rec709_tx`".to_string())
+        );
+        let rec709 = chromaticities(Primaries::REC709);
+        assert_eq!(other_primaries(&rec709), Ok(None));
         // Some writers round the white to four decimals of D65's own, others to f32.
         let rounded = Primaries {
             white: [0.31272, 0.32903],
             ..Primaries::REC709
         };
-        assert_eq!(other_space(&chromaticities(rounded)), None);
-        assert!(other_space(&chromaticities(Primaries::P3_D65)).is_some());
+        assert_eq!(other_primaries(&chromaticities(rounded)), Ok(None));
+        let p3 = chromaticities(Primaries::P3_D65);
+        assert_eq!(other_primaries(&p3), Ok(Some(Primaries::P3_D65)));
         // The identifier counts.
         let both = ColorTag {
             chromaticities: Some(Primaries::AP1),
             ..id("lin_rec709_scene")
         };
-        assert_eq!(other_space(&both), None);
+        assert_eq!(other_primaries(&both), Ok(None));
+        // Chromaticities of which no matrix can be made.
+        for bad in [f64::NAN, 0.0] {
+            let collapsed = Primaries {
+                red: [bad, bad],
+                ..Primaries::REC709
+            };
+            assert!(other_primaries(&chromaticities(collapsed)).is_err());
+        }
+    }
+
+    #[test]
+    fn white_stays_white_and_red_is_red() {
+        let mut pixels = [[1.0, 1.0, 1.0, 0.5], [1.0, 0.0, 0.0, 1.0]];
+        convert(&mut pixels, &Primaries::AP1);
+        for channel in pixels[0][..3].iter() {
+            assert!((channel - 1.0).abs() < 1e-6);
+        }
+        assert_eq!(pixels[0][3], 0.5);
+        // The published matrix from ACEScg to Rec.709.
+        for (actual, expected) in pixels[1].iter().zip([1.705_051, -0.130_256, -0.024_003]) {
+            assert!((actual - expected).abs() < 2e-6, "{actual}");
+        }
+        let mut infinite = [[f32::INFINITY, 1.0, 2.0, 1.0]];
+        convert(&mut infinite, &Primaries::AP1);
+        assert_eq!(infinite, [[f32::INFINITY, 1.0, 2.0, 1.0]]);
     }
 }

@@ -8,6 +8,7 @@ use std::str::FromStr;
 
 pub use read::{ColorTag, ExrError, ExrImage, ExrProblem, read};
 
+use crate::color::Primaries;
 use crate::scene::ColorSpace;
 
 /// How a film is stored as OpenEXR.
@@ -135,9 +136,30 @@ pub const fn color_interop_id(space: ColorSpace) -> &'static str {
     }
 }
 
+/// The primaries of a linear, scene-referred space by its identifier.
+pub fn primaries_of(interop_id: &str) -> Option<Primaries> {
+    match interop_id {
+        "lin_rec709_scene" => Some(Primaries::REC709),
+        "lin_p3d65_scene" => Some(Primaries::P3_D65),
+        "lin_rec2020_scene" => Some(Primaries::REC2020),
+        "lin_ap1_scene" => Some(Primaries::AP1),
+        "lin_ap0_scene" => Some(Primaries::AP0),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn identifiers_name_the_working_spaces() {
+        for space in ColorSpace::ALL {
+            let primaries = crate::world::colorimetry::primaries(space);
+            assert_eq!(primaries_of(color_interop_id(space)), Some(primaries));
+        }
+        assert_eq!(primaries_of("srgb_rec709_display"), None);
+    }
 
     #[test]
     fn compressions_have_names() {
