@@ -11,10 +11,9 @@ use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser}
 
 /// Make a PNG of an EXR: expose, map to the screen's range, encode as sRGB
 ///
-/// Reads any OpenEXR file with channels R, G, B, from candela or elsewhere, in the linear color space
-/// that it names (Rec.709 where it names none), and
-/// shows its display window. 1.0 in the file becomes the screen's white, unless an exposure is
-/// given.
+/// Reads any OpenEXR file with channels R, G, B, from candela or elsewhere, in the linear color
+/// space that it names (Rec.709 where it names none), and shows its display window. 1.0 in the file
+/// becomes the screen's white, unless an exposure is given.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:

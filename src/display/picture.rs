@@ -244,7 +244,7 @@ mod tests {
     fn white_stays_white_and_red_is_red() {
         let mut pixels = [[1.0, 1.0, 1.0, 0.5], [1.0, 0.0, 0.0, 1.0]];
         convert(&mut pixels, &Primaries::AP1);
-        for channel in pixels[0][..3].iter() {
+        for channel in &pixels[0][..3] {
             assert!((channel - 1.0).abs() < 1e-6);
         }
         assert_eq!(pixels[0][3], 0.5);
