@@ -358,7 +358,7 @@ fn exr_of(pixels: &[[f32; 4]]) -> Vec<u8> {
 /// A library user need not go over a file.
 #[test]
 fn a_film_is_shown_as_its_file_is() {
-    let film = crate::images::film_of(&candela::Scene::builtin(), 1);
+    let film = film_of(&Scene::builtin(), 1);
     let folder = tempfile::tempdir().unwrap();
     let exr = folder.path().join("film.exr");
     film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
