@@ -114,6 +114,16 @@ impl Wavelengths {
         })
     }
 
+    /// The shortest in nm.
+    pub const fn first(self) -> u32 {
+        self.first
+    }
+
+    /// The longest in nm.
+    pub const fn last(self) -> u32 {
+        self.first + (self.count - 1) * self.step
+    }
+
     /// How many there are: at least 2.
     pub const fn count(self) -> usize {
         self.count as usize
@@ -160,6 +170,7 @@ impl Wavelengths {
 #[derive(Clone, Debug)]
 pub struct Bands {
     wavelengths: Wavelengths,
+    lights: usize,
     materials: usize,
     /// Light by light, material by material within, diffuse and specular, band by band.
     transport: Vec<f64>,
@@ -186,6 +197,7 @@ impl Bands {
         });
         Self {
             wavelengths,
+            lights: spectra.lights.len(),
             materials: spectra.materials.len(),
             transport: transport.collect(),
             background: wavelengths.means(&spectra.background),
@@ -195,6 +207,11 @@ impl Bands {
     /// Where the bands are.
     pub fn wavelengths(&self) -> Wavelengths {
         self.wavelengths
+    }
+
+    /// How many lights there are.
+    pub fn lights(&self) -> usize {
+        self.lights
     }
 
     /// I · k of both lobes of a material under a light in W·sr⁻²·nm⁻¹, band by band.
