@@ -19,3 +19,4 @@ mod invariance;
 mod layering;
 mod openimageio;
 mod oracle;
+mod spectral_image;

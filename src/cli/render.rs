@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use candela::display;
-use candela::film::exr::{Compression, ExrOptions, Precision};
+use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
 use candela::film::{self, Channels, Counts, MAX_SAMPLES, Options, Window};
 use candela::output::{self, Unfinished};
 use candela::scene::Scene;
@@ -260,14 +260,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
     }
     if !arguments.quiet {
-        summarize(
-            &output,
-            &world,
-            arguments,
-            &counts,
-            report.clamped_to_half,
-            &seconds,
-        );
+        summarize(&output, &world, arguments, &counts, &report, &seconds);
     }
     Ok(())
 }
@@ -317,7 +310,7 @@ fn summarize(
     world: &World,
     arguments: &Arguments,
     counts: &Counts,
-    clamped_to_half: u64,
+    report: &ExrReport,
     seconds: &Seconds,
 ) {
     let [width, height] = world.resolution();
@@ -344,8 +337,12 @@ fn summarize(
         "values beyond the largest FLOAT, which became that",
     );
     warn(
-        clamped_to_half,
+        report.clamped_to_half,
         "values beyond the largest HALF, which became that",
+    );
+    warn(
+        report.small_in_half,
+        "values of layers below 6.1e-5, of which HALF keeps few digits",
     );
     // Nowhere is left to report that the messages themselves cannot be written.
     let _ = writeln!(io::stderr(), "{}", lines.join("\n"));

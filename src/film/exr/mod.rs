@@ -69,6 +69,9 @@ pub struct LargeBlocks {
 pub struct ExrReport {
     /// Values beyond ±65 504, stored as that; always 0 with [`Precision::Float`].
     pub clamped_to_half: u64,
+    /// Values of channels beside R, G, B, A that are not 0 but below the smallest normal half,
+    /// 6.1e-5, where it has fewer digits; always 0 with [`Precision::Float`].
+    pub small_in_half: u64,
     /// The file's length in bytes.
     pub bytes: u64,
 }

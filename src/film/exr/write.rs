@@ -93,7 +93,7 @@ impl Film {
         sink.write_all(&head)?;
         let mut position = head.len() as u64;
 
-        let mut clamped_to_half = 0;
+        let mut halves = Halves::default();
         let mut bytes = Vec::new();
         let batch = BLOCKS_PER_THREAD * rayon::current_num_threads();
         let batch = batch
@@ -112,7 +112,7 @@ impl Film {
                 sink.write_all(&bytes)?;
                 offsets.push(position);
                 position += bytes.len() as u64;
-                clamped_to_half += block.clamped;
+                halves.add(block.halves);
             }
         }
 
@@ -122,7 +122,8 @@ impl Film {
         }
         sink.flush()?;
         Ok(ExrReport {
-            clamped_to_half,
+            clamped_to_half: halves.clamped,
+            small_in_half: halves.small,
             bytes: position,
         })
     }
@@ -200,23 +201,25 @@ impl Film {
         let top = index * lines;
         let height = lines.min(header.layer_size.height() - top);
 
-        let mut clamped = 0;
+        let mut halves = Halves::default();
         let mut bytes = Vec::with_capacity(width * height * header.channels.bytes_per_pixel);
         for row in top..top + height {
             let row = row * width..(row + 1) * width;
             for channel in channels {
                 let precision = channel.precision;
-                clamped += match channel.source {
+                match channel.source {
                     Source::Pixels(place) => {
                         let pixels = self.pixels()[row.clone()].iter();
-                        store(pixels.map(|pixel| pixel[place]), precision, &mut bytes)
+                        let values = pixels.map(|pixel| pixel[place]);
+                        let stored = store(values, precision, &mut bytes);
+                        halves.clamped += stored.clamped;
                     }
                     Source::Values(place) => {
                         let pixels = row.clone();
                         let values = pixels.map(|pixel| self.values(pixel)[place]);
-                        store(values, precision, &mut bytes)
+                        halves.add(store(values, precision, &mut bytes));
                     }
-                };
+                }
             }
         }
 
@@ -232,7 +235,7 @@ impl Film {
                     compressed_pixels_le,
                 }),
             },
-            clamped,
+            halves,
         })
     }
 }
@@ -240,22 +243,39 @@ impl Film {
 /// A block of lines, ready to be written.
 struct Block {
     chunk: Chunk,
-    /// Values that were too large for a half.
-    clamped: u64,
+    halves: Halves,
 }
 
-/// Appends values as the file has them before compression; how many were too large for it.
-fn store(values: impl Iterator<Item = f32>, precision: Precision, bytes: &mut Vec<u8>) -> u64 {
-    let mut clamped = 0;
+/// Values that halves do not hold well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Halves {
+    /// Beyond ± the largest.
+    clamped: u64,
+    /// Not 0, but below the smallest normal one.
+    small: u64,
+}
+
+impl Halves {
+    fn add(&mut self, more: Self) {
+        self.clamped += more.clamped;
+        self.small += more.small;
+    }
+}
+
+/// Appends values as the file has them before compression.
+fn store(values: impl Iterator<Item = f32>, precision: Precision, bytes: &mut Vec<u8>) -> Halves {
+    let mut halves = Halves::default();
     match precision {
         Precision::Float => bytes.extend(values.flat_map(f32::to_ne_bytes)),
         Precision::Half => bytes.extend(values.flat_map(|value| {
             let (half, is_clamped) = to_half(value);
-            clamped += u64::from(is_clamped);
+            halves.clamped += u64::from(is_clamped);
+            let is_small = value != 0.0 && value.abs() < f16::MIN_POSITIVE.to_f32();
+            halves.small += u64::from(is_small);
             half.to_ne_bytes()
         })),
     }
-    clamped
+    halves
 }
 
 /// Rounds to the nearest half, values beyond the largest to that; whether it was beyond.
