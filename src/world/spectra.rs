@@ -1,5 +1,6 @@
 //! Light that is carried wavelength by wavelength, as far as the renderer needs to know: the
-//! products of every light with every reflectance, integrated once.
+//! products of every light with every reflectance, integrated once, and, for spectral images, band
+//! by band. `docs/spectral-images.md` says how exact a picture the bands give.
 
 use rayon::prelude::*;
 
@@ -182,18 +183,22 @@ impl Bands {
     pub fn new(spectra: &Spectra, wavelengths: Wavelengths) -> Self {
         let rows = spectra.lights.par_iter();
         let transport = rows.flat_map_iter(|light| {
-            spectra.materials.iter().flat_map(move |lobes| {
-                [&lobes.diffuse, &lobes.specular]
-                    .into_iter()
-                    .flat_map(move |pigment| {
-                        let reflected = pigment.shade.of(light);
-                        let mut means = wavelengths.means(&reflected);
-                        for mean in &mut means {
-                            *mean *= pigment.factor;
-                        }
-                        means
-                    })
-            })
+            let white = wavelengths.means(light);
+            let reflected = move |pigment: &Pigment| {
+                let (mut means, scale) = match &pigment.shade {
+                    Shade::Flat(value) => (white.clone(), value * pigment.factor),
+                    Shade::Spectrum(reflectance) => {
+                        (wavelengths.means(&light.times(reflectance)), pigment.factor)
+                    }
+                };
+                for mean in &mut means {
+                    *mean *= scale;
+                }
+                means
+            };
+            let lobes = spectra.materials.iter();
+            let lobes = lobes.flat_map(|lobes| [&lobes.diffuse, &lobes.specular]);
+            lobes.flat_map(reflected)
         });
         Self {
             wavelengths,
