@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use candela::film::exr::{Compression, ExrOptions, Precision, read};
-use candela::film::{Film, Metadata, Window};
+use candela::film::{Channel, ChannelKind, Channels, Film, Metadata, Window};
 use candela::output::{OutputProblem, Unfinished};
 use candela::scene::ColorSpace;
 use half::f16;
@@ -333,6 +333,85 @@ fn same_bytes_for_any_number_of_threads() {
             assert!(pool.install(|| bytes(&film, &options)) == first);
         }
     }
+}
+
+/// Layers of every kind in one part: sorted by name, whatever their order in the film, and only
+/// light becomes HALF.
+#[test]
+fn channels_beside_rgba_come_back_in_every_compression() {
+    let channel = |name: &str, kind| Channel {
+        name: name.to_owned(),
+        kind,
+    };
+    let channels = Channels {
+        list: vec![
+            channel("light_key.R", ChannelKind::Light),
+            channel("Z", ChannelKind::Data),
+            channel("N.X", ChannelKind::Data),
+            channel("B2", ChannelKind::Light),
+        ],
+        attributes: vec![("about".to_owned(), "the layers".to_owned())],
+    };
+    // Beyond HALF's range and digits; each channel differs.
+    let values = |pixel: usize| {
+        let x = pixel as f32;
+        [x / 64.0, 1e6 + x, -1e-9 * x, 3.0 - x]
+    };
+    let film = smooth().with_channels(channels, (0..SIZE).flat_map(values).collect());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    for compression in Compression::ALL {
+        // PXR24 rounds every FLOAT.
+        if compression == Compression::Pxr24 {
+            continue;
+        }
+        for precision in [Precision::Float, Precision::Half] {
+            let case = format!("{compression} {precision:?}");
+            film.write_exr(&path, &options(precision, compression), &Unfinished::new())
+                .unwrap();
+            let decoded = decode(&path);
+            let place = |name| decoded.channels.iter().position(|c| c == name).unwrap();
+            let places = ["light_key.R", "Z", "N.X", "B2"].map(place);
+            let light = |value| match precision {
+                Precision::Float => value,
+                Precision::Half => as_half(value),
+            };
+            for pixel in 0..SIZE {
+                let [key, z, n, b2] = values(pixel);
+                let stored = decoded.pixel(pixel % 101, pixel / 101);
+                let expected = [light(key), z, n, light(b2)];
+                // DWA has losses in colors alone, which it knows by their names.
+                let exact = usize::from(!compression.is_lossless(precision));
+                let found = places.map(|place| stored[place]);
+                assert_eq!(found[exact..], expected[exact..], "{case}");
+            }
+            let ours = read(&path).unwrap();
+            for (pixel, ours) in ours.pixels.iter().enumerate() {
+                let rgba = &decoded.pixel(pixel % 101, pixel / 101)[..4];
+                assert_eq!(ours[..], *rgba, "{case}");
+            }
+        }
+    }
+    let info = oiiotool(folder.path(), "--info -v a.exr");
+    let list = "channel list: R (half), G (half), B (half), A (half), Z (float), B2 (half), \
+                N.X (float), light_key.R (half)";
+    for expected in [list, "about: \"the layers\""] {
+        assert!(info.contains(expected), "no `{expected}` in\n{info}");
+    }
+}
+
+#[test]
+fn two_channels_of_one_name_are_refused() {
+    let channels = Channels {
+        list: vec![Channel {
+            name: "R".to_owned(),
+            kind: ChannelKind::Light,
+        }],
+        attributes: Vec::new(),
+    };
+    let film = smooth().with_channels(channels, vec![0.0; SIZE]);
+    let error = film.write_exr_to(&mut Cursor::new(Vec::new()), &ExrOptions::default());
+    assert!(error.unwrap_err().to_string().contains("unique"));
 }
 
 /// Where the other process of the next test writes.

@@ -37,7 +37,7 @@ pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
     let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples,
-        window: None,
+        ..Options::default()
     };
     film::render(&world, &options)
 }

@@ -20,3 +20,4 @@ mod invariance;
 mod layering;
 mod openimageio;
 mod oracle;
+mod spectral_image;

@@ -15,7 +15,8 @@ use candela::film::{self, Options, Window};
 use candela::output::Unfinished;
 use candela::scene::Diagnostics;
 use candela::world::World;
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// What a shell adds to the number of the signal that ended a program.
 #[cfg(unix)]
@@ -64,6 +65,15 @@ type Failure = Box<dyn Error + Send + Sync>;
 /// Runs the command that the arguments name.
 pub(crate) fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Command::Render(render) = &arguments.command
+        && let Some(misuse) = render.misuse()
+    {
+        let mut command = Arguments::command();
+        command.build();
+        let render = command.find_subcommand_mut("render");
+        let render = render.expect("the command that was parsed is there");
+        render.error(ErrorKind::ArgumentConflict, misuse).exit();
+    }
     let unfinished = Unfinished::new();
     let result = at_interrupt(&unfinished).and_then(|()| run(&arguments.command, &unfinished));
     match result {

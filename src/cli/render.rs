@@ -1,13 +1,15 @@
 //! `candela render`: a scene file becomes an EXR.
 
+mod layers;
+
 use std::ffi::OsStr;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use candela::display;
-use candela::film::exr::{Compression, ExrOptions, Precision};
-use candela::film::{self, Counts, MAX_SAMPLES, Options, Window};
+use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
+use candela::film::{self, Channels, Counts, MAX_SAMPLES, Options, Window};
 use candela::output::{self, Unfinished};
 use candela::scene::Scene;
 use candela::visibility::Visibility;
@@ -17,6 +19,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use super::Failure;
+use layers::LayerArguments;
 
 /// A run that takes longer than this shows a progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -41,7 +44,9 @@ Examples:
   candela render scene.toml --crop 600,300,700,400 --samples 256
       Only a part, at its place in the whole image
   candela render scene.toml --half --compression dwaa
-      A small file")]
+      A small file
+  candela render scene.toml --layers spectral --wavelengths 400:700:10
+      A spectral image: R, G, B, A and 31 bands")]
 pub(crate) struct Arguments {
     /// The scene file [default: the built-in lecture scene]
     #[arg(value_name = "SCENE.toml")]
@@ -64,6 +69,9 @@ pub(crate) struct Arguments {
     /// Also make a PNG of the EXR, as `candela tonemap` does without options
     #[arg(long, value_name = "OUT.png", value_parser = named("png"))]
     preview: Option<PathBuf>,
+
+    #[command(flatten)]
+    layers: LayerArguments,
 
     /// Write 16-bit HALF channels; values beyond 65504 become that and are counted
     #[arg(long)]
@@ -132,6 +140,13 @@ struct Seconds {
     total: f64,
 }
 
+impl Arguments {
+    /// What is wrong with the options as they stand together.
+    pub(crate) fn misuse(&self) -> Option<&'static str> {
+        self.layers.misuse()
+    }
+}
+
 pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, |threads| threads as usize))
@@ -148,13 +163,15 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let start = Instant::now();
 
     let (scene, world) = match &arguments.scene {
-        Some(path) => World::load(path)?,
+        Some(path) => World::load_with(path, |scene| arguments.layers.apply(scene))?,
         None => {
-            let scene = Scene::builtin();
+            let mut scene = Scene::builtin();
+            arguments.layers.apply(&mut scene);
             let world = World::new(&scene)?;
             (scene, world)
         }
     };
+    arguments.layers.check(&world)?;
     let window = arguments
         .crop
         .map(|crop| crop.within(world.resolution()))
@@ -178,7 +195,19 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     }
     drop(scene);
     let whole = window.unwrap_or(Window::whole(world.resolution()));
-    fits_in_memory(whole)?;
+    let layers = arguments.layers.layers();
+    let channels = layers.channels();
+    let exr_options = ExrOptions {
+        precision: if arguments.half {
+            Precision::Half
+        } else {
+            Precision::Float
+        },
+        compression: arguments.compression,
+        chromaticities: arguments.chromaticities,
+    };
+    exr_options.check(whole, &channels)?;
+    fits_in_memory(whole, &channels)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -188,6 +217,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let options = Options {
         samples: arguments.samples,
         window,
+        layers,
     };
     let progress = Progress::new(whole, arguments);
     let ((film, counts), render) = timed(|| {
@@ -198,15 +228,6 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     progress.finish();
     seconds.render = render;
 
-    let exr_options = ExrOptions {
-        precision: if arguments.half {
-            Precision::Half
-        } else {
-            Precision::Float
-        },
-        compression: arguments.compression,
-        chromaticities: arguments.chromaticities,
-    };
     let (report, write) = timed(|| film.write_exr(&output, &exr_options, unfinished));
     let report = report?;
     if let Some(preview) = &arguments.preview {
@@ -239,30 +260,31 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
     }
     if !arguments.quiet {
-        summarize(
-            &output,
-            &world,
-            arguments,
-            &counts,
-            report.clamped_to_half,
-            &seconds,
-        );
+        summarize(&output, &world, arguments, &counts, &report, &seconds);
     }
     Ok(())
 }
 
 /// Whether the system would give the memory that the film of a window takes.
-fn fits_in_memory(window: Window) -> Result<(), Failure> {
+fn fits_in_memory(window: Window, channels: &Channels) -> Result<(), Failure> {
     let pixels = u64::from(window.width) * u64::from(window.height);
-    let mut film: Vec<[f32; 4]> = Vec::new();
-    let fits = usize::try_from(pixels).is_ok_and(|pixels| film.try_reserve_exact(pixels).is_ok());
+    let values = pixels * channels.list.len() as u64;
+    let mut rgba: Vec<[f32; 4]> = Vec::new();
+    let mut further: Vec<f32> = Vec::new();
+    let fits = usize::try_from(pixels).is_ok_and(|count| rgba.try_reserve_exact(count).is_ok())
+        && usize::try_from(values).is_ok_and(|count| further.try_reserve_exact(count).is_ok());
     if fits {
         return Ok(());
     }
-    let gigabytes = pixels as f64 * size_of::<[f32; 4]>() as f64 / 1e9;
+    let bytes = |count: u64, size: usize| count as f64 * size as f64;
+    let gigabytes = (bytes(pixels, size_of::<[f32; 4]>()) + bytes(values, size_of::<f32>())) / 1e9;
+    let fewer = match channels.list.len() {
+        0 => "",
+        _ => "fewer --wavelengths or ",
+    };
     Err(format!(
         "the image takes {gigabytes:.1} GB of memory, more than there is; \
-         choose a smaller `resolution`, or render it in parts with --crop",
+         choose {fewer}a smaller `resolution`, or render it in parts with --crop",
     )
     .into())
 }
@@ -288,7 +310,7 @@ fn summarize(
     world: &World,
     arguments: &Arguments,
     counts: &Counts,
-    clamped_to_half: u64,
+    report: &ExrReport,
     seconds: &Seconds,
 ) {
     let [width, height] = world.resolution();
@@ -315,8 +337,12 @@ fn summarize(
         "values beyond the largest FLOAT, which became that",
     );
     warn(
-        clamped_to_half,
+        report.clamped_to_half,
         "values beyond the largest HALF, which became that",
+    );
+    warn(
+        report.small_in_half,
+        "values of layers below 6.1e-5, of which HALF keeps few digits",
     );
     // Nowhere is left to report that the messages themselves cannot be written.
     let _ = writeln!(io::stderr(), "{}", lines.join("\n"));

@@ -1,9 +1,12 @@
 //! Radiance to pixels: the film, how it is filled, and the EXR that it becomes.
 
+mod bands;
 pub mod exr;
+mod layers;
 mod render;
 mod sampling;
 
+pub use layers::{Channel, ChannelKind, Channels, Layers};
 pub use render::{Counts, MAX_SAMPLES, Options, render, render_with};
 
 use crate::scene::ColorSpace;
@@ -31,6 +34,11 @@ pub struct Film {
     window: Window,
     /// R, G, B, A, row by row from the top of `window`.
     pixels: Vec<[f32; 4]>,
+    /// What there is beside R, G, B, A.
+    channels: Channels,
+    /// The values of `channels`, row by row, pixel by pixel, channel by channel within; empty
+    /// where there are none.
+    values: Vec<f32>,
     /// What the EXR header says about the image.
     metadata: Metadata,
 }
@@ -69,10 +77,12 @@ impl Window {
 }
 
 impl Film {
-    /// A film without light or coverage.
-    fn black(resolution: [u32; 2], window: Window, metadata: Metadata) -> Self {
-        let pixels = vec![[0.0; 4]; window.width as usize * window.height as usize];
-        Self::new(resolution, window, pixels, metadata)
+    /// A film without light or coverage, and 0 in all further channels.
+    fn black(resolution: [u32; 2], window: Window, channels: Channels, metadata: Metadata) -> Self {
+        let count = window.width as usize * window.height as usize;
+        let values = vec![0.0; count * channels.list.len()];
+        Self::new(resolution, window, vec![[0.0; 4]; count], metadata)
+            .with_channels(channels, values)
     }
 
     /// The film in square tiles of `side` pixels, smaller at the right and bottom.
@@ -84,21 +94,31 @@ impl Film {
             height,
         } = self.window;
         let mut tiles = Vec::new();
-        let bands = self.pixels.chunks_mut(width as usize * side as usize);
-        for (band, top) in bands.zip((0..height).step_by(side as usize)) {
+        let channels = self.channels.list.len();
+        let (columns, side_length) = (width as usize, side as usize);
+        // No chunk may be of length 0; of no values there are none all the same.
+        let mut values = self.values.chunks_mut((columns * channels).max(1));
+        let strips = self.pixels.chunks_mut(columns * side_length);
+        for (strip, top) in strips.zip((0..height).step_by(side_length)) {
             let first = tiles.len();
-            tiles.extend((0..width).step_by(side as usize).map(|left| Tile {
+            tiles.extend((0..width).step_by(side_length).map(|left| Tile {
                 window: Window {
                     x: x + left,
                     y: y + top,
                     width: side.min(width - left),
                     height: side.min(height - top),
                 },
-                rows: Vec::with_capacity(side as usize),
+                rows: Vec::with_capacity(side_length),
+                values: Vec::new(),
             }));
-            for row in band.chunks_mut(width as usize) {
-                for (tile, part) in tiles[first..].iter_mut().zip(row.chunks_mut(side as usize)) {
+            for row in strip.chunks_mut(columns) {
+                for (tile, part) in tiles[first..].iter_mut().zip(row.chunks_mut(side_length)) {
                     tile.rows.push(part);
+                }
+                let row = values.next().unwrap_or_default();
+                let parts = row.chunks_mut((side_length * channels).max(1));
+                for (tile, part) in tiles[first..].iter_mut().zip(parts) {
+                    tile.values.push(part);
                 }
             }
         }
@@ -123,7 +143,23 @@ impl Film {
             resolution,
             window,
             pixels,
+            channels: Channels::default(),
+            values: Vec::new(),
             metadata,
+        }
+    }
+
+    /// The film with these channels beside R, G, B, A instead of those that it had. Their values
+    /// are row by row from the top of the window, pixel by pixel, channel by channel within.
+    ///
+    /// # Panics
+    /// If the values are not as many as the pixels have channels.
+    pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
+        assert_eq!(values.len(), self.pixels.len() * channels.list.len());
+        Self {
+            channels,
+            values,
+            ..self
         }
     }
 
@@ -140,6 +176,17 @@ impl Film {
     /// R, G, B, A of every pixel of the window, row by row from its top.
     pub fn pixels(&self) -> &[[f32; 4]] {
         &self.pixels
+    }
+
+    /// What the film has beside R, G, B, A.
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// The values of [`Film::channels`] of a pixel, by its place in [`Film::pixels`].
+    pub fn values(&self, pixel: usize) -> &[f32] {
+        let count = self.channels.list.len();
+        &self.values[pixel * count..][..count]
     }
 
     /// What the EXR header says about the image.

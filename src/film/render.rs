@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::bands::{self, Geometry, Place};
 use super::sampling::Sampler;
-use super::{Film, Metadata, Window};
-use crate::shading;
+use super::{Film, Layers, Metadata, Window};
+use crate::shading::{self, Shaded};
 use crate::units::Radiance;
-use crate::visibility::{PrimaryRays, Visibility};
-use crate::world::{Plan, World};
+use crate::visibility::{PrimaryRays, SurfacePoint, Visibility};
+use crate::world::{Bands, Plan, World};
 
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
 const TILE: u32 = 16;
@@ -26,6 +27,8 @@ pub struct Options {
     pub samples: u32,
     /// The part of the image to render; `None` is all of it.
     pub window: Option<Window>,
+    /// What is made beside R, G, B and A. Default: nothing.
+    pub layers: Layers,
 }
 
 /// What a render took and met.
@@ -37,7 +40,8 @@ pub struct Counts {
     pub shadow_rays: u64,
     /// Times that a light was exactly on the point it should light (d = 0) and added nothing.
     pub singular: u64,
-    /// Channels of pixels whose radiance is beyond the largest f32, and became that.
+    /// Channels of pixels, bands among them, whose radiance is beyond ± the largest f32, and became
+    /// that.
     pub clamped: u64,
 }
 
@@ -57,6 +61,7 @@ impl Default for Options {
         Self {
             samples: 1,
             window: None,
+            layers: Layers::default(),
         }
     }
 }
@@ -65,7 +70,8 @@ impl Default for Options {
 /// current rayon pool. The same world and options give the same bits on any number of threads.
 ///
 /// # Panics
-/// If [`Options::samples`] is out of range or [`Options::window`] is not inside the image.
+/// If [`Options::samples`] is out of range, [`Options::window`] is not inside the image, or
+/// [`Options::layers`] has a spectral one where the world carries light as RGB.
 pub fn render(world: &World, options: &Options) -> Film {
     let plan = Plan::new(world);
     let visibility = Visibility::new(world, &plan);
@@ -90,9 +96,25 @@ pub fn render_with(
     );
     let resolution = world.resolution();
     let window = options.window.unwrap_or(Window::whole(resolution));
-    let mut film = Film::black(resolution, window, metadata(world, options, plan));
+    let bands = options.layers.spectral.map(|wavelengths| {
+        let spectra = world.spectra();
+        Bands::new(
+            spectra.expect("bands are asked for where light is spectral"),
+            wavelengths,
+        )
+    });
+    let channels = options.layers.channels();
+    let metadata = metadata(world, options, plan);
+    let mut film = Film::black(resolution, window, channels, metadata);
     let tiles = film.tiles(TILE).into_par_iter().map(|mut tile| {
-        let counts = render_tile(world, plan, visibility, options.samples, &mut tile);
+        let work = Work {
+            world,
+            plan,
+            visibility,
+            samples: options.samples,
+            bands: bands.as_ref(),
+        };
+        let counts = work.render(&mut tile);
         progress(u64::from(tile.window.width) * u64::from(tile.window.height));
         counts
     });
@@ -102,15 +124,18 @@ pub fn render_with(
 
 fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
     let plan = serde_json::to_string(plan).expect("a plan is plain data");
+    let layers = options.layers.names();
+    let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
+    let others = [
+        ("plan".to_owned(), plan),
+        ("samples".to_owned(), options.samples.to_string()),
+        ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
+    ];
     Metadata {
         color_space: world.color_space(),
         world_to_camera: world.camera().world_to_camera(world.anchor()),
         world_to_ndc: world.camera().world_to_ndc(world.anchor()),
-        provenance: vec![
-            ("plan".to_owned(), plan),
-            ("samples".to_owned(), options.samples.to_string()),
-            ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
-        ],
+        provenance: layers.into_iter().chain(others).collect(),
     }
 }
 
@@ -120,66 +145,159 @@ pub(super) struct Tile<'f> {
     pub(super) window: Window,
     /// Its pixels, row by row.
     pub(super) rows: Vec<&'f mut [[f32; 4]]>,
+    /// The values of its pixels' further channels, row by row, pixel by pixel within; empty where
+    /// there are none.
+    pub(super) values: Vec<&'f mut [f32]>,
 }
 
-/// Renders all samples of a tile's pixels, batch by batch. Samples of one pixel follow each other,
-/// and pixels come in an order that keeps neighbors together, so that the rays of a batch, and
-/// any few of them in a row, are as alike as they can be.
-fn render_tile(
-    world: &World,
-    plan: &Plan,
-    visibility: &Visibility<'_>,
+/// What all tiles have in common.
+#[derive(Clone, Copy)]
+struct Work<'w> {
+    world: &'w World,
+    plan: &'w Plan,
+    visibility: &'w Visibility<'w>,
     samples: u32,
-    tile: &mut Tile<'_>,
-) -> Counts {
-    let sampler = Sampler::new(samples);
-    let Window {
-        x,
-        y,
-        width,
-        height,
-    } = tile.window;
-    let inside = |[column, row]: &[u32; 2]| *column < width && *row < height;
-    let pixels: Vec<[u32; 2]> = (0..TILE * TILE).map(z_order).filter(inside).collect();
-    let mut sums = vec![PixelSum::default(); pixels.len()];
-    let mut counts = Counts::default();
-    let mut samples_left =
-        (0..pixels.len()).flat_map(|pixel| (0..samples).map(move |n| (pixel, n)));
-    loop {
-        let batch: Vec<(usize, u32)> = samples_left.by_ref().take(BATCH).collect();
-        if batch.is_empty() {
-            break;
+    bands: Option<&'w Bands>,
+}
+
+impl Work<'_> {
+    /// Renders all samples of a tile's pixels, batch by batch. Samples of one pixel follow each
+    /// other, and pixels come in an order that keeps neighbors together, so that the rays of a
+    /// batch, and any few of them in a row, are as alike as they can be.
+    fn render(self, tile: &mut Tile<'_>) -> Counts {
+        let Self { world, samples, .. } = self;
+        let sampler = Sampler::new(samples);
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = tile.window;
+        let inside = |[column, row]: &[u32; 2]| *column < width && *row < height;
+        let pixels: Vec<[u32; 2]> = (0..TILE * TILE).map(z_order).filter(inside).collect();
+        let mut sums = vec![PixelSum::default(); pixels.len()];
+        let mut spectral = self
+            .bands
+            .map(|bands| SpectralSums::new(bands, pixels.len()));
+        let mut counts = Counts::default();
+        let mut samples_left =
+            (0..pixels.len()).flat_map(|pixel| (0..samples).map(move |n| (pixel, n)));
+        loop {
+            let batch: Vec<(usize, u32)> = samples_left.by_ref().take(BATCH).collect();
+            if batch.is_empty() {
+                break;
+            }
+            let positions = batch.iter().map(|&(pixel, sample)| {
+                let [column, row] = pixels[pixel];
+                sampler.position([x + column, y + row], sample)
+            });
+            let rays = PrimaryRays::through(world, positions);
+            let hits = self.visibility.nearest(&rays);
+            let mut points = Vec::with_capacity(batch.len());
+            for (ray, hit) in rays.iter().zip(&hits) {
+                points.extend(hit.as_ref().map(|hit| self.visibility.surface(&ray, hit)));
+            }
+            let shaded = match &mut spectral {
+                None => shading::radiance(world, self.plan, self.visibility, &points),
+                Some(spectral) => {
+                    let hit = batch.iter().zip(&hits).filter(|(_, hit)| hit.is_some());
+                    let pixels = hit.map(|(&(pixel, _), _)| pixel);
+                    self.radiance_and_bands(&points, pixels, spectral)
+                }
+            };
+            let mut radiance = shaded.radiance.into_iter();
+            for (&(pixel, _), hit) in batch.iter().zip(&hits) {
+                let seen = hit.as_ref().and_then(|_| radiance.next());
+                sums[pixel].hits += u32::from(seen.is_some());
+                sums[pixel].add(seen.unwrap_or(world.background()));
+            }
+            if let Some(spectral) = &mut spectral {
+                // The last pixel may have samples in the next batch.
+                spectral.finish(batch[batch.len() - 1].0);
+            }
+            counts = counts.and(Counts {
+                primary_rays: batch.len() as u64,
+                shadow_rays: shaded.shadow_rays,
+                singular: shaded.singular,
+                clamped: 0,
+            });
         }
-        let positions = batch.iter().map(|&(pixel, sample)| {
-            let [column, row] = pixels[pixel];
-            sampler.position([x + column, y + row], sample)
-        });
-        let rays = PrimaryRays::through(world, positions);
-        let hits = visibility.nearest(&rays);
-        let mut points = Vec::with_capacity(batch.len());
-        for (ray, hit) in rays.iter().zip(&hits) {
-            points.extend(hit.as_ref().map(|hit| visibility.surface(&ray, hit)));
+        for (&[column, row], sum) in pixels.iter().zip(&sums) {
+            let (rgba, clamped) = sum.mean(samples);
+            tile.rows[row as usize][column as usize] = rgba;
+            counts.clamped += clamped;
         }
-        let shaded = shading::radiance(world, plan, visibility, &points);
-        let mut radiance = shaded.radiance.into_iter();
-        for (&(pixel, _), hit) in batch.iter().zip(&hits) {
-            let seen = hit.as_ref().and_then(|_| radiance.next());
-            sums[pixel].hits += u32::from(seen.is_some());
-            sums[pixel].add(seen.unwrap_or(world.background()));
+        if let Some(mut spectral) = spectral {
+            spectral.finish(pixels.len());
+            for (place, &[column, row]) in pixels.iter().enumerate() {
+                let misses = samples - sums[place].hits;
+                let bands = tile.values[row as usize]
+                    .chunks_exact_mut(spectral.bands.wavelengths().count())
+                    .nth(column as usize)
+                    .expect("the film has room for the bands of every pixel");
+                counts.clamped += spectral.mean(place, misses, samples, bands);
+            }
         }
-        counts = counts.and(Counts {
-            primary_rays: batch.len() as u64,
-            shadow_rays: shaded.shadow_rays,
-            singular: shaded.singular,
-            clamped: 0,
-        });
+        counts
     }
-    for (&[column, row], sum) in pixels.iter().zip(&sums) {
-        let (rgba, clamped) = sum.mean(samples);
-        tile.rows[row as usize][column as usize] = rgba;
-        counts.clamped += clamped;
+
+    /// The light of points that are hit in these pixels, with the geometry of its terms added to
+    /// `sums`.
+    fn radiance_and_bands(
+        self,
+        points: &[SurfacePoint],
+        pixels: impl Iterator<Item = usize>,
+        sums: &mut SpectralSums<'_>,
+    ) -> Shaded {
+        let objects = self.world.objects();
+        let places: Vec<Place> = points
+            .iter()
+            .zip(pixels)
+            .map(|(point, pixel)| {
+                let material = objects[point.object as usize].material;
+                sums.geometry.place(pixel, material)
+            })
+            .collect();
+        shading::radiance_and_terms(self.world, self.plan, self.visibility, points, |term| {
+            sums.geometry.add(places[term.point], &term);
+        })
     }
-    counts
+}
+
+/// The bands of a tile's pixels.
+struct SpectralSums<'b> {
+    bands: &'b Bands,
+    geometry: Geometry,
+    /// Pixel by pixel, band by band.
+    sums: Vec<f64>,
+}
+
+impl<'b> SpectralSums<'b> {
+    fn new(bands: &'b Bands, pixels: usize) -> Self {
+        Self {
+            bands,
+            geometry: Geometry::new(bands.lights()),
+            sums: vec![0.0; pixels * bands.wavelengths().count()],
+        }
+    }
+
+    /// Of the pixels before `end` no more samples come.
+    fn finish(&mut self, end: usize) {
+        self.geometry.finish(end, self.bands, &mut self.sums);
+    }
+
+    /// The bands of a finished pixel, and how many are beyond the largest f32.
+    fn mean(&mut self, pixel: usize, misses: u32, samples: u32, mean: &mut [f32]) -> u64 {
+        let sums = &mut self.sums[pixel * mean.len()..][..mean.len()];
+        bands::add_scaled(sums, f64::from(misses), self.bands.background());
+        let mut clamped = 0;
+        for (mean, sum) in mean.iter_mut().zip(sums) {
+            let (value, is_clamped) = narrowed(*sum / f64::from(samples));
+            *mean = value;
+            clamped += u64::from(is_clamped);
+        }
+        clamped
+    }
 }
 
 /// Column and row of the n-th pixel of a tile along a Z-order curve: the even and the odd bits of
@@ -206,12 +324,21 @@ impl PixelSum {
     /// R, G, B, A, and how many channels are beyond the largest f32.
     fn mean(&self, samples: u32) -> ([f32; 4], u64) {
         let samples = f64::from(samples);
-        let mean = self.radiance.map(|sum| sum / samples);
-        let is_beyond = |channel: &&f64| **channel > f64::from(f32::MAX);
-        let clamped = mean.iter().filter(is_beyond).count();
-        // Here, and nowhere before, light becomes f32.
-        let [r, g, b] = mean.map(|channel| channel.min(f64::from(f32::MAX)) as f32);
+        let mean = self.radiance.map(|sum| narrowed(sum / samples));
+        let clamped = mean.iter().filter(|(_, is_clamped)| *is_clamped).count();
+        let [r, g, b] = mean.map(|(channel, _)| channel);
         let alpha = (f64::from(self.hits) / samples) as f32;
         ([r, g, b, alpha], clamped as u64)
     }
+}
+
+/// Here, and nowhere before, light becomes f32; whether it was beyond the largest.
+fn narrowed(light: f64) -> (f32, bool) {
+    let largest = f64::from(f32::MAX);
+    if light.is_nan() {
+        // Two lights at the very point, one of a color beyond the gamut: ∞ − ∞ is too large as well.
+        return (f32::MAX, true);
+    }
+    let narrow = light.clamp(-largest, largest) as f32;
+    (narrow, light.abs() > largest)
 }

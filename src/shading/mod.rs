@@ -8,7 +8,7 @@ use reflectance::Geometry;
 
 use crate::units::Radiance;
 use crate::visibility::{SurfacePoint, Visibility};
-use crate::world::{Plan, World};
+use crate::world::{Lobes, Plan, World};
 
 /// The light of a batch of points, and what it took.
 #[derive(Clone, Debug, Default)]
@@ -21,12 +21,38 @@ pub struct Shaded {
     pub singular: u64,
 }
 
+/// One term of L9 without its color: what a light that is seen does at a point, by geometry alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// The point, by its place in the batch.
+    pub point: usize,
+    /// An index into [`World::lights`].
+    pub light: usize,
+    /// An index into [`World::materials`].
+    pub material: usize,
+    /// The cosine term of each lobe over d², in m⁻², at most [`f64::MAX`]: times I · k it is the
+    /// radiance that the lobe sends to the viewer.
+    pub geometry: Lobes<f64>,
+}
+
 /// L9: L_o(ω_o) = Σ_s L_i^s(p) r(ω_i^s, ω_o) V^s(p), light by light over a batch of points.
 pub fn radiance(
     world: &World,
     plan: &Plan,
     visibility: &Visibility<'_>,
     points: &[SurfacePoint],
+) -> Shaded {
+    radiance_and_terms(world, plan, visibility, points, |_| {})
+}
+
+/// [`radiance`], where `each` is told of every term of the sum that is not hidden (L4): light by
+/// light, point by point within. The sum itself is the same to the bit.
+pub fn radiance_and_terms(
+    world: &World,
+    plan: &Plan,
+    visibility: &Visibility<'_>,
+    points: &[SurfacePoint],
+    mut each: impl FnMut(Term),
 ) -> Shaded {
     let mut shaded = Shaded {
         radiance: vec![Radiance::BLACK; points.len()],
@@ -46,7 +72,14 @@ pub fn radiance(
         let lit = visibility.lit(light.value.position, points, &facing);
         for (place, point) in points.iter().enumerate() {
             if let (Geometry::Lit(factors), true) = (geometry[place], lit[place]) {
-                let reflected = transport[material_of(point)];
+                let material = material_of(point);
+                each(Term {
+                    point: place,
+                    light: index,
+                    material,
+                    geometry: factors,
+                });
+                let reflected = transport[material];
                 shaded.radiance[place] += reflected.diffuse.radiance(factors.diffuse)
                     + reflected.specular.radiance(factors.specular);
             }

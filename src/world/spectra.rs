@@ -1,5 +1,6 @@
 //! Light that is carried wavelength by wavelength, as far as the renderer needs to know: the
-//! products of every light with every reflectance, integrated once.
+//! products of every light with every reflectance, integrated once, and, for spectral images, band
+//! by band. `docs/spectral-images.md` says how exact a picture the bands give.
 
 use rayon::prelude::*;
 
@@ -114,6 +115,16 @@ impl Wavelengths {
         })
     }
 
+    /// The shortest in nm.
+    pub const fn first(self) -> u32 {
+        self.first
+    }
+
+    /// The longest in nm.
+    pub const fn last(self) -> u32 {
+        self.first + (self.count - 1) * self.step
+    }
+
     /// How many there are: at least 2.
     pub const fn count(self) -> usize {
         self.count as usize
@@ -160,6 +171,7 @@ impl Wavelengths {
 #[derive(Clone, Debug)]
 pub struct Bands {
     wavelengths: Wavelengths,
+    lights: usize,
     materials: usize,
     /// Light by light, material by material within, diffuse and specular, band by band.
     transport: Vec<f64>,
@@ -171,21 +183,26 @@ impl Bands {
     pub fn new(spectra: &Spectra, wavelengths: Wavelengths) -> Self {
         let rows = spectra.lights.par_iter();
         let transport = rows.flat_map_iter(|light| {
-            spectra.materials.iter().flat_map(move |lobes| {
-                [&lobes.diffuse, &lobes.specular]
-                    .into_iter()
-                    .flat_map(move |pigment| {
-                        let reflected = pigment.shade.of(light);
-                        let mut means = wavelengths.means(&reflected);
-                        for mean in &mut means {
-                            *mean *= pigment.factor;
-                        }
-                        means
-                    })
-            })
+            let white = wavelengths.means(light);
+            let reflected = move |pigment: &Pigment| {
+                let (mut means, scale) = match &pigment.shade {
+                    Shade::Flat(value) => (white.clone(), value * pigment.factor),
+                    Shade::Spectrum(reflectance) => {
+                        (wavelengths.means(&light.times(reflectance)), pigment.factor)
+                    }
+                };
+                for mean in &mut means {
+                    *mean *= scale;
+                }
+                means
+            };
+            let lobes = spectra.materials.iter();
+            let lobes = lobes.flat_map(|lobes| [&lobes.diffuse, &lobes.specular]);
+            lobes.flat_map(reflected)
         });
         Self {
             wavelengths,
+            lights: spectra.lights.len(),
             materials: spectra.materials.len(),
             transport: transport.collect(),
             background: wavelengths.means(&spectra.background),
@@ -195,6 +212,11 @@ impl Bands {
     /// Where the bands are.
     pub fn wavelengths(&self) -> Wavelengths {
         self.wavelengths
+    }
+
+    /// How many lights there are.
+    pub fn lights(&self) -> usize {
+        self.lights
     }
 
     /// I · k of both lobes of a material under a light in W·sr⁻²·nm⁻¹, band by band.

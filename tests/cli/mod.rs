@@ -1,6 +1,7 @@
 //! The program as a user or a script meets it: exit codes, messages, files.
 
 mod interruption;
+mod layers;
 mod probe;
 
 use std::fs;

@@ -8,13 +8,15 @@ use std::str::FromStr;
 
 pub use read::{ColorTag, ExrError, ExrImage, ExrProblem, read};
 
+use super::{ChannelKind, Channels, Window};
 use crate::color::Primaries;
 use crate::scene::ColorSpace;
 
 /// How a film is stored as OpenEXR.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExrOptions {
-    /// The type of every channel. Default: [`Precision::Float`].
+    /// The type of every channel that holds light; others are always FLOAT. Default:
+    /// [`Precision::Float`].
     pub precision: Precision,
     /// Default: [`Compression::Zip`].
     pub compression: Compression,
@@ -23,11 +25,54 @@ pub struct ExrOptions {
     pub chromaticities: bool,
 }
 
+impl ExrOptions {
+    /// Whether the format can hold an image of this window with these channels beside R, G, B, A.
+    ///
+    /// # Errors
+    /// Where the blocks of lines that are compressed together are too large, as thousands of
+    /// columns with hundreds of channels are under the compressions of 32 lines and more.
+    pub fn check(&self, window: Window, channels: &Channels) -> Result<(), LargeBlocks> {
+        let bytes = |precision| match precision {
+            Precision::Float => 4,
+            Precision::Half => 2,
+        };
+        let further = channels.list.iter().map(|channel| match channel.kind {
+            ChannelKind::Light => bytes(self.precision),
+            ChannelKind::Data => bytes(Precision::Float),
+        });
+        let pixel: u64 = 4 * bytes(self.precision) + further.sum::<u64>();
+        let compression = exr::meta::attribute::Compression::from(self.compression);
+        let lines = u64::from(window.height).min(compression.scan_lines_per_block() as u64);
+        let block = pixel * u64::from(window.width) * lines;
+        if i32::try_from(block).is_ok() {
+            return Ok(());
+        }
+        Err(LargeBlocks {
+            compression: self.compression,
+            gigabytes: block as f64 / 1e9,
+        })
+    }
+}
+
+/// So many channels do not fit the blocks of a compression.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "compression {compression} would make blocks of {gigabytes:.1} GB of so many channels, where \
+     OpenEXR's limit is 2.1 GB; choose zip, or render the image in parts with --crop"
+)]
+pub struct LargeBlocks {
+    compression: Compression,
+    gigabytes: f64,
+}
+
 /// What was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExrReport {
     /// Values beyond ±65 504, stored as that; always 0 with [`Precision::Float`].
     pub clamped_to_half: u64,
+    /// Values of channels beside R, G, B, A that are not 0 but below the smallest normal half,
+    /// 6.1e-5, where it has fewer digits; always 0 with [`Precision::Float`].
+    pub small_in_half: u64,
     /// The file's length in bytes.
     pub bytes: u64,
 }
@@ -151,6 +196,37 @@ pub fn primaries_of(interop_id: &str) -> Option<Primaries> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Layers;
+    use crate::world::Wavelengths;
+
+    #[test]
+    fn blocks_have_a_limit() {
+        let window = Window::whole([65_536, 65_536]);
+        let every_nm = Layers {
+            spectral: Wavelengths::new(360, 830, 1),
+        };
+        let fits = |compression, channels: &Channels| {
+            let options = ExrOptions {
+                compression,
+                ..ExrOptions::default()
+            };
+            options.check(window, channels).is_ok()
+        };
+        for compression in Compression::ALL {
+            assert!(fits(compression, &Channels::default()));
+        }
+        let channels = every_nm.channels();
+        assert!(fits(Compression::Zip, &channels));
+        // 32 lines of 65536 pixels of 475 values of 4 bytes are 4 GB.
+        assert!(!fits(Compression::Piz, &channels));
+        // But of one line they are not.
+        let line = Window::whole([65_536, 1]);
+        let options = ExrOptions {
+            compression: Compression::Piz,
+            ..ExrOptions::default()
+        };
+        assert_eq!(options.check(line, &channels), Ok(()));
+    }
 
     #[test]
     fn identifiers_name_the_working_spaces() {

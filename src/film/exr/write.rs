@@ -1,4 +1,4 @@
-//! Writes a film as OpenEXR: one part, scan lines, channels R, G, B, A.
+//! Writes a film as OpenEXR: one part, scan lines, channels R, G, B, A and those of its layers.
 //!
 //! The `exr` crate validates the header, serializes attributes and compresses blocks. The file
 //! is put together here, because the crate's own writer puts custom attributes in the order of a
@@ -22,16 +22,35 @@ use rayon::prelude::*;
 
 use super::color_interop_id;
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, ExrReport, Precision};
-use crate::film::{Film, Metadata};
+use crate::film::{ChannelKind, Channels, Film, Metadata};
 use crate::output::{self, OutputError, Unfinished};
 use crate::world::colorimetry::primaries;
 
-/// The channels in the file's order, which is the alphabet's, and where a pixel has them.
-const CHANNELS: [(&str, usize); 4] = [("A", 3), ("B", 2), ("G", 1), ("R", 0)];
+/// The channels that every film has, in the order of its pixels.
+const RGBA: [&str; 4] = ["R", "G", "B", "A"];
 
 /// Blocks that each thread compresses before the batch is written: enough for threads to even out,
 /// few enough to stay small beside the film.
 const BLOCKS_PER_THREAD: usize = 8;
+
+/// Bytes of blocks in a batch, unless one block alone has more: many channels make large blocks.
+const BYTES_PER_BATCH: usize = 256 << 20;
+
+/// A channel of the file, and where the film has its values.
+struct FileChannel<'f> {
+    name: &'f str,
+    precision: Precision,
+    source: Source,
+}
+
+/// Where the values of a channel are.
+#[derive(Clone, Copy)]
+enum Source {
+    /// In [`Film::pixels`], at this place of each.
+    Pixels(usize),
+    /// In [`Film::values`], at this place of each.
+    Values(usize),
+}
 
 impl Film {
     /// Writes the film as an OpenEXR file, whole or not at all.
@@ -54,14 +73,19 @@ impl Film {
     /// Writes the film as OpenEXR into `sink`, from the sink's start.
     ///
     /// # Errors
-    /// What the sink reports; `InvalidInput` if the metadata cannot be stored, which is where a
-    /// provenance key is longer than 247 bytes or holds a zero.
+    /// What the sink reports; `InvalidInput` if the format cannot hold the film: where a
+    /// provenance key is longer than 247 bytes or holds a zero, where two channels have one name,
+    /// and where [`ExrOptions::check`] fails.
     pub fn write_exr_to(
         &self,
         sink: &mut (impl Write + Seek),
         options: &ExrOptions,
     ) -> io::Result<ExrReport> {
-        let header = self.header(options);
+        let channels = self.file_channels(options.precision);
+        let header = self.header(options, &channels);
+        options
+            .check(self.window(), self.channels())
+            .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
         let mut head = head(&header).map_err(into_io)?;
         let table_start = head.len();
         let mut offsets: Vec<u64> = Vec::with_capacity(header.chunk_count);
@@ -69,14 +93,17 @@ impl Film {
         sink.write_all(&head)?;
         let mut position = head.len() as u64;
 
-        let mut clamped_to_half = 0;
+        let mut halves = Halves::default();
         let mut bytes = Vec::new();
         let batch = BLOCKS_PER_THREAD * rayon::current_num_threads();
+        let batch = batch
+            .min(BYTES_PER_BATCH / header.max_block_byte_size())
+            .max(1);
         for first in (0..header.chunk_count).step_by(batch) {
             let last = header.chunk_count.min(first + batch);
             let blocks: Vec<Block> = (first..last)
                 .into_par_iter()
-                .map(|index| self.compressed(&header, options.precision, index))
+                .map(|index| self.compressed(&header, &channels, index))
                 .collect::<exr::error::Result<_>>()
                 .map_err(into_io)?;
             for block in blocks {
@@ -85,7 +112,7 @@ impl Film {
                 sink.write_all(&bytes)?;
                 offsets.push(position);
                 position += bytes.len() as u64;
-                clamped_to_half += block.clamped;
+                halves.add(block.halves);
             }
         }
 
@@ -95,19 +122,47 @@ impl Film {
         }
         sink.flush()?;
         Ok(ExrReport {
-            clamped_to_half,
+            clamped_to_half: halves.clamped,
+            small_in_half: halves.small,
             bytes: position,
         })
     }
 
-    fn header(&self, options: &ExrOptions) -> Header {
-        let sample_type = match options.precision {
-            Precision::Float => SampleType::F32,
-            Precision::Half => SampleType::F16,
-        };
-        let channels: SmallVec<[ChannelDescription; 5]> = CHANNELS
+    /// All channels in the file's order, which is that of their names' bytes.
+    fn file_channels(&self, precision: Precision) -> Vec<FileChannel<'_>> {
+        let rgba = RGBA
             .into_iter()
-            .map(|(name, _)| ChannelDescription::new(name, sample_type, false))
+            .enumerate()
+            .map(|(place, name)| FileChannel {
+                name,
+                precision,
+                source: Source::Pixels(place),
+            });
+        let further = self.channels().list.iter().enumerate();
+        let further = further.map(|(place, channel)| FileChannel {
+            name: &channel.name,
+            precision: match channel.kind {
+                ChannelKind::Light => precision,
+                ChannelKind::Data => Precision::Float,
+            },
+            source: Source::Values(place),
+        });
+        let mut channels: Vec<_> = rgba.chain(further).collect();
+        channels.sort_by_key(|channel| channel.name);
+        channels
+    }
+
+    fn header(&self, options: &ExrOptions, channels: &[FileChannel<'_>]) -> Header {
+        let channels: SmallVec<[ChannelDescription; 5]> = channels
+            .iter()
+            .map(|channel| {
+                let sample_type = match channel.precision {
+                    Precision::Float => SampleType::F32,
+                    Precision::Half => SampleType::F16,
+                };
+                let name = Text::from_slice_unchecked(channel.name.as_bytes());
+                ChannelDescription::new(name, sample_type, false)
+            })
             .collect();
         let (window, [width, height]) = (self.window(), self.resolution());
 
@@ -130,7 +185,7 @@ impl Film {
         .with_attributes(LayerAttributes {
             // The scene's limit on the resolution is far below the largest i32.
             layer_position: Vec2(window.x as i32, window.y as i32),
-            ..attributes(self.metadata())
+            ..attributes(self.metadata(), self.channels())
         })
     }
 
@@ -138,28 +193,32 @@ impl Film {
     fn compressed(
         &self,
         header: &Header,
-        precision: Precision,
+        channels: &[FileChannel<'_>],
         index: usize,
     ) -> exr::error::Result<Block> {
         let width = header.layer_size.width();
         let lines = header.compression.scan_lines_per_block();
         let top = index * lines;
-        let pixels = &self.pixels()[top * width..];
-        let pixels = &pixels[..pixels.len().min(lines * width)];
-        let height = pixels.len() / width;
+        let height = lines.min(header.layer_size.height() - top);
 
-        let mut clamped = 0;
-        let mut bytes = Vec::with_capacity(pixels.len() * header.channels.bytes_per_pixel);
-        for row in pixels.chunks_exact(width) {
-            for (_, channel) in CHANNELS {
-                let values = row.iter().map(|pixel| pixel[channel]);
-                match precision {
-                    Precision::Float => bytes.extend(values.flat_map(f32::to_ne_bytes)),
-                    Precision::Half => bytes.extend(values.flat_map(|value| {
-                        let (half, is_clamped) = to_half(value);
-                        clamped += u64::from(is_clamped);
-                        half.to_ne_bytes()
-                    })),
+        let mut halves = Halves::default();
+        let mut bytes = Vec::with_capacity(width * height * header.channels.bytes_per_pixel);
+        for row in top..top + height {
+            let row = row * width..(row + 1) * width;
+            for channel in channels {
+                let precision = channel.precision;
+                match channel.source {
+                    Source::Pixels(place) => {
+                        let pixels = self.pixels()[row.clone()].iter();
+                        let values = pixels.map(|pixel| pixel[place]);
+                        let stored = store(values, precision, &mut bytes);
+                        halves.clamped += stored.clamped;
+                    }
+                    Source::Values(place) => {
+                        let pixels = row.clone();
+                        let values = pixels.map(|pixel| self.values(pixel)[place]);
+                        halves.add(store(values, precision, &mut bytes));
+                    }
                 }
             }
         }
@@ -176,7 +235,7 @@ impl Film {
                     compressed_pixels_le,
                 }),
             },
-            clamped,
+            halves,
         })
     }
 }
@@ -184,8 +243,39 @@ impl Film {
 /// A block of lines, ready to be written.
 struct Block {
     chunk: Chunk,
-    /// Values that were too large for a half.
+    halves: Halves,
+}
+
+/// Values that halves do not hold well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Halves {
+    /// Beyond ± the largest.
     clamped: u64,
+    /// Not 0, but below the smallest normal one.
+    small: u64,
+}
+
+impl Halves {
+    fn add(&mut self, more: Self) {
+        self.clamped += more.clamped;
+        self.small += more.small;
+    }
+}
+
+/// Appends values as the file has them before compression.
+fn store(values: impl Iterator<Item = f32>, precision: Precision, bytes: &mut Vec<u8>) -> Halves {
+    let mut halves = Halves::default();
+    match precision {
+        Precision::Float => bytes.extend(values.flat_map(f32::to_ne_bytes)),
+        Precision::Half => bytes.extend(values.flat_map(|value| {
+            let (half, is_clamped) = to_half(value);
+            halves.clamped += u64::from(is_clamped);
+            let is_small = value != 0.0 && value.abs() < f16::MIN_POSITIVE.to_f32();
+            halves.small += u64::from(is_small);
+            half.to_ne_bytes()
+        })),
+    }
+    halves
 }
 
 /// Rounds to the nearest half, values beyond the largest to that; whether it was beyond.
@@ -230,7 +320,7 @@ fn head(header: &Header) -> exr::error::Result<Vec<u8>> {
 
 /// What the header says beside windows and channels. The film's unit is cd/m², hence
 /// `whiteLuminance` = 1.
-fn attributes(metadata: &Metadata) -> LayerAttributes {
+fn attributes(metadata: &Metadata, channels: &Channels) -> LayerAttributes {
     let text = |string: &str| Text::from_slice_unchecked(string.as_bytes());
     let mut attributes = LayerAttributes {
         white_luminance: Some(1.0),
@@ -243,11 +333,14 @@ fn attributes(metadata: &Metadata) -> LayerAttributes {
     attributes
         .other
         .insert(text(COLOR_INTEROP_ID), AttributeValue::Text(interop_id));
-    for (key, value) in &metadata.provenance {
-        let key = text(&format!("candela:{key}"));
+    let provenance = metadata.provenance.iter();
+    let provenance = provenance.map(|(key, value)| (text(&format!("candela:{key}")), value));
+    let of_channels = channels.attributes.iter();
+    let of_channels = of_channels.map(|(name, value)| (text(name), value));
+    for (name, value) in provenance.chain(of_channels) {
         attributes
             .other
-            .insert(key, AttributeValue::Text(text(value)));
+            .insert(name, AttributeValue::Text(text(value)));
     }
     attributes
 }

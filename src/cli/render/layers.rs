@@ -1,0 +1,171 @@
+//! `--layers`, `--wavelengths` and `--transport`: what is rendered beside R, G, B and A, and what it
+//! asks of the way of light.
+
+use candela::film::Layers;
+use candela::scene::diagnostic::nearest;
+use candela::scene::{Scene, Transport};
+use candela::spectrum::{FIRST, LAST};
+use candela::world::{Wavelengths, World};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use super::Failure;
+
+/// A layer that is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Layer {
+    Spectral,
+}
+
+impl Layer {
+    const ALL: [Self; 1] = [Self::Spectral];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Spectral => "spectral",
+        }
+    }
+}
+
+/// Layers that have a name but are not made yet.
+const PLANNED: [&str; 12] = [
+    "lights",
+    "diffuse",
+    "specular",
+    "albedo",
+    "irradiance",
+    "depth",
+    "position",
+    "normal",
+    "shadow",
+    "cryptomatte",
+    "error",
+    "samples",
+];
+
+/// The options about layers.
+#[derive(Debug, clap::Args)]
+pub(super) struct LayerArguments {
+    /// What the EXR holds beside R, G, B and A, separated by commas; today only `spectral`: L(λ)
+    /// in W/(m² sr nm), one channel `S0.550,000000nm` for each of --wavelengths, in the layout of
+    /// spectral EXR images (JCGT 2021)
+    ///
+    /// Bands are made in the same pass as R, G and B, and leave these as they are. A scene with
+    /// `transport = "auto"` carries light spectrally then. The cost is in proportion to bands and
+    /// pixels, not to samples.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = layer)]
+    layers: Vec<Layer>,
+
+    /// Where `--layers spectral` has its bands, in whole nm from 360 to 830, both ends included
+    /// [default: 380:780:10]
+    ///
+    /// Each is the mean around its wavelength, weighted by a hat as wide as the distance to its
+    /// neighbors, so that narrow lines between two bands are not lost.
+    #[arg(long, value_name = "START:END:STEP", value_parser = wavelengths, allow_hyphen_values = true)]
+    wavelengths: Option<Wavelengths>,
+
+    /// How light is carried, instead of what the scene says: `rgb`, `spectral`, or `auto`, which
+    /// is spectral if anything in the scene is a spectrum
+    #[arg(long, value_name = "NAME")]
+    #[arg(value_parser = PossibleValuesParser::new(Transport::ALL.map(Transport::name))
+        .map(|name| transport(&name)))]
+    transport: Option<Transport>,
+}
+
+impl LayerArguments {
+    /// What is wrong with the options as they stand together.
+    pub(super) fn misuse(&self) -> Option<&'static str> {
+        if self.wavelengths.is_some() && !self.is_spectral() {
+            return Some(
+                "--wavelengths says where the bands of --layers spectral are, which is not asked \
+                 for; add it, or leave --wavelengths out",
+            );
+        }
+        (self.is_spectral() && self.transport == Some(Transport::Rgb)).then_some(
+            "--layers spectral needs light that is carried spectrally; leave --transport rgb out",
+        )
+    }
+
+    fn is_spectral(&self) -> bool {
+        self.layers.contains(&Layer::Spectral)
+    }
+
+    /// The layers to render.
+    pub(super) fn layers(&self) -> Layers {
+        let wavelengths = self.wavelengths.unwrap_or_default();
+        Layers {
+            spectral: self.is_spectral().then_some(wavelengths),
+        }
+    }
+
+    /// Makes the scene carry light as the options ask for.
+    pub(super) fn apply(&self, scene: &mut Scene) {
+        let transport = &mut scene.image.transport.value;
+        if let Some(asked) = self.transport {
+            *transport = asked;
+        }
+        if self.is_spectral() && *transport == Transport::Auto {
+            *transport = Transport::Spectral;
+        }
+    }
+
+    /// Whether the layers can be made of this world.
+    pub(super) fn check(&self, world: &World) -> Result<(), Failure> {
+        if self.is_spectral() && world.spectra().is_none() {
+            return Err(
+                "--layers spectral needs light that is carried spectrally, but the scene says \
+                 `transport = \"rgb\"`; remove that, or add --transport spectral"
+                    .into(),
+            );
+        }
+        Ok(())
+    }
+}
+
+fn layer(name: &str) -> Result<Layer, String> {
+    let name = name.trim();
+    if let Some(layer) = Layer::ALL.into_iter().find(|layer| layer.name() == name) {
+        return Ok(layer);
+    }
+    let made = Layer::ALL.map(Layer::name);
+    if PLANNED.contains(&name) {
+        return Err(format!(
+            "layer `{name}` is not supported yet; there is {}",
+            made.join(", ")
+        ));
+    }
+    let names = made.into_iter().chain(PLANNED);
+    Err(match nearest(name, names) {
+        Some(nearest) => format!("there is no layer `{name}`; did you mean `{nearest}`?"),
+        None => format!("there is no layer `{name}`; there is {}", made.join(", ")),
+    })
+}
+
+fn wavelengths(text: &str) -> Result<Wavelengths, String> {
+    let numbers: Result<Vec<u32>, _> = text.split(':').map(|part| part.trim().parse()).collect();
+    let Ok([first, last, step]) = numbers.as_deref() else {
+        return Err("expected START:END:STEP in whole nm, such as 400:700:10".to_owned());
+    };
+    let (first, last, step) = (*first, *last, *step);
+    if first < FIRST || last > LAST {
+        return Err(format!("expected wavelengths from {FIRST} to {LAST} nm"));
+    }
+    if first >= last {
+        return Err("expected START < END".to_owned());
+    }
+    if step == 0 {
+        return Err("expected a STEP of at least 1 nm".to_owned());
+    }
+    Wavelengths::new(first, last, step).ok_or_else(|| {
+        let below = (last - first) / step * step;
+        let ends = match below {
+            0 => format!("{}", first + step),
+            _ => format!("{} or {}", first + below, first + below + step),
+        };
+        format!("expected END to be whole steps from START, such as {ends}")
+    })
+}
+
+fn transport(name: &str) -> Transport {
+    let named = Transport::ALL.into_iter().find(|it| it.name() == name);
+    named.expect("clap lets only these names pass")
+}

@@ -1,0 +1,184 @@
+//! `render --layers`, `--wavelengths` and `--transport`.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use super::{RESOLUTION, candela, fails, files, folder, image, output, succeeds, text};
+use crate::openimageio::decode;
+
+/// The ball, one of its lights orange: on colored surfaces that is another color as spectra than as
+/// RGB, where white light is the same.
+fn colorful() -> TempDir {
+    let folder = folder();
+    let path = folder.path().join("ball.toml");
+    let scene = fs::read_to_string(&path).unwrap();
+    let orange = scene.replace("intensity = 4", "intensity = [4, 2, 0.5]");
+    assert_ne!(orange, scene);
+    fs::write(path, orange).unwrap();
+    folder
+}
+
+#[test]
+fn a_scene_of_rgb_values_has_bands_when_asked() {
+    let folder = colorful();
+    let folder = folder.path();
+    succeeds(folder, "render ball.toml -o rgb.exr");
+    succeeds(
+        folder,
+        "render ball.toml -o spectral.exr --transport spectral",
+    );
+    succeeds(folder, "render ball.toml -o bands.exr --layers spectral");
+    let bands = decode(&folder.join("bands.exr"));
+    assert_eq!(bands.channels.len(), 4 + 41);
+    assert_eq!(bands.channels[4], "S0.380,000000nm");
+    assert_eq!(bands.channels[44], "S0.780,000000nm");
+    // Some pixel of the floor.
+    assert!(bands.pixel(5, 35)[4..].iter().all(|&band| band > 0.0));
+
+    let pixels = |name| image(folder, name).pixels;
+    assert!(pixels("bands.exr") == pixels("spectral.exr"));
+    assert!(pixels("bands.exr") != pixels("rgb.exr"));
+    for name in ["rgb.exr", "spectral.exr"] {
+        assert_eq!(decode(&folder.join(name)).channels, ["R", "G", "B", "A"]);
+    }
+}
+
+#[test]
+fn the_built_in_scene_has_bands_too() {
+    let folder = folder();
+    let folder = folder.path();
+    let arguments = "render --crop 600,300,616,309 --layers spectral --wavelengths 400:700:50";
+    succeeds(folder, arguments);
+    let bands = decode(&folder.join("lecture.exr"));
+    assert_eq!(bands.channels.len(), 4 + 7);
+    assert_eq!(bands.data_window, [600, 300, 16, 9]);
+}
+
+#[test]
+fn transport_is_overridden() {
+    let folder = colorful();
+    let folder = folder.path();
+    let scene = fs::read_to_string(folder.join("ball.toml")).unwrap();
+    for transport in ["auto", "rgb", "spectral"] {
+        let said = format!("[image]\ntransport = \"{transport}\"");
+        let name = format!("{transport}.toml");
+        fs::write(folder.join(name), scene.replace("[image]", &said)).unwrap();
+        succeeds(folder, &format!("render {transport}.toml"));
+    }
+    let pixels = |name: &str| image(folder, name).pixels;
+    assert!(pixels("auto.exr") == pixels("rgb.exr"));
+    assert!(pixels("auto.exr") != pixels("spectral.exr"));
+    for (scene, option, same) in [
+        ("rgb", "spectral", "spectral.exr"),
+        ("spectral", "rgb", "rgb.exr"),
+        ("spectral", "auto", "auto.exr"),
+    ] {
+        let arguments = format!("render {scene}.toml -o other.exr --transport {option}");
+        succeeds(folder, &arguments);
+        assert!(pixels("other.exr") == pixels(same), "{arguments}");
+    }
+
+    // Bands of a scene that forces RGB.
+    let message = fails(folder, "render rgb.toml -o none.exr --layers spectral", 1);
+    for part in [
+        "--layers spectral",
+        "transport = \"rgb\"",
+        "--transport spectral",
+    ] {
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(!files(folder).contains(&"none.exr".to_owned()));
+    succeeds(
+        folder,
+        "render rgb.toml -o some.exr --layers spectral --transport spectral",
+    );
+    assert!(pixels("some.exr") == pixels("spectral.exr"));
+}
+
+#[test]
+fn wrong_layers_are_wrong_usage() {
+    let folder = folder();
+    let folder = folder.path();
+    let before = files(folder);
+    for (options, expected) in [
+        ("--layers spectrl", "did you mean `spectral`?"),
+        ("--layers spectral,normals", "did you mean `normal`?"),
+        ("--layers xyz", "there is no layer `xyz`; there is spectral"),
+        (
+            "--layers spectral,lights",
+            "layer `lights` is not supported yet",
+        ),
+        ("--layers depth", "layer `depth` is not supported yet"),
+        ("--layers spectral,", "there is no layer ``"),
+        ("--wavelengths 400:700:10", "--layers spectral"),
+        ("--layers spectral --transport rgb", "--transport rgb"),
+        ("--transport yes", "[possible values: auto, rgb, spectral]"),
+    ] {
+        let message = fails(folder, &format!("render ball.toml {options}"), 2);
+        assert!(message.contains(expected), "{options}\n{message}");
+    }
+    for (wavelengths, expected) in [
+        ("400:700", "START:END:STEP in whole nm, such as 400:700:10"),
+        ("400:700:10:5", "START:END:STEP"),
+        ("400:700:2.5", "START:END:STEP"),
+        ("-400:700:10", "START:END:STEP"),
+        ("99999999999:700:10", "START:END:STEP"),
+        ("300:700:10", "from 360 to 830 nm"),
+        ("400:900:10", "from 360 to 830 nm"),
+        ("700:400:10", "START < END"),
+        ("500:500:10", "START < END"),
+        ("400:700:0", "at least 1 nm"),
+        ("400:705:10", "such as 700 or 710"),
+        ("800:825:20", "such as 820"),
+        ("400:410:300", "whole steps from START"),
+    ] {
+        let options = format!("render ball.toml --layers spectral --wavelengths {wavelengths}");
+        let message = fails(folder, &options, 2);
+        assert!(message.contains(expected), "{wavelengths}\n{message}");
+    }
+    assert_eq!(files(folder), before);
+}
+
+/// Asked for the memory before hours of rendering: 471 bands of the largest image.
+#[test]
+fn bands_that_fit_no_memory_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = fs::read_to_string(folder.join("ball.toml")).unwrap();
+    let large = scene.replace("[60, 40]", "[65536, 65536]");
+    fs::write(folder.join("large.toml"), large).unwrap();
+    let options = "--layers spectral --wavelengths 360:830:1";
+    // 65536 × 65536 × (16 + 471 · 4) bytes are 8.2 TB, more than a process may ask for here.
+    let limited = "ulimit -v 16000000 && exec \"$0\" render large.toml ";
+    let mut command = std::process::Command::new("sh");
+    command
+        .current_dir(folder)
+        .args(["-c", &format!("{limited}{options}")])
+        .arg(candela(folder, "").get_program());
+    let output = command.output().unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    for part in ["8160.4 GB", "--wavelengths", "--crop"] {
+        assert!(message.contains(part), "{message}");
+    }
+
+    let piz = format!("render large.toml --compression piz {options}");
+    let message = fails(folder, &piz, 1);
+    assert!(message.contains("blocks of 4.0 GB"), "{message}");
+}
+
+#[test]
+fn halves_that_hold_bands_badly_are_reported() {
+    let folder = folder();
+    let output = output(folder.path(), "render ball.toml --layers spectral --half");
+    let message = text(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    assert!(
+        message.contains("of which HALF keeps few digits"),
+        "{message}"
+    );
+    let bands = decode(&folder.path().join("ball.exr"));
+    let pixels = (RESOLUTION[0] * RESOLUTION[1]) as usize;
+    assert_eq!(bands.values.len(), pixels * 45);
+}
