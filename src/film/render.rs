@@ -342,3 +342,23 @@ fn narrowed(light: f64) -> (f32, bool) {
     let narrow = light.clamp(-largest, largest) as f32;
     (narrow, light.abs() > largest)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_narrowed_once_and_counted() {
+        assert_eq!(narrowed(0.1), (0.1_f32, false));
+        assert_eq!(narrowed(f64::from(f32::MAX)), (f32::MAX, false));
+        // Colors beyond the gamut are negative.
+        for (light, expected) in [
+            (1e39, f32::MAX),
+            (f64::INFINITY, f32::MAX),
+            (-1e39, -f32::MAX),
+            (f64::NAN, f32::MAX),
+        ] {
+            assert_eq!(narrowed(light), (expected, true));
+        }
+    }
+}

@@ -183,10 +183,10 @@ impl Bands {
     pub fn new(spectra: &Spectra, wavelengths: Wavelengths) -> Self {
         let rows = spectra.lights.par_iter();
         let transport = rows.flat_map_iter(|light| {
-            let white = wavelengths.means(light);
+            let of_light = wavelengths.means(light);
             let reflected = move |pigment: &Pigment| {
                 let (mut means, scale) = match &pigment.shade {
-                    Shade::Flat(value) => (white.clone(), value * pigment.factor),
+                    Shade::Flat(value) => (of_light.clone(), value * pigment.factor),
                     Shade::Spectrum(reflectance) => {
                         (wavelengths.means(&light.times(reflectance)), pigment.factor)
                     }

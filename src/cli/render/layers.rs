@@ -51,7 +51,8 @@ pub(super) struct LayerArguments {
     ///
     /// Bands are made in the same pass as R, G and B, and leave these as they are. A scene with
     /// `transport = "auto"` carries light spectrally then. The cost is in proportion to bands and
-    /// pixels, not to samples.
+    /// pixels, not to samples: 41 bands take about a fifth longer to render at 4 samples a pixel, 4
+    /// bytes for each band and pixel, and several seconds to compress where the image is large.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = layer)]
     layers: Vec<Layer>,
 
