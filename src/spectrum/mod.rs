@@ -10,7 +10,7 @@
 //! | [`Curve`] | a tabulated spectrum of any spacing, interpolated linearly |
 //! | [`Lines`] | an emission of single wavelengths |
 //! | [`Illuminant`] | the CIE's illuminants by name |
-//! | [`daylight`], [`blackbody`] | spectra by temperature |
+//! | [`daylight()`], [`blackbody()`] | spectra by temperature |
 //! | [`Observer`] | color matching functions and luminous efficacy |
 //! | [`upsample`] | a smooth spectrum of a given color |
 

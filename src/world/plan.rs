@@ -110,7 +110,7 @@ impl Plan {
             [one] => format!("spectral: {one}"),
             [first, others @ ..] => format!("spectral: {first} and {} more", others.len()),
         };
-        let says = |name| format!("the scene says `transport = \"{name}\"`");
+        let says = |name| format!("asked for, `transport = \"{name}\"`");
         match (self.transport, world.transport_asked()) {
             (Transport::Rgb, Auto | Spectral) => {
                 ["every value of the scene is RGB".to_owned(), values]
