@@ -36,8 +36,9 @@ const FLIPS: f64 = 5e-4;
 /// ray by, far below what a viewer sees.
 const NEARBY: f64 = 1e-5;
 
-/// Columns of the images of scene files.
-const WIDTH: u32 = 96;
+/// Columns of the images of scene files: a prime, so that no regular scene has its edges exactly in
+/// the centers of pixels.
+const WIDTH: u32 = 97;
 
 /// Surfaces to be gone through for one image of a scene file: the oracle has no tree.
 const BUDGET: f64 = 3e8;
@@ -63,8 +64,10 @@ fn oracle_pixels(oracle: &Oracle) -> Vec<Sample> {
         .collect()
 }
 
+/// The largest channel. Beside it there may be negative ones, where a color is outside of the
+/// working space.
 fn brightest(radiance: [f64; 3]) -> f64 {
-    radiance.into_iter().fold(0.0, f64::max)
+    radiance.into_iter().map(f64::abs).fold(0.0, f64::max)
 }
 
 /// The middle of all radiances above 0, or 1 where there is none.
@@ -110,8 +113,7 @@ fn is_whole_lights(oracle: &Oracle, [x, y]: [usize; 2], actual: [f32; 4], floor:
         for (index, light) in lights.iter().enumerate() {
             if chosen >> index & 1 == 1 {
                 for (channel, sum) in radiance.iter_mut().enumerate() {
-                    let reflectance = light.diffuse[channel] + light.specular[channel];
-                    *sum += light.incident[channel] * reflectance;
+                    *sum += light.unoccluded[channel];
                 }
             }
         }
