@@ -209,7 +209,12 @@ fn values_of_every_kind_in_every_place() {
     };
     let (mut accepted, mut refused) = (0, 0);
     for (i, notation) in NOTATIONS.iter().enumerate() {
-        for (j, number) in NUMBERS.iter().enumerate() {
+        let numbers = if notation.contains('#') {
+            NUMBERS.len()
+        } else {
+            1
+        };
+        for (j, number) in NUMBERS[..numbers].iter().enumerate() {
             let value = notation.replace('#', number);
             for (k, place) in ["BACKGROUND", "DIFFUSE", "SPECULAR", "INTENSITY"]
                 .iter()
@@ -234,7 +239,7 @@ fn values_of_every_kind_in_every_place() {
         }
     }
     println!("{accepted} accepted, {refused} refused");
-    assert!(accepted > 300 && refused > 300, "{accepted} {refused}");
+    assert!(accepted > 200 && refused > 200, "{accepted} {refused}");
 }
 
 #[test]

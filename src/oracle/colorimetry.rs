@@ -171,6 +171,7 @@ impl Colorimetry {
 mod tests {
     use super::*;
     use crate::oracle::spectrum::{blackbody, daylight, flat, on_grid};
+    use crate::oracle::vector::subtract;
 
     /// Sums of 471 terms.
     const ROUNDING: f64 = 1e-13;
@@ -298,11 +299,14 @@ mod tests {
                 ],
             ),
         ] {
-            for column in 0..3 {
-                let converted = converted(unit(column), from, to);
-                for row in 0..3 {
-                    assert!((converted[row] - rows[row][column]).abs() < 1e-12);
-                }
+            let columns = transposed(&rows);
+            for (i, column) in columns.into_iter().enumerate() {
+                let differences = subtract(converted(unit(i), from, to), column);
+                assert!(
+                    differences
+                        .iter()
+                        .all(|difference| difference.abs() < 1e-12)
+                );
             }
         }
         assert_eq!(converted([0.3; 3], AcesCg, Rec709), [0.3; 3]);

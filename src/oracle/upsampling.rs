@@ -19,7 +19,7 @@ const KNOTS: Vector = [610.0, 540.0, 450.0];
 const TOLERANCE: f64 = 1e-6;
 
 /// Steps after which what is not reached is out of reach.
-const STEPS: usize = 500;
+const STEPS: usize = 100;
 
 /// For the differences: the error of a central one, h², is as small as that of its rounding, ε/h.
 const DIFFERENCE: f64 = 1e-5;
@@ -40,18 +40,22 @@ pub(super) fn reflectance(weights: &[Components; 3], target: Vector) -> Option<C
     let mut residual = error(knots);
     let mut damping = 1e-3;
     for _ in 0..STEPS {
-        let tried = add(knots, step(&error, knots, residual, damping));
-        let there = error(tried);
-        if dot(there, there) < dot(residual, residual) {
-            (knots, residual) = (tried, there);
-            damping *= 0.1;
-        } else {
-            damping *= 10.0;
-            // A step that is too short to change anything.
-            if damping > 1e12 {
-                break;
+        let changes = changes(error, knots);
+        let better = loop {
+            let tried = add(knots, step(&changes, residual, damping));
+            let there = error(tried);
+            if dot(there, there) < dot(residual, residual) {
+                damping *= 0.1;
+                break Some((tried, there));
             }
-        }
+            damping *= 10.0;
+            // Then a step is too short to change anything.
+            if damping > 1e9 {
+                break None;
+            }
+        };
+        let Some(better) = better else { break };
+        (knots, residual) = better;
     }
     let is_met = residual.iter().all(|channel| channel.abs() <= TOLERANCE);
     is_met.then(|| smooth(knots))
@@ -78,10 +82,9 @@ fn sigmoid(x: f64) -> f64 {
     0.5 / (root * (root - x))
 }
 
-/// The step δ with (JᵀJ + μ diag(JᵀJ)) δ = −Jᵀ f.
-fn step(error: impl Fn(Vector) -> Vector, at: Vector, f: Vector, damping: f64) -> Vector {
-    // Row by row what a knot changes: Jᵀ.
-    let transposed = [0, 1, 2].map(|knot: usize| {
+/// Row by row, how the error changes with the value at each knot: Jᵀ, by central differences.
+fn changes(error: impl Fn(Vector) -> Vector, at: Vector) -> [Vector; 3] {
+    [0, 1, 2].map(|knot: usize| {
         let h = DIFFERENCE * (1.0 + at[knot].abs());
         let moved = |by: f64| {
             let mut moved = at;
@@ -89,7 +92,11 @@ fn step(error: impl Fn(Vector) -> Vector, at: Vector, f: Vector, damping: f64) -
             error(moved)
         };
         scale(subtract(moved(h), moved(-h)), 1.0 / (2.0 * h))
-    });
+    })
+}
+
+/// The step δ with (JᵀJ + μ diag(JᵀJ)) δ = −Jᵀ f.
+fn step(transposed: &[Vector; 3], f: Vector, damping: f64) -> Vector {
     let mut normal = transposed.map(|a| transposed.map(|b| dot(a, b)));
     for (i, row) in normal.iter_mut().enumerate() {
         row[i] *= 1.0 + damping;
@@ -169,7 +176,7 @@ mod tests {
     fn what_no_surface_is_has_none() {
         for (space, target) in [
             (ColorSpace::Rec709, [1.1, 1.0, 1.0]),
-            (ColorSpace::Rec709, [-0.3, 0.5, 0.5]),
+            (ColorSpace::Rec709, [-1.0, 0.5, 0.5]),
             (ColorSpace::Rec2020, [0.0, 1.0, 0.0]),
             (ColorSpace::AcesCg, [0.0, 0.0, 1e-3]),
             (ColorSpace::Rec709, [f64::NAN, 0.5, 0.5]),
