@@ -245,10 +245,56 @@ fn srgb_decoded(code: u8) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::spectrum::{Curve, Lines, Observer};
 
     /// `powf` is good to a few units in the last place.
     const ROUNDING: f64 = 1e-15;
+
+    /// Sums of 471 terms.
+    const SUMS: f64 = 1e-13;
+
+    /// A color and the one found for it.
+    const SOLVED: f64 = 1e-11;
+
+    fn palette(transport: Transport, space: ColorSpace) -> Palette {
+        let mut scene = Scene::builtin();
+        scene.image.transport.value = transport;
+        scene.image.color_space.value = space;
+        Palette::new(&scene)
+    }
+
+    fn rec709(rgb: Vector) -> Value {
+        let space = ColorSpace::Rec709;
+        Value::Rgb { rgb, space }
+    }
+
+    fn reddish() -> Value {
+        let points = (vec![400.0, 700.0], vec![0.1, 0.8]);
+        Value::Curve(Arc::new(Curve::new(points.0, points.1).unwrap()))
+    }
+
+    fn sodium() -> Value {
+        Value::Lines(Arc::new(
+            Lines::new(vec![[589.0, 0.5], [589.6, 0.5]]).unwrap(),
+        ))
+    }
+
+    fn sized(unit: Unit, amount: f64, color: Value) -> Value {
+        let color = Box::new(color);
+        Value::Sized {
+            unit,
+            amount,
+            color,
+        }
+    }
+
+    fn assert_near(actual: Vector, expected: Vector, tolerance: f64) {
+        let near = |i: usize| (actual[i] - expected[i]).abs() <= tolerance * expected[i].abs();
+        assert!((0..3).all(near), "{actual:?}, expected {expected:?}");
+    }
 
     #[test]
     fn srgb_codes() {
@@ -264,5 +310,119 @@ mod tests {
         ] {
             assert!((srgb_decoded(code) - linear).abs() < ROUNDING, "{code}");
         }
+    }
+
+    #[test]
+    fn rgb_is_taken_as_it_stands() {
+        let palette = palette(Transport::Auto, ColorSpace::Rec709);
+        for (value, rgb) in [
+            (Value::Uniform(0.5), [0.5; 3]),
+            (rec709([0.1, 0.2, 0.3]), [0.1, 0.2, 0.3]),
+            (Value::Srgb([255, 0, 255]), [1.0, 0.0, 1.0]),
+        ] {
+            assert_eq!(palette.light(&value), Components(rgb.to_vec()));
+            assert_eq!(palette.reflectance(&value), Components(rgb.to_vec()));
+        }
+    }
+
+    #[test]
+    fn spectra_of_colors_look_like_them() {
+        for space in ColorSpace::ALL {
+            let palette = palette(Transport::Spectral, space);
+            for rgb in [[0.7, 0.3, 0.2], [30.0, 20.0, 1.0], [0.25; 3], [8.0; 3]] {
+                let expected = converted(rgb, ColorSpace::Rec709, space);
+                assert_near(palette.seen(&palette.light(&rec709(rgb))), expected, SOLVED);
+                let reflectance = palette.reflectance(&rec709(rgb));
+                assert_near(palette.under_white(&reflectance), expected, SOLVED);
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_are_kept() {
+        let palette = palette(Transport::Spectral, ColorSpace::Rec2020);
+        for color in [
+            reddish(),
+            sodium(),
+            Value::Blackbody(3200.0),
+            Value::Daylight(5600.0),
+        ] {
+            let light = |unit, amount| palette.light(&sized(unit, amount, color.clone()));
+            for (found, expected) in [
+                (
+                    palette.colorimetry.luminous(&light(Unit::Candela, 120.0)),
+                    120.0,
+                ),
+                (
+                    palette.colorimetry.luminous(&light(Unit::Lumens, 800.0)) * 4.0 * PI,
+                    800.0,
+                ),
+                (light(Unit::WattsPerSteradian, 0.5).sum(), 0.5),
+                (light(Unit::Watts, 6.0).sum() * 4.0 * PI, 6.0),
+            ] {
+                assert!(
+                    (found / expected - 1.0).abs() < SUMS,
+                    "{found}, expected {expected}"
+                );
+            }
+        }
+        // White is illuminant D65, and candela are those of each channel.
+        let white = palette.light(&sized(Unit::Candela, 120.0, Value::Uniform(1.0)));
+        assert_near(palette.seen(&white), [120.0; 3], SUMS);
+    }
+
+    /// What a scene holds, carried as RGB, looks the same where no two spectra meet.
+    #[test]
+    fn spectra_carried_as_rgb_are_their_colors() {
+        for space in ColorSpace::ALL {
+            let [rgb, spectral] =
+                [Transport::Rgb, Transport::Spectral].map(|transport| palette(transport, space));
+            for light in [
+                reddish(),
+                sodium(),
+                sized(Unit::Watts, 2.0, rec709([0.2, 0.4, 0.9])),
+                sized(Unit::Lumens, 2.0, rec709([0.2, 0.4, 0.9])),
+            ] {
+                let expected = spectral.seen(&spectral.light(&light));
+                assert_near(rgb.seen(&rgb.light(&light)), expected, SOLVED);
+            }
+            let expected = spectral.under_white(&spectral.reflectance(&reddish()));
+            assert_near(
+                rgb.under_white(&rgb.reflectance(&reddish())),
+                expected,
+                SUMS,
+            );
+        }
+        // The yellow of sodium is outside of Rec.709.
+        let palette = palette(Transport::Rgb, ColorSpace::Rec709);
+        let [red, green, blue] = palette.seen(&palette.light(&sodium()));
+        assert!(red > green && green > 0.0 && blue < 0.0);
+    }
+
+    #[test]
+    fn spectra_or_watts_make_a_scene_spectral() {
+        let with_light = |value: Value| {
+            let mut scene = Scene::builtin();
+            let Light::Point { intensity, .. } = &mut scene.lights[0].value;
+            intensity.value = value;
+            Palette::new(&scene).is_spectral()
+        };
+        assert!(!with_light(rec709([1.0, 2.0, 3.0])));
+        assert!(!with_light(sized(
+            Unit::Lumens,
+            1.0,
+            Value::Srgb([1, 2, 3])
+        )));
+        assert!(with_light(sized(Unit::Watts, 1.0, Value::Srgb([1, 2, 3]))));
+        assert!(with_light(sized(Unit::Lumens, 1.0, sodium())));
+        assert!(with_light(reddish()));
+        let mut scene = Scene::builtin();
+        scene.image.background.value = reddish();
+        assert!(Palette::new(&scene).is_spectral());
+        scene.image.transport.value = Transport::Rgb;
+        assert!(!Palette::new(&scene).is_spectral());
+        scene.image.observer.value = Observer::Cie1964;
+        scene.image.transport.value = Transport::Spectral;
+        assert!(Palette::new(&scene).is_spectral());
     }
 }

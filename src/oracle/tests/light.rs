@@ -236,3 +236,39 @@ fn nothing_but_background() {
     assert!(explanation.hit.is_none() && explanation.lights.is_empty());
     assert_eq!(explanation.radiance, [0.25; 3]);
 }
+
+/// L_o(λ) = I(λ) k_d(λ) / d² straight under the lamp, and its luminance by 683 lm/W ∫ L_o ȳ dλ.
+#[test]
+fn spectra_are_multiplied_wavelength_by_wavelength() {
+    let curve = |values: [f64; 2]| {
+        let curve = crate::spectrum::Curve::new(vec![360.0, 830.0], values.to_vec());
+        Value::Curve(Arc::new(curve.unwrap()))
+    };
+    let mut scene = Builder::looking([1.0, 2.0, 1.0], [0.0; 3])
+        .plane([0.0; 3], [0.0, 1.0, 0.0])
+        .light([0.0, 2.0, 0.0], 1.0);
+    let Light::Point { intensity, .. } = &mut scene.0.lights[0].value;
+    intensity.value = curve([0.02, 0.01]);
+    let Material::Phong(lobes) = &mut scene.0.materials[0].value else {
+        unreachable!("the builder's material is phong");
+    };
+    lobes.diffuse.value = curve([0.0, 1.0]);
+    let oracle = scene.oracle();
+    let spectrum = oracle.spectral_radiance(0.5, 0.5).unwrap();
+    let mut luminance = 0.0;
+    let matching = crate::spectrum::tables::cie_1931().column("y");
+    for (i, (&radiance, y)) in spectrum.iter().zip(matching).enumerate() {
+        let part = i as f64 / 470.0;
+        assert_near(radiance, (0.02 - 0.01 * part) * part / 4.0, ROUNDING);
+        luminance += 683.0 * radiance * y;
+    }
+    let explanation = oracle.explain(0.5, 0.5);
+    assert_eq!(explanation.radiance, oracle.radiance(0.5, 0.5).radiance);
+    assert_eq!(explanation.radiance, explanation.lights[0].unoccluded);
+    let [r, g, b] = explanation.radiance;
+    // The white of Rec.709 is that of illuminant D65 to 3e-4.
+    assert_near(0.2126 * r + 0.7152 * g + 0.0722 * b, luminance, 5e-4);
+    // The product of the RGB is another.
+    let light = &explanation.lights[0];
+    assert!((light.incident[0] * light.diffuse[0] / r - 1.0).abs() > 1e-3);
+}
