@@ -37,9 +37,10 @@ const FLIPS: f64 = 5e-4;
 /// ray by, far below what a viewer sees.
 const NEARBY: f64 = 1e-5;
 
-/// Columns of the images of scene files: a prime, so that no regular scene has its edges exactly in
-/// the centers of pixels.
-const WIDTH: u32 = 97;
+/// Columns of the images of scene files: twice a prime. Even, so that a divider that is seen edge-on
+/// in the middle lies between pixels; and no more than that, so that the edges of regular charts do not
+/// lie in the centers of pixels.
+const WIDTH: u32 = 94;
 
 /// Surfaces to be gone through for one image of a scene file: the oracle has no tree.
 const BUDGET: f64 = 3e8;
