@@ -17,11 +17,11 @@
 //! | L8 | r = r_d + r_s | `lighting`: `phong`, `normalized_phong` |
 //! | L9 | L_o = Σ L_i r V | [`Oracle::radiance`] |
 //!
-//! L3 and L5 to L9 hold color by color, whatever the number of components: three where light is
+//! L3 and L5 to L9 hold component by component, however many a color has: three where light is
 //! carried as RGB, 471 where it is carried spectrally. Only what comes out is made RGB of the
 //! scene's color space.
 //!
-//! | | what | function |
+//! | | what | module |
 //! | --- | --- | --- |
 //! | spectra | illuminants, daylight, black bodies, curves, lines | `spectrum` |
 //! | X = K_m ∫ S x̄ dλ | colors of spectra, Bradford's adaptation, RGB spaces | `colorimetry` |
