@@ -18,8 +18,9 @@ const KNOTS: Vector = [610.0, 540.0, 450.0];
 /// out of reach are further away by far.
 const TOLERANCE: f64 = 1e-6;
 
-/// Steps after which what is not reached is out of reach.
-const STEPS: usize = 100;
+/// Steps after which what is not reached is out of reach. Most colors take ten; just within the
+/// limit, where the knots' values grow without bound, it is hundreds.
+const STEPS: usize = 400;
 
 /// For the differences: the error of a central one, h², is as small as that of its rounding, ε/h.
 const DIFFERENCE: f64 = 1e-5;
