@@ -43,7 +43,7 @@
 //! | [`shading`] | how much light goes from there to the viewer (L3, L5 to L9) |
 //! | [`film`] | pixels: tiles, samples, the box filter, and OpenEXR out and in |
 //! | [`display`] | EXR to PNG: exposure, view, sRGB |
-//! | [`oracle`] | the equations in f64 by brute force, from the scene as written: the truth for tests and `candela probe`; it shares nothing else with the renderer |
+//! | [`oracle`] | the equations in f64 by brute force, from the scene as written: the truth for tests and `candela probe`; it shares nothing else with the renderer but the CIE's tables |
 //!
 //! The command line is a program on top of these.
 //!

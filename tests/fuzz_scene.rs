@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::Path;
 
+use candela::oracle::Oracle;
 use candela::scene::{Diagnostics, Reading, Scene};
 use candela::world::World;
 
 use crate::fuzzing;
 use crate::images::scene_files;
 
-/// Where a mesh is.
+/// Where a mesh and a curve are.
 const FOLDER: &str = "tests/bad_scenes";
 
 /// Cases by default: `CANDELA_FUZZ` is for more.
@@ -51,16 +52,48 @@ translate = [0, 0.5, 0]
 smooth = false
 "##;
 
-/// The files of `scenes/` that are whole without a mesh file: to read those over and over is for
-/// another test.
+/// A scene with every notation for light and color that [`ALL_SECTIONS`] has not.
+const ALL_NOTATIONS: &str = r##"
+[image]
+resolution = [64, 48]
+color_space = "acescg"
+observer = "1964"
+background = { lines = [[589.0, 5e-4], [589.6, 2.5e-4]] }
+transport = "spectral"
+
+[camera.perspective]
+eye = [0, 1, 5]
+look_at = [0, 0.5, 0]
+vertical_fov = 40
+
+[materials]
+cloth.phong = { diffuse = { wavelengths = [400, 550.5, 700], values = [0.1, 0.9, 0] } }
+paint.normalized_phong = { diffuse = { file = "curve.csv" } }
+glaze.phong = { diffuse = "#c86432", specular = [3, 2, 2.5], shininess = 9.5 }
+
+[lights]
+a.point = { position = [1, 2, 3], intensity = { candela = 120, color = { illuminant = "F11" } } }
+b.point = { position = [1, 2, 3], intensity = { lumens = 8e2, color = { daylight = 5600 } } }
+c.point = { position = [1, 2, 3], intensity = { watts_per_steradian = 0.5, color = { blackbody = 3200 } } }
+d.point = { position = [1, 2, 3], intensity = { watts = 6, color = { rgb = [1, 0.5, 0.25], space = "p3-d65" } } }
+e.point = { position = [1, 2, 3], intensity = { watts_per_steradian_nm = 0.002 } }
+f.point = { position = [1, 2, 3], intensity = { watts_per_steradian_nm = { file = "curve.csv" } } }
+g.point = { position = [1, 2, 3], intensity = { lines = [[436, 0.25], [546.1, 0.125]] } }
+
+[objects]
+ball.sphere = { material = "cloth", center = [0, 0, 0], radius = 1 }
+floor.plane = { material = "paint", point = [0, 0, 0], normal = [0, 1, 0] }
+wall.plane = { material = "glaze", point = [0, 0, -3], normal = [0, 0, 1] }
+"##;
+
+/// The files of `scenes/` that are whole without another file: to read those over and over is for
+/// another test. And what they leave out.
 fn legal() -> Vec<Vec<u8>> {
-    let files = scene_files()
-        .into_iter()
-        .map(|path| fs::read(path).unwrap());
-    let mut scenes: Vec<Vec<u8>> = files
-        .filter(|text| !String::from_utf8_lossy(text).contains(".mesh]"))
-        .collect();
-    scenes.push(ALL_SECTIONS.as_bytes().to_vec());
+    let files = scene_files().into_iter();
+    let whole = files.filter(|path| Scene::load(path).unwrap().files().len() == 1);
+    let mut scenes: Vec<Vec<u8>> = whole.map(|path| fs::read(path).unwrap()).collect();
+    assert!(scenes.len() >= 10, "{}", scenes.len());
+    scenes.extend([ALL_SECTIONS, ALL_NOTATIONS].map(|text| text.as_bytes().to_vec()));
     scenes
 }
 
@@ -88,8 +121,124 @@ fn read(bytes: &[u8]) -> Result<World, Diagnostics> {
 #[test]
 fn the_corpus_has_legal_scenes() {
     for text in legal() {
-        assert_eq!(fuzzing::check(&text, read), Ok(true));
+        let shown = String::from_utf8_lossy(&text);
+        assert_eq!(fuzzing::check(&text, read), Ok(true), "{shown}");
     }
+}
+
+/// Numbers of consequence for temperatures, wavelengths and amounts.
+const NUMBERS: [&str; 9] = [
+    "0", "1", "-1", "0.5", "830", "4000", "1e308", "5e-324", "nan",
+];
+
+/// Tables that are, or nearly are, values; `#` is to be a number.
+const NOTATIONS: [&str; 34] = [
+    "#",
+    "[#, 0.5, 0.25]",
+    "[#, #, #]",
+    "{ rgb = [0.5, #, 0.25], space = \"rec709\" }",
+    "{ rgb = [0.5, #, 0.25], space = \"p3-d65\" }",
+    "{ rgb = [#, 0.25, 0.25], space = \"rec2020\" }",
+    "{ rgb = [#, 0, 0], space = \"acescg\" }",
+    "{ rgb = [0, 0.1, #], space = \"acescg\" }",
+    "{ illuminant = \"D65\" }",
+    "{ illuminant = # }",
+    "{ daylight = # }",
+    "{ blackbody = # }",
+    "{ wavelengths = [400, #], values = [0.5, 0.25] }",
+    "{ wavelengths = [#, 700], values = [0.5, 0.25] }",
+    "{ wavelengths = [400, 700], values = [#, 0.25] }",
+    "{ wavelengths = [400, 700], values = [#, #] }",
+    "{ wavelengths = [#], values = [0.5] }",
+    "{ wavelengths = [], values = [] }",
+    "{ wavelengths = [400, 700], values = # }",
+    "{ file = \"curve.csv\" }",
+    "{ file = \"triangle.obj\" }",
+    "{ file = \".\" }",
+    "{ lines = [[#, 0.5]] }",
+    "{ lines = [[500, #]] }",
+    "{ lines = [] }",
+    "{ candela = # }",
+    "{ candela = #, color = [0, 0, 0] }",
+    "{ candela = 3, color = { blackbody = # } }",
+    "{ candela = 1, color = { candela = # } }",
+    "{ lumens = #, color = { rgb = [0, 0, 1], space = \"p3-d65\" } }",
+    "{ watts = #, color = { daylight = 5000 } }",
+    "{ watts_per_steradian = #, color = { lines = [[500, 0]] } }",
+    "{ watts_per_steradian_nm = # }",
+    "{ watts_per_steradian_nm = { wavelengths = [300, 900], values = [#, 1] } }",
+];
+
+/// A small scene with places for values.
+const PLACES: &str = "
+[image]
+resolution = [2, 2]
+transport = \"TRANSPORT\"
+background = BACKGROUND
+
+[camera.orthographic]
+eye = [0, 0, 5]
+look_at = [0, 0, 0]
+height = 3
+
+[materials.m.MODEL]
+diffuse = DIFFUSE
+specular = SPECULAR
+shininess = 10
+
+[lights.l.point]
+position = [1, 2, 3]
+intensity = INTENSITY
+
+[objects.o.sphere]
+material = \"m\"
+center = [0, 0, 0]
+radius = 1
+";
+
+/// Any value anywhere is taken or refused, with a message. The oracle gives some number for what is
+/// refused.
+#[test]
+fn values_of_every_kind_in_every_place() {
+    let read = |bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        let scene = Reading::of_text(text, &Path::new(FOLDER).join("fuzzed.toml")).complete()?;
+        Oracle::new(&scene).radiance(1.0, 1.0);
+        World::new(&scene)
+    };
+    let (mut accepted, mut refused) = (0, 0);
+    for (i, notation) in NOTATIONS.iter().enumerate() {
+        let numbers = if notation.contains('#') {
+            NUMBERS.len()
+        } else {
+            1
+        };
+        for (j, number) in NUMBERS[..numbers].iter().enumerate() {
+            let value = notation.replace('#', number);
+            for (k, place) in ["BACKGROUND", "DIFFUSE", "SPECULAR", "INTENSITY"]
+                .iter()
+                .enumerate()
+            {
+                let transport = ["auto", "rgb", "spectral"][(i + j + k) % 3];
+                let model = ["phong", "normalized_phong"][(i + j) % 2];
+                let text = PLACES
+                    .replace(place, &value)
+                    .replace("TRANSPORT", transport)
+                    .replace("MODEL", model)
+                    .replace("INTENSITY", "10")
+                    .replace("SPECULAR", "0.25")
+                    .replace("DIFFUSE", "0.5")
+                    .replace("BACKGROUND", "0");
+                match fuzzing::check(text.as_bytes(), read) {
+                    Ok(true) => accepted += 1,
+                    Ok(false) => refused += 1,
+                    Err(broken) => panic!("{broken}\n{text}"),
+                }
+            }
+        }
+    }
+    println!("{accepted} accepted, {refused} refused");
+    assert!(accepted > 150 && refused > 150, "{accepted} {refused}");
 }
 
 #[test]

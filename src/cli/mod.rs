@@ -97,7 +97,9 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         Command::Tonemap(arguments) => tonemap::run(arguments, unfinished, &mut io::stderr()),
         Command::Check(arguments) => check::run(arguments, &mut io::stdout().lock()),
         Command::Probe(arguments) => {
-            let (scene, world) = World::load(&arguments.scene)?;
+            let (scene, world) = World::load_with(&arguments.scene, |scene| {
+                probe::prepare(arguments, scene);
+            })?;
             let renderer = |[x, y]: [u32; 2]| {
                 let pixel = Window {
                     x,

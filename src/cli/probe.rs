@@ -1,14 +1,17 @@
 //! `candela probe`: the lecture's equation at one pixel, term by term, light by light.
 
+mod range;
 mod table;
 
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 use candela::oracle::{Explanation, Oracle};
-use candela::scene::Scene;
+use candela::scene::{Scene, Transport};
+use candela::spectrum;
 use serde::Serialize;
 
+use range::Range;
 use table::table;
 
 /// Explain one pixel: every term of the equation, light by light, with its numbers
@@ -20,6 +23,10 @@ use table::table;
 Examples:
   candela probe scene.toml --pixel 640,360
       The pixel in the middle of a 1280 × 720 image, as a table
+  candela probe scene.toml --pixel 640,360 --spectrum
+      The same, with the radiance at every tenth nm from 380 to 780
+  candela probe scene.toml --pixel 640,360 --spectrum=580:600:1
+      The same, around the lines of sodium
   candela probe scene.toml --pixel 0,0 --json
       The pixel at the top left, as JSON")]
 pub(crate) struct Arguments {
@@ -30,6 +37,17 @@ pub(crate) struct Arguments {
     /// The pixel's column and row; 0,0 is at the top left
     #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
     pixel: [u32; 2],
+
+    /// Add the radiance wavelength by wavelength, from START to END nm, every STEP nm; a scene of
+    /// RGB values alone is computed spectrally for that, unless it says `transport = "rgb"`
+    #[arg(
+        long,
+        value_name = "START:END:STEP",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = Range::DEFAULT,
+    )]
+    spectrum: Option<Range>,
 
     /// Write JSON, with all digits
     #[arg(long)]
@@ -50,6 +68,12 @@ pub(crate) enum ProbeError {
         pixel: [u32; 2],
         resolution: [u32; 2],
     },
+    /// A spectrum was asked for where light has none.
+    #[error(
+        "there is no spectrum, because the scene says `transport = \"rgb\"`; leave that line out, \
+         or probe without --spectrum"
+    )]
+    NoSpectrum,
     /// The output cannot be written.
     #[error("cannot write the explanation: {0}")]
     Output(#[from] io::Error),
@@ -63,8 +87,21 @@ struct Report {
     /// The equations, in f64 at the pixel's center.
     #[serde(flatten)]
     explanation: Explanation,
+    /// The radiance wavelength by wavelength, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    spectrum: Option<SpectralRadiance>,
     /// What the renderer makes of the same point.
     renderer: Rendered,
+}
+
+/// L9 wavelength by wavelength.
+#[derive(Debug, Serialize)]
+struct SpectralRadiance {
+    /// In nm.
+    wavelengths: Vec<u32>,
+    /// L_o(λ) at each.
+    radiance: Vec<f64>,
+    unit: &'static str,
 }
 
 /// The renderer's value beside the equations'.
@@ -76,12 +113,21 @@ struct Rendered {
     difference: [f64; 3],
 }
 
+/// Makes a scene that leaves it open be computed spectrally, if a spectrum is asked for.
+pub(crate) fn prepare(arguments: &Arguments, scene: &mut Scene) {
+    let transport = &mut scene.image.transport.value;
+    if arguments.spectrum.is_some() && *transport == Transport::Auto {
+        *transport = Transport::Spectral;
+    }
+}
+
 /// Explains one pixel of a legal scene. `renderer` gives the radiance that the renderer finds at
 /// the center of a pixel; it is asked only if the image has that pixel.
 ///
 /// # Errors
-/// [`ProbeError::Outside`] for a pixel that the image does not have, [`ProbeError::Output`] where
-/// `output` cannot be written.
+/// [`ProbeError::Outside`] for a pixel that the image does not have, [`ProbeError::NoSpectrum`] where
+/// one is asked for and light is carried as RGB, [`ProbeError::Output`] where `output` cannot be
+/// written.
 pub(crate) fn run(
     arguments: &Arguments,
     scene: &Scene,
@@ -93,12 +139,27 @@ pub(crate) fn run(
         return Err(ProbeError::Outside { pixel, resolution });
     }
     let [px, py] = pixel.map(|coordinate| f64::from(coordinate) + 0.5);
-    let explanation = Oracle::new(scene).explain(px, py);
+    let oracle = Oracle::new(scene);
+    let spectrum = match arguments.spectrum {
+        None => None,
+        Some(range) => {
+            let radiance = oracle.spectral_radiance(px, py);
+            let radiance = radiance.ok_or(ProbeError::NoSpectrum)?;
+            let place = |nm: u32| (nm - spectrum::FIRST) as usize;
+            Some(SpectralRadiance {
+                wavelengths: range.wavelengths().collect(),
+                radiance: range.wavelengths().map(|nm| radiance[place(nm)]).collect(),
+                unit: "W.m^-2.sr^-1.nm^-1",
+            })
+        }
+    };
+    let explanation = oracle.explain(px, py);
     let radiance = renderer(pixel);
     let difference = std::array::from_fn(|i| f64::from(radiance[i]) - explanation.radiance[i]);
     let report = Report {
         pixel,
         explanation,
+        spectrum,
         renderer: Rendered {
             radiance,
             difference,

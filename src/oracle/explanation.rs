@@ -9,15 +9,30 @@ use super::{Oracle, PointLight};
 
 /// L9 at one point of the image with all its terms, as `candela probe --json` writes it.
 ///
-/// Lengths are in meters, positions and directions in world space, colors linear Rec.709.
+/// Lengths are in meters, positions and directions in world space, colors linear RGB of the scene's
+/// color space. Where light is carried spectrally, light is given as the observer sees it, and a
+/// reflectance as it looks under white light, illuminant D65: their products are taken wavelength by
+/// wavelength, so that those of the RGB are others.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Explanation {
+    /// How light is carried.
+    pub transport: TransportUsed,
     /// What the primary ray hits (L1, L2); `None` where that is nothing.
     pub hit: Option<HitTerms>,
     /// The terms of the sum, in the order of the file; empty where nothing is hit.
     pub lights: Vec<LightTerms>,
     /// L9: L_o in cd/m²; the background where nothing is hit.
     pub radiance: [f64; 3],
+}
+
+/// How light is carried from the lamps to the viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TransportUsed {
+    /// In three channels.
+    Rgb,
+    /// Wavelength by wavelength.
+    Spectral,
 }
 
 /// The nearest surface along the primary ray.
@@ -58,7 +73,8 @@ pub struct MaterialTerms {
     pub shininess: Option<f64>,
 }
 
-/// One light's term of L9: `radiance` = `incident` · (`diffuse` + `specular`) · V.
+/// One light's term of L9: `radiance` = `incident` · (`diffuse` + `specular`) · V, channel by channel
+/// where light is carried as RGB, else wavelength by wavelength and not of these RGB.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LightTerms {
     /// The light's name.
@@ -87,6 +103,9 @@ pub struct LightTerms {
     pub visible: bool,
     /// The name of the object that stands between, the nearest to p; `None` where V is 1.
     pub occluder: Option<String>,
+    /// L_i r in cd/m²: what the light's share would be with V = 1; 0 where the light is below the
+    /// surface.
+    pub unoccluded: [f64; 3],
     /// The light's share of L9 in cd/m².
     pub radiance: [f64; 3],
 }
@@ -120,8 +139,8 @@ impl Oracle {
                     Model::Phong => "phong",
                     Model::NormalizedPhong => "normalized_phong",
                 },
-                diffuse: object.material.diffuse,
-                specular: object.material.specular,
+                diffuse: self.palette.under_white(&object.material.diffuse),
+                specular: self.palette.under_white(&object.material.specular),
                 shininess: object.material.shininess,
             },
             position: add(hit.position, self.reference),
@@ -141,19 +160,20 @@ impl Oracle {
         };
         LightTerms {
             name: light.name.clone(),
-            intensity: light.intensity,
+            intensity: self.palette.seen(&light.intensity),
             distance: term.distance,
-            incident: term.incident,
+            incident: self.palette.seen(&term.incident),
             to_light: term.to_light,
             cos_incident: term.cos_incident,
             reflected: term.reflected,
             cos_lobe: term.cos_lobe,
-            diffuse: term.reflectance.diffuse,
-            specular: term.reflectance.specular,
+            diffuse: self.palette.under_white(&term.reflectance.diffuse),
+            specular: self.palette.under_white(&term.reflectance.specular),
             outcome: term.outcome,
             visible: occluder.is_none(),
             occluder: occluder.map(|surface| self.object(surface).name.clone()),
-            radiance: term.radiance,
+            unoccluded: self.palette.seen(&term.unoccluded),
+            radiance: self.palette.seen(&term.radiance),
         }
     }
 }

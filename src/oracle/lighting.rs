@@ -1,12 +1,14 @@
 //! L3 and L5 to L8: light that arrives, and how a surface reflects it.
 
-use super::value::linear_rgb;
-use super::vector::{Vector, ZERO, add, dot, scale, subtract};
+use super::components::Components;
+use super::value::Palette;
+use super::vector::{Vector, dot, scale, subtract};
 use crate::scene;
 
-/// L3: L_i = I / d², the light that a point light sends to a point at distance d, in lux.
-pub(super) fn incident_light(intensity: Vector, distance: f64) -> Vector {
-    scale(intensity, 1.0 / (distance * distance))
+/// L3: L_i = I / d², the light that a point light sends to a point at distance d: in lux, or in
+/// W·m⁻²·nm⁻¹.
+pub(super) fn incident_light(intensity: &Components, distance: f64) -> Components {
+    intensity.scaled(1.0 / (distance * distance))
 }
 
 /// The cosine of the angle between two unit vectors; below 0 it counts as 0.
@@ -15,8 +17,8 @@ pub(super) fn cosine(a: Vector, b: Vector) -> f64 {
 }
 
 /// L5: r_d = k_d cos(n, ω_i), Lambert's diffuse reflectance.
-pub(super) fn diffuse_reflectance(k_d: Vector, cos_incident: f64) -> Vector {
-    scale(k_d, cos_incident)
+pub(super) fn diffuse_reflectance(k_d: &Components, cos_incident: f64) -> Components {
+    k_d.scaled(cos_incident)
 }
 
 /// L6: ω_r = 2 (n·ω_i) n − ω_i, the ideal reflection direction.
@@ -25,28 +27,23 @@ pub(super) fn ideal_reflection(n: Vector, to_light: Vector) -> Vector {
 }
 
 /// L7: r_s = k_s cosⁿ(ω_o, ω_r), the specular reflectance with shininess n.
-pub(super) fn specular_reflectance(k_s: Vector, cos_lobe: f64, shininess: f64) -> Vector {
-    scale(k_s, cos_lobe.powf(shininess))
+pub(super) fn specular_reflectance(k_s: &Components, cos_lobe: f64, shininess: f64) -> Components {
+    k_s.scaled(cos_lobe.powf(shininess))
 }
 
 /// L8: r = r_d + r_s, kept apart, in sr⁻¹: the radiance per lux from a light at ω_i.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Reflectance {
     /// r_d
-    pub(super) diffuse: Vector,
+    pub(super) diffuse: Components,
     /// r_s
-    pub(super) specular: Vector,
+    pub(super) specular: Components,
 }
 
 impl Reflectance {
-    pub(super) const ZERO: Self = Self {
-        diffuse: ZERO,
-        specular: ZERO,
-    };
-
     /// L8: r = r_d + r_s.
-    pub(super) fn sum(&self) -> Vector {
-        add(self.diffuse, self.specular)
+    pub(super) fn sum(&self) -> Components {
+        self.diffuse.plus(&self.specular)
     }
 }
 
@@ -57,37 +54,47 @@ pub(super) enum Model {
     NormalizedPhong,
 }
 
-/// A material with its colors as linear Rec.709.
-#[derive(Clone, Copy, Debug)]
+/// A material with its colors as components.
+#[derive(Clone, Debug)]
 pub(super) struct Material {
     pub(super) model: Model,
     /// k_d or ρ_d
-    pub(super) diffuse: Vector,
+    pub(super) diffuse: Components,
     /// k_s or ρ_s
-    pub(super) specular: Vector,
+    pub(super) specular: Components,
     /// n, where it was written. A lobe without n reflects nothing: a legal one has k_s = 0.
     pub(super) shininess: Option<f64>,
 }
 
 impl Material {
     /// A surface that reflects nothing.
-    pub(super) const BLACK: Self = Self {
-        model: Model::Phong,
-        diffuse: ZERO,
-        specular: ZERO,
-        shininess: None,
-    };
+    pub(super) fn black(palette: &Palette) -> Self {
+        Self {
+            model: Model::Phong,
+            diffuse: palette.black(),
+            specular: palette.black(),
+            shininess: None,
+        }
+    }
 
-    pub(super) fn new(material: &scene::Material) -> Self {
+    pub(super) fn new(material: &scene::Material, palette: &Palette) -> Self {
         let (model, lobes) = match material {
             scene::Material::Phong(lobes) => (Model::Phong, lobes),
             scene::Material::NormalizedPhong(lobes) => (Model::NormalizedPhong, lobes),
         };
         Self {
             model,
-            diffuse: linear_rgb(&lobes.diffuse.value),
-            specular: linear_rgb(&lobes.specular.value),
+            diffuse: palette.reflectance(&lobes.diffuse.value),
+            specular: palette.reflectance(&lobes.specular.value),
             shininess: lobes.shininess.as_ref().map(|shininess| shininess.value),
+        }
+    }
+
+    /// No reflectance, of as many components.
+    pub(super) fn nothing(&self) -> Reflectance {
+        Reflectance {
+            diffuse: self.diffuse.zero(),
+            specular: self.specular.zero(),
         }
     }
 
@@ -102,10 +109,10 @@ impl Material {
     /// L8, the lecture's model to the letter: r = k_d cos(n, ω_i) + k_s cosⁿ(ω_o, ω_r).
     fn phong(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
         Reflectance {
-            diffuse: diffuse_reflectance(self.diffuse, cos_incident),
+            diffuse: diffuse_reflectance(&self.diffuse, cos_incident),
             specular: match self.shininess {
-                Some(n) => specular_reflectance(self.specular, cos_lobe, n),
-                None => ZERO,
+                Some(n) => specular_reflectance(&self.specular, cos_lobe, n),
+                None => self.specular.zero(),
             },
         }
     }
@@ -115,13 +122,11 @@ impl Material {
     fn normalized_phong(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
         use std::f64::consts::{FRAC_1_PI, TAU};
         Reflectance {
-            diffuse: diffuse_reflectance(scale(self.diffuse, FRAC_1_PI), cos_incident),
+            diffuse: diffuse_reflectance(&self.diffuse.scaled(FRAC_1_PI), cos_incident),
             specular: match self.shininess {
-                Some(n) => scale(
-                    specular_reflectance(self.specular, cos_lobe, n),
-                    (n + 2.0) / TAU * cos_incident,
-                ),
-                None => ZERO,
+                Some(n) => specular_reflectance(&self.specular, cos_lobe, n)
+                    .scaled((n + 2.0) / TAU * cos_incident),
+                None => self.specular.zero(),
             },
         }
     }

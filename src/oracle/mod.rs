@@ -1,8 +1,9 @@
 //! The lecture's equations in plain f64: the truth that the renderer is compared with.
 //!
 //! One small function for each equation, brute force, from the scene as it was written. Nothing
-//! here is shared with the renderer, neither its vectors nor its materials nor its search for the
-//! nearest hit, so that no mistake can hide on both sides.
+//! here is shared with the renderer but the published tables of the CIE, neither its vectors nor its
+//! materials nor its colors nor its search for the nearest hit, so that no mistake can hide on both
+//! sides.
 //!
 //! | | equation | function |
 //! | --- | --- | --- |
@@ -16,6 +17,17 @@
 //! | L8 | r = r_d + r_s | `lighting`: `phong`, `normalized_phong` |
 //! | L9 | L_o = Σ L_i r V | [`Oracle::radiance`] |
 //!
+//! L3 and L5 to L9 hold component by component, however many a color has: three where light is
+//! carried as RGB, 471 where it is carried spectrally. Only what comes out is made RGB of the
+//! scene's color space.
+//!
+//! | | what | module |
+//! | --- | --- | --- |
+//! | spectra | illuminants, daylight, black bodies, curves, lines | `spectrum` |
+//! | X = K_m ∫ S x̄ dλ | colors of spectra, Bradford's adaptation, RGB spaces | `colorimetry` |
+//! | R = ½ + x / (2 √(1 + x²)) | reflectances of colors (Jakob & Hanika 2019) | `upsampling` |
+//! | | values in all notations | `value` |
+//!
 //! All positions are taken relative to the eye before anything else, so that a scene far from the
 //! origin loses no precision.
 //!
@@ -24,13 +36,17 @@
 //! background.
 
 mod camera;
+mod colorimetry;
+mod components;
 mod explanation;
 mod hit;
 mod lighting;
 mod occlusion;
+mod spectrum;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod upsampling;
 mod value;
 mod vector;
 
@@ -38,13 +54,14 @@ use crate::scene::mesh::MeshGroup;
 use crate::scene::{Light, Object, Scene};
 
 use camera::{Camera, Ray};
-pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
+use components::Components;
+pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, TransportUsed};
 use hit::{Hit, starts_inwards};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
 use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
 use surface::{Shape, Surface};
-use value::linear_rgb;
-use vector::{Vector, ZERO, add, dot, length, multiply, scale, subtract, unit};
+use value::Palette;
+use vector::{Vector, ZERO, dot, length, subtract, unit};
 
 /// A scene, ready for the equations.
 #[derive(Clone, Debug)]
@@ -53,8 +70,9 @@ pub struct Oracle {
     /// The eye as written: the origin of all positions below.
     reference: Vector,
     camera: Camera,
+    palette: Palette,
     /// Radiance where nothing is hit.
-    background: Vector,
+    background: Components,
     /// In the order of the file, each mesh triangle by triangle.
     surfaces: Vec<Surface>,
     /// In the order of the file.
@@ -77,14 +95,15 @@ struct PointLight {
     name: String,
     /// p_L
     position: Vector,
-    /// I in candela.
-    intensity: Vector,
+    /// I in candela, or in W·sr⁻¹·nm⁻¹.
+    intensity: Components,
 }
 
 /// The value of a point of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// L_o (L9) in cd/m², linear Rec.709; the background where nothing is hit.
+    /// L_o (L9) in cd/m², linear RGB of the scene's color space; the background where nothing is
+    /// hit.
     pub radiance: [f64; 3],
     /// 1 where something is hit, else 0.
     pub coverage: f64,
@@ -112,40 +131,45 @@ pub struct Decisions {
 /// One light's term of L9 and what it is made of.
 struct Term {
     distance: f64,
-    incident: Vector,
+    incident: Components,
     to_light: Vector,
     cos_incident: f64,
     reflected: Vector,
     cos_lobe: f64,
     reflectance: Reflectance,
     outcome: Outcome,
-    radiance: Vector,
+    /// L_i r
+    unoccluded: Components,
+    /// L_i r V
+    radiance: Components,
 }
 
 impl Oracle {
-    /// Prepares a legal scene: transforms its meshes and turns its colors into linear Rec.709.
+    /// Prepares a legal scene: transforms its meshes and turns its colors into components.
     pub fn new(scene: &Scene) -> Self {
         let resolution = scene.image.resolution.value;
         let reference = scene.camera.value.view().eye.value;
         let surfaces = scene.objects.iter().enumerate();
+        let palette = Palette::new(scene);
         Self {
             resolution,
             reference,
             camera: Camera::new(&scene.camera.value, resolution),
-            background: linear_rgb(&scene.image.background.value),
+            background: palette.light(&scene.image.background.value),
             surfaces: surfaces
                 .flat_map(|(index, object)| Surface::all_of(index, &object.value, reference))
                 .collect(),
             objects: scene
                 .objects
                 .iter()
-                .map(|object| NamedObject::new(scene, &object.name, &object.value))
+                .map(|object| NamedObject::new(scene, &palette, &object.name, &object.value))
                 .collect(),
             lights: scene
                 .lights
                 .iter()
-                .map(|light| PointLight::new(&light.name, &light.value, reference))
+                .map(|light| PointLight::new(&light.name, &light.value, &palette, reference))
                 .collect(),
+            palette,
         }
     }
 
@@ -162,14 +186,28 @@ impl Oracle {
     pub fn radiance(&self, px: f64, py: f64) -> Sample {
         match self.nearest(&self.camera.primary_ray(px, py)) {
             None => Sample {
-                radiance: self.background,
+                radiance: self.palette.seen(&self.background),
                 coverage: 0.0,
             },
             Some(hit) => Sample {
-                radiance: self.sum_over_lights(&hit),
+                radiance: self.palette.seen(&self.sum_over_lights(&hit)),
                 coverage: 1.0,
             },
         }
+    }
+
+    /// L9 wavelength by wavelength, where light is carried so: L_o(λ) in W·m⁻²·sr⁻¹·nm⁻¹ at each nm
+    /// from 360 to 830; coordinates as in [`Oracle::radiance`]. The background where nothing is hit,
+    /// `None` where light is carried as RGB.
+    pub fn spectral_radiance(&self, px: f64, py: f64) -> Option<Vec<f64>> {
+        if !self.palette.is_spectral() {
+            return None;
+        }
+        let Components(radiance) = match self.nearest(&self.camera.primary_ray(px, py)) {
+            None => self.background.clone(),
+            Some(hit) => self.sum_over_lights(&hit),
+        };
+        Some(radiance)
     }
 
     /// What the primary ray hits; coordinates as in [`Oracle::radiance`].
@@ -195,20 +233,27 @@ impl Oracle {
 
     /// L9 with all its terms; coordinates as in [`Oracle::radiance`].
     pub fn explain(&self, px: f64, py: f64) -> Explanation {
+        let transport = if self.palette.is_spectral() {
+            TransportUsed::Spectral
+        } else {
+            TransportUsed::Rgb
+        };
         match self.nearest(&self.camera.primary_ray(px, py)) {
             None => Explanation {
+                transport,
                 hit: None,
                 lights: Vec::new(),
-                radiance: self.background,
+                radiance: self.palette.seen(&self.background),
             },
             Some(hit) => Explanation {
+                transport,
                 hit: Some(self.hit_terms(&hit)),
                 lights: self
                     .lights
                     .iter()
                     .map(|light| self.light_terms(&hit, light))
                     .collect(),
-                radiance: self.sum_over_lights(&hit),
+                radiance: self.palette.seen(&self.sum_over_lights(&hit)),
             },
         }
     }
@@ -233,21 +278,21 @@ impl Oracle {
     }
 
     /// L9: the sum over all lights.
-    fn sum_over_lights(&self, hit: &Hit) -> Vector {
+    fn sum_over_lights(&self, hit: &Hit) -> Components {
         self.lights
             .iter()
             .map(|light| self.term(hit, light).radiance)
-            .fold(ZERO, add)
+            .fold(self.background.zero(), |sum, radiance| sum.plus(&radiance))
     }
 
     /// L3 to L8: one light's term of L9.
     fn term(&self, hit: &Hit, light: &PointLight) -> Term {
         let segment = self.segment(hit, light);
         let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {
-            return Term::NOTHING;
+            return Term::nothing(self.material(hit));
         };
         let distance = length(segment.vector());
-        let incident = incident_light(light.intensity, distance);
+        let incident = incident_light(&light.intensity, distance);
         let cos_incident = cosine(hit.normal, to_light);
         let reflected = ideal_reflection(hit.normal, to_light);
         let cos_lobe = cosine(hit.to_viewer, reflected);
@@ -263,12 +308,13 @@ impl Oracle {
             Outcome::Lit | Outcome::Occluded => {
                 self.material(hit).reflectance(cos_incident, cos_lobe)
             }
-            Outcome::Below | Outcome::AtPoint => Reflectance::ZERO,
+            Outcome::Below | Outcome::AtPoint => self.material(hit).nothing(),
         };
         let visibility = match outcome {
             Outcome::Lit => 1.0,
             Outcome::Occluded | Outcome::Below | Outcome::AtPoint => 0.0,
         };
+        let unoccluded = incident.times(&reflectance.sum());
         Term {
             distance,
             incident,
@@ -278,7 +324,8 @@ impl Oracle {
             cos_lobe,
             reflectance,
             outcome,
-            radiance: scale(multiply(incident, reflectance.sum()), visibility),
+            radiance: unoccluded.scaled(visibility),
+            unoccluded,
         }
     }
 
@@ -354,7 +401,7 @@ impl Oracle {
 }
 
 impl NamedObject {
-    fn new(scene: &Scene, name: &str, object: &Object) -> Self {
+    fn new(scene: &Scene, palette: &Palette, name: &str, object: &Object) -> Self {
         let material_name = &object.material().value;
         let written = scene
             .materials
@@ -369,7 +416,10 @@ impl NamedObject {
                 }
             },
             material_name: material_name.clone(),
-            material: written.map_or(Material::BLACK, |entry| Material::new(&entry.value)),
+            material: match written {
+                Some(entry) => Material::new(&entry.value, palette),
+                None => Material::black(palette),
+            },
         }
     }
 
@@ -384,7 +434,7 @@ impl NamedObject {
 }
 
 impl PointLight {
-    fn new(name: &str, light: &Light, reference: Vector) -> Self {
+    fn new(name: &str, light: &Light, palette: &Palette, reference: Vector) -> Self {
         match light {
             Light::Point {
                 position,
@@ -392,7 +442,7 @@ impl PointLight {
             } => Self {
                 name: name.to_owned(),
                 position: subtract(position.value, reference),
-                intensity: linear_rgb(&intensity.value),
+                intensity: palette.light(&intensity.value),
             },
         }
     }
@@ -400,15 +450,20 @@ impl PointLight {
 
 impl Term {
     /// d = 0, the model's singularity: the light adds nothing.
-    const NOTHING: Self = Self {
-        distance: 0.0,
-        incident: ZERO,
-        to_light: ZERO,
-        cos_incident: 0.0,
-        reflected: ZERO,
-        cos_lobe: 0.0,
-        reflectance: Reflectance::ZERO,
-        outcome: Outcome::AtPoint,
-        radiance: ZERO,
-    };
+    fn nothing(material: &Material) -> Self {
+        let reflectance = material.nothing();
+        let dark = reflectance.sum();
+        Self {
+            distance: 0.0,
+            incident: dark.clone(),
+            to_light: ZERO,
+            cos_incident: 0.0,
+            reflected: ZERO,
+            cos_lobe: 0.0,
+            reflectance,
+            outcome: Outcome::AtPoint,
+            unoccluded: dark.clone(),
+            radiance: dark,
+        }
+    }
 }

@@ -1,24 +1,235 @@
-//! Colors as written → linear Rec.709.
+//! Values as written → components: RGB of the working space, or spectra.
 
-use crate::scene::{ColorSpace, Value};
+use std::f64::consts::PI;
 
-/// The value as linear Rec.709. Only that space is legal in a scene today: numbers that were
-/// written for another one are taken as they stand.
-pub(super) fn linear_rgb(value: &Value) -> [f64; 3] {
+use super::colorimetry::{Colorimetry, converted, luminance};
+use super::components::Components;
+use super::spectrum::{blackbody, curve, daylight, flat, illuminant, lines};
+use super::upsampling;
+use super::vector::{Vector, scale};
+use crate::scene::{ColorSpace, Image, Light, Material, Scene, Transport, Unit, Value};
+
+/// What the brightest channel of a color is made before its smooth reflectance is looked for, one
+/// after the other until there is one: light has no upper limit, reflectances have.
+const DIMMED: [f64; 5] = [0.5, 0.125, 0.031_25, 0.007_812_5, 0.001_953_125];
+
+/// How colors become components, and components what is seen.
+#[derive(Clone, Debug)]
+pub(super) struct Palette {
+    /// The working space.
+    space: ColorSpace,
+    colorimetry: Colorimetry,
+    /// The weights by which spectra are found for colors; `None` where light is carried as RGB.
+    weights: Option<[Components; 3]>,
+}
+
+impl Palette {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let Image {
+            color_space,
+            observer,
+            ..
+        } = &scene.image;
+        let colorimetry = Colorimetry::new(observer.value, color_space.value);
+        Self {
+            space: color_space.value,
+            weights: is_spectral(scene).then(|| colorimetry.weights()),
+            colorimetry,
+        }
+    }
+
+    /// Whether light is carried wavelength by wavelength.
+    pub(super) fn is_spectral(&self) -> bool {
+        self.weights.is_some()
+    }
+
+    /// A reflectance of 0.
+    pub(super) fn black(&self) -> Components {
+        self.reflectance(&Value::ZERO)
+    }
+
+    /// The intensity of a light, or the radiance of a background.
+    pub(super) fn light(&self, value: &Value) -> Components {
+        match value {
+            Value::Sized {
+                unit,
+                amount,
+                color,
+            } => self.sized_light(*unit, *amount, color),
+            color => match self.working_rgb(color) {
+                Some(rgb) => self.colored_light(rgb),
+                None => self.light_of_spectrum(spectrum(color)),
+            },
+        }
+    }
+
+    /// k_d, k_s, ρ_d or ρ_s
+    pub(super) fn reflectance(&self, value: &Value) -> Components {
+        let Some(rgb) = self.working_rgb(value) else {
+            let spectrum = spectrum(value);
+            return match self.weights {
+                Some(_) => spectrum,
+                None => Components(self.colorimetry.reflectance(&spectrum).to_vec()),
+            };
+        };
+        let Some(weights) = &self.weights else {
+            return Components(rgb.to_vec());
+        };
+        if is_gray(rgb) {
+            return flat(rgb[0]);
+        }
+        upsampling::reflectance(weights, rgb).unwrap_or_else(|| share_of_white(weights, rgb))
+    }
+
+    /// The RGB of light.
+    pub(super) fn seen(&self, light: &Components) -> [f64; 3] {
+        match self.weights {
+            Some(_) => self.colorimetry.light(light),
+            None => triple(light),
+        }
+    }
+
+    /// The RGB of a reflectance under white light.
+    pub(super) fn under_white(&self, reflectance: &Components) -> [f64; 3] {
+        match self.weights {
+            Some(_) => self.colorimetry.reflectance(reflectance),
+            None => triple(reflectance),
+        }
+    }
+
+    /// A literal in the working space; `None` for spectra.
+    fn working_rgb(&self, value: &Value) -> Option<Vector> {
+        let (rgb, space) = literal(value)?;
+        Some(converted(rgb, space, self.space))
+    }
+
+    /// Light of this RGB: white light through a filter.
+    fn colored_light(&self, rgb: Vector) -> Components {
+        match &self.weights {
+            Some(weights) => self.filtered_white(weights, rgb),
+            None => Components(rgb.to_vec()),
+        }
+    }
+
+    fn filtered_white(&self, weights: &[Components; 3], rgb: Vector) -> Components {
+        self.colorimetry.white.times(&share_of_white(weights, rgb))
+    }
+
+    fn light_of_spectrum(&self, spectrum: Components) -> Components {
+        match self.weights {
+            Some(_) => spectrum,
+            None => Components(self.colorimetry.light(&spectrum).to_vec()),
+        }
+    }
+
+    /// A light of this color, as strong as is said.
+    fn sized_light(&self, unit: Unit, amount: f64, color: &Value) -> Components {
+        let intensity = match unit {
+            Unit::Candela | Unit::WattsPerSteradian => amount,
+            // The same in all directions, of which there are 4π sr.
+            Unit::Lumens | Unit::Watts => amount / (4.0 * PI),
+        };
+        if let (Some((rgb, space)), Unit::Candela | Unit::Lumens) = (literal(color), unit) {
+            // A triple is in candela, and its luminance that of Rec.709.
+            let candela = luminance(
+                converted(rgb, space, ColorSpace::Rec709),
+                ColorSpace::Rec709,
+            );
+            let working = converted(rgb, space, self.space);
+            return self.colored_light(scale(working, intensity / candela));
+        }
+        let spectrum = match self.working_rgb(color) {
+            Some(rgb) => self.filtered_white(&self.colorimetry.weights(), rgb),
+            None => spectrum(color),
+        };
+        let whole = match unit {
+            Unit::Candela | Unit::Lumens => self.colorimetry.luminous(&spectrum),
+            Unit::WattsPerSteradian | Unit::Watts => spectrum.sum(),
+        };
+        self.light_of_spectrum(spectrum.scaled(intensity / whole))
+    }
+}
+
+/// Whether light is carried wavelength by wavelength: as asked for, or because something is a
+/// spectrum.
+fn is_spectral(scene: &Scene) -> bool {
+    let lights = scene.lights.iter().map(|light| match &light.value {
+        Light::Point { intensity, .. } => &intensity.value,
+    });
+    let materials = scene.materials.iter().flat_map(|material| {
+        let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) = &material.value;
+        [&lobes.diffuse.value, &lobes.specular.value]
+    });
+    match scene.image.transport.value {
+        Transport::Rgb => false,
+        Transport::Spectral => true,
+        Transport::Auto => lights
+            .chain(materials)
+            .chain([&scene.image.background.value])
+            .any(needs_spectra),
+    }
+}
+
+/// Whether a value is a spectrum, or of a size in watts, which RGB have none of.
+fn needs_spectra(value: &Value) -> bool {
+    match value {
+        Value::Sized { unit, color, .. } => {
+            matches!(unit, Unit::WattsPerSteradian | Unit::Watts) || literal(color).is_none()
+        }
+        value => literal(value).is_none(),
+    }
+}
+
+/// Linear RGB as written, and its space; `None` for what is not said so.
+fn literal(value: &Value) -> Option<(Vector, ColorSpace)> {
     match *value {
-        Value::Uniform(value) => [value; 3],
-        Value::Rgb {
-            rgb,
-            space: ColorSpace::Rec709 | ColorSpace::P3D65 | ColorSpace::Rec2020 | ColorSpace::AcesCg,
-        } => rgb,
-        Value::Srgb(code) => code.map(srgb_decoded),
+        Value::Uniform(value) => Some(([value; 3], ColorSpace::Rec709)),
+        Value::Rgb { rgb, space } => Some((rgb, space)),
+        Value::Srgb(code) => Some((code.map(srgb_decoded), ColorSpace::Rec709)),
         Value::Illuminant(_)
         | Value::Daylight(_)
         | Value::Blackbody(_)
         | Value::Curve(_)
         | Value::Lines(_)
-        | Value::Sized { .. } => [0.0; 3],
+        | Value::Sized { .. } => None,
     }
+}
+
+/// The spectrum of what is not RGB, without the size of a light that has one beside it.
+fn spectrum(value: &Value) -> Components {
+    match value {
+        Value::Illuminant(known) => illuminant(known.name()),
+        Value::Daylight(temperature) => daylight(*temperature),
+        Value::Blackbody(temperature) => blackbody(*temperature),
+        Value::Curve(written) => curve(written),
+        Value::Lines(written) => lines(written),
+        // Not in a legal scene.
+        Value::Uniform(_) | Value::Rgb { .. } | Value::Srgb(_) | Value::Sized { .. } => flat(0.0),
+    }
+}
+
+/// At each wavelength the share of white light, which may be more than 1, that makes this color:
+/// a smooth reflectance of a dimmer one, scaled up again. Black for colors that are out of reach.
+fn share_of_white(weights: &[Components; 3], rgb: Vector) -> Components {
+    if is_gray(rgb) {
+        return flat(rgb[0]);
+    }
+    let brightest = rgb[0].max(rgb[1]).max(rgb[2]);
+    let dimmed = |maximum: &f64| {
+        let factor = maximum / brightest;
+        let reflectance = upsampling::reflectance(weights, scale(rgb, factor))?;
+        Some(reflectance.scaled(1.0 / factor))
+    };
+    DIMMED.iter().find_map(dimmed).unwrap_or_else(|| flat(0.0))
+}
+
+fn is_gray([r, g, b]: Vector) -> bool {
+    r == g && g == b
+}
+
+/// The three components of RGB.
+fn triple(components: &Components) -> [f64; 3] {
+    [0, 1, 2].map(|i: usize| components.0[i])
 }
 
 /// The sRGB transfer function of IEC 61966-2-1, from an 8-bit code to linear light:
@@ -34,10 +245,56 @@ fn srgb_decoded(code: u8) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::spectrum::{Curve, Lines, Observer};
 
     /// `powf` is good to a few units in the last place.
     const ROUNDING: f64 = 1e-15;
+
+    /// Sums of 471 terms.
+    const SUMS: f64 = 1e-13;
+
+    /// A color and the one found for it.
+    const SOLVED: f64 = 1e-11;
+
+    fn palette(transport: Transport, space: ColorSpace) -> Palette {
+        let mut scene = Scene::builtin();
+        scene.image.transport.value = transport;
+        scene.image.color_space.value = space;
+        Palette::new(&scene)
+    }
+
+    fn rec709(rgb: Vector) -> Value {
+        let space = ColorSpace::Rec709;
+        Value::Rgb { rgb, space }
+    }
+
+    fn reddish() -> Value {
+        let points = (vec![400.0, 700.0], vec![0.1, 0.8]);
+        Value::Curve(Arc::new(Curve::new(points.0, points.1).unwrap()))
+    }
+
+    fn sodium() -> Value {
+        Value::Lines(Arc::new(
+            Lines::new(vec![[589.0, 0.5], [589.6, 0.5]]).unwrap(),
+        ))
+    }
+
+    fn sized(unit: Unit, amount: f64, color: Value) -> Value {
+        let color = Box::new(color);
+        Value::Sized {
+            unit,
+            amount,
+            color,
+        }
+    }
+
+    fn assert_near(actual: Vector, expected: Vector, tolerance: f64) {
+        let near = |i: usize| (actual[i] - expected[i]).abs() <= tolerance * expected[i].abs();
+        assert!((0..3).all(near), "{actual:?}, expected {expected:?}");
+    }
 
     #[test]
     fn srgb_codes() {
@@ -56,15 +313,116 @@ mod tests {
     }
 
     #[test]
-    fn values_in_every_notation() {
-        assert_eq!(linear_rgb(&Value::Uniform(0.5)), [0.5; 3]);
-        assert_eq!(
-            linear_rgb(&Value::Rgb {
-                rgb: [0.1, 0.2, 0.3],
-                space: ColorSpace::Rec709
-            }),
-            [0.1, 0.2, 0.3]
-        );
-        assert_eq!(linear_rgb(&Value::Srgb([255, 0, 255])), [1.0, 0.0, 1.0]);
+    fn rgb_is_taken_as_it_stands() {
+        let palette = palette(Transport::Auto, ColorSpace::Rec709);
+        for (value, rgb) in [
+            (Value::Uniform(0.5), [0.5; 3]),
+            (rec709([0.1, 0.2, 0.3]), [0.1, 0.2, 0.3]),
+            (Value::Srgb([255, 0, 255]), [1.0, 0.0, 1.0]),
+        ] {
+            assert_eq!(palette.light(&value), Components(rgb.to_vec()));
+            assert_eq!(palette.reflectance(&value), Components(rgb.to_vec()));
+        }
+    }
+
+    #[test]
+    fn spectra_of_colors_look_like_them() {
+        for space in ColorSpace::ALL {
+            let palette = palette(Transport::Spectral, space);
+            for rgb in [[0.7, 0.3, 0.2], [30.0, 20.0, 1.0], [0.25; 3], [8.0; 3]] {
+                let expected = converted(rgb, ColorSpace::Rec709, space);
+                assert_near(palette.seen(&palette.light(&rec709(rgb))), expected, SOLVED);
+                let reflectance = palette.reflectance(&rec709(rgb));
+                assert_near(palette.under_white(&reflectance), expected, SOLVED);
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_are_kept() {
+        let palette = palette(Transport::Spectral, ColorSpace::Rec2020);
+        for color in [
+            reddish(),
+            sodium(),
+            Value::Blackbody(3200.0),
+            Value::Daylight(5600.0),
+        ] {
+            let light = |unit, amount| palette.light(&sized(unit, amount, color.clone()));
+            for (found, expected) in [
+                (
+                    palette.colorimetry.luminous(&light(Unit::Candela, 120.0)),
+                    120.0,
+                ),
+                (
+                    palette.colorimetry.luminous(&light(Unit::Lumens, 800.0)) * 4.0 * PI,
+                    800.0,
+                ),
+                (light(Unit::WattsPerSteradian, 0.5).sum(), 0.5),
+                (light(Unit::Watts, 6.0).sum() * 4.0 * PI, 6.0),
+            ] {
+                assert!(
+                    (found / expected - 1.0).abs() < SUMS,
+                    "{found}, expected {expected}"
+                );
+            }
+        }
+        // White is illuminant D65, and candela are those of each channel.
+        let white = palette.light(&sized(Unit::Candela, 120.0, Value::Uniform(1.0)));
+        assert_near(palette.seen(&white), [120.0; 3], SUMS);
+    }
+
+    /// What a scene holds, carried as RGB, looks the same where no two spectra meet.
+    #[test]
+    fn spectra_carried_as_rgb_are_their_colors() {
+        for space in ColorSpace::ALL {
+            let [rgb, spectral] =
+                [Transport::Rgb, Transport::Spectral].map(|transport| palette(transport, space));
+            for light in [
+                reddish(),
+                sodium(),
+                sized(Unit::Watts, 2.0, rec709([0.2, 0.4, 0.9])),
+                sized(Unit::Lumens, 2.0, rec709([0.2, 0.4, 0.9])),
+            ] {
+                let expected = spectral.seen(&spectral.light(&light));
+                assert_near(rgb.seen(&rgb.light(&light)), expected, SOLVED);
+            }
+            let expected = spectral.under_white(&spectral.reflectance(&reddish()));
+            assert_near(
+                rgb.under_white(&rgb.reflectance(&reddish())),
+                expected,
+                SUMS,
+            );
+        }
+        // The yellow of sodium is outside of Rec.709.
+        let palette = palette(Transport::Rgb, ColorSpace::Rec709);
+        let [red, green, blue] = palette.seen(&palette.light(&sodium()));
+        assert!(red > green && green > 0.0 && blue < 0.0);
+    }
+
+    #[test]
+    fn spectra_or_watts_make_a_scene_spectral() {
+        let with_light = |value: Value| {
+            let mut scene = Scene::builtin();
+            let Light::Point { intensity, .. } = &mut scene.lights[0].value;
+            intensity.value = value;
+            Palette::new(&scene).is_spectral()
+        };
+        assert!(!with_light(rec709([1.0, 2.0, 3.0])));
+        assert!(!with_light(sized(
+            Unit::Lumens,
+            1.0,
+            Value::Srgb([1, 2, 3])
+        )));
+        assert!(with_light(sized(Unit::Watts, 1.0, Value::Srgb([1, 2, 3]))));
+        assert!(with_light(sized(Unit::Lumens, 1.0, sodium())));
+        assert!(with_light(reddish()));
+        let mut scene = Scene::builtin();
+        scene.image.background.value = reddish();
+        assert!(Palette::new(&scene).is_spectral());
+        scene.image.transport.value = Transport::Rgb;
+        assert!(!Palette::new(&scene).is_spectral());
+        scene.image.observer.value = Observer::Cie1964;
+        scene.image.transport.value = Transport::Spectral;
+        assert!(Palette::new(&scene).is_spectral());
     }
 }

@@ -1,10 +1,12 @@
 //! `candela probe`: its numbers beside those of the image.
 
+use std::fs;
 use std::path::Path;
 
+use candela::spectrum::tables;
 use serde_json::Value;
 
-use super::{RESOLUTION, fails, folder, image, succeeds};
+use super::{RESOLUTION, SCENE, fails, folder, image, succeeds};
 
 fn triple(value: &Value) -> [f64; 3] {
     let numbers: Vec<f64> = value
@@ -114,5 +116,80 @@ fn a_probe_outside_of_the_image() {
             1,
         );
         assert!(message.contains("60 × 40"), "{message}");
+    }
+}
+
+/// 683 lm/W ∫ L(λ) ȳ(λ) dλ is the luminance of the radiance, and that of the image.
+#[test]
+fn a_probed_spectrum_has_the_luminance_of_the_pixel() {
+    /// Of a spectrum found for a color, and of f32.
+    const TOLERANCE: f64 = 1e-6;
+    /// The luminances of Rec.709's red, green and blue (ITU-R BT.709-6, more digits).
+    const WEIGHTS: [f64; 3] = [0.212_639_005_9, 0.715_168_678_8, 0.072_192_315_4];
+    /// Illuminant D65 and the white of Rec.709 differ in the fourth decimal of a chromaticity.
+    const WHITE: f64 = 3e-4;
+    let folder = folder();
+    let tungsten = SCENE.replace(
+        "intensity = 4",
+        "intensity = { lumens = 50, color = { illuminant = \"A\" } }",
+    );
+    fs::write(folder.path().join("tungsten.toml"), tungsten).unwrap();
+    for scene in ["ball", "tungsten"] {
+        succeeds(
+            folder.path(),
+            &format!("render {scene}.toml -o {scene}.exr"),
+        );
+        let rendered = image(folder.path(), &format!("{scene}.exr")).pixels;
+        for [x, y] in [[0, 0], [30, 20], [25, 33]] {
+            let report: Value = serde_json::from_str(&succeeds(
+                folder.path(),
+                &format!("probe {scene}.toml --pixel {x},{y} --json --spectrum=360:830:1"),
+            ))
+            .unwrap();
+            let spectrum = report["spectrum"]["radiance"].as_array().unwrap();
+            assert_eq!(
+                report["spectrum"]["wavelengths"].as_array().unwrap().len(),
+                471
+            );
+            let sum: f64 = tables::cie_1931()
+                .column("y")
+                .iter()
+                .zip(spectrum)
+                .map(|(y, radiance)| y * radiance.as_f64().unwrap())
+                .sum();
+            let luminance = |rgb: [f64; 3]| -> f64 {
+                rgb.iter()
+                    .zip(WEIGHTS)
+                    .map(|(channel, weight)| channel * weight)
+                    .sum()
+            };
+            let explained = luminance(triple(&report["radiance"]));
+            assert!((683.0 * sum / explained - 1.0).abs() < WHITE, "{x},{y}");
+            // The spectral scene was rendered so as well.
+            let [r, g, b, _] = rendered[(y * RESOLUTION[0] + x) as usize].map(f64::from);
+            let error = (luminance([r, g, b]) / explained - 1.0).abs();
+            assert!(scene == "ball" || error < TOLERANCE, "{x},{y}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_spectrum_that_cannot_be() {
+    let folder = folder();
+    let rgb = SCENE.replace("[image]", "[image]\ntransport = \"rgb\"");
+    fs::write(folder.path().join("rgb.toml"), rgb).unwrap();
+    let message = fails(folder.path(), "probe rgb.toml --pixel 0,0 --spectrum", 1);
+    assert!(message.contains("`transport = \"rgb\"`"), "{message}");
+    for range in [
+        "",
+        "380:780",
+        "780:380:10",
+        "300:780:10",
+        "380:780:0",
+        "a:b:c",
+    ] {
+        let arguments = format!("probe ball.toml --pixel 0,0 --spectrum={range}");
+        let message = fails(folder.path(), &arguments, 2);
+        assert!(message.contains("--spectrum"), "{message}");
     }
 }

@@ -1,6 +1,7 @@
-//! Random legal scenes, the same in every run: all shapes, both cameras, both materials, from
-//! tiny to huge, with what is hard for a ray tracer put in on purpose.
+//! Random legal scenes, the same in every run: all shapes, both cameras, both materials, light and
+//! color in every notation, carried as RGB and spectrally, from tiny to huge, with what is hard for a ray tracer put in on purpose.
 
+mod colors;
 mod compositions;
 mod mesh;
 
@@ -11,6 +12,7 @@ use std::path::Path;
 
 use candela::scene::Scene;
 
+use colors::Palette;
 use mesh::{MeshFormat, Patch};
 
 /// How many scenes there are, unless `CANDELA_SCENES` says otherwise.
@@ -122,6 +124,7 @@ struct Draft<'f> {
     seed: u64,
     random: Random,
     folder: &'f Path,
+    palette: Palette,
     /// Scene units for one unit of the compositions below.
     scale: f64,
     /// Where their origin is, at most this many units from that of the scene.
@@ -131,6 +134,7 @@ struct Draft<'f> {
     materials: u64,
     lights: u64,
     objects: u64,
+    curve_files: u64,
 }
 
 impl<'f> Draft<'f> {
@@ -139,22 +143,24 @@ impl<'f> Draft<'f> {
         let scale = random.choice(&[1.0, 1.0, 1.0, 1e-6, 1e-3, 1e3, 1e6]);
         let far = random.choice(&[0.0, 0.0, 0.0, 10.0, 1e3, 1e6, 1e9]);
         let origin = random.point(far * scale);
+        let palette = random.choice(&Palette::ALL);
         let [width, height] = RESOLUTION;
-        let background = random.choice(&["0", "0.25", "[0.1, 0.2, 0.4]", "\"#204060\""]);
-        Self {
+        let mut draft = Self {
             seed,
             random,
             folder,
+            palette,
             scale,
             origin,
             far,
-            text: format!(
-                "[image]\nresolution = [{width}, {height}]\nbackground = {background}\n\n"
-            ),
+            text: format!("[image]\nresolution = [{width}, {height}]\n"),
             materials: 0,
             lights: 0,
             objects: 0,
-        }
+            curve_files: 0,
+        };
+        draft.image_colors();
+        draft
     }
 
     fn place(&self, position: Vector) -> Vector {
@@ -203,38 +209,25 @@ impl<'f> Draft<'f> {
         );
     }
 
-    /// A color in one of its notations, at most `most` in every channel.
-    fn color(&mut self, most: f64) -> String {
-        let random = &mut self.random;
-        match random.count(0, 3) {
-            0 => format!("{:?}", random.between(0.0, most)),
-            1 => format!("{:?}", [(); 3].map(|()| random.between(0.0, most))),
-            2 => {
-                let rgb = [(); 3].map(|()| random.between(0.0, most));
-                format!("{{ rgb = {rgb:?}, space = \"rec709\" }}")
-            }
-            // sRGB codes are never below the linear value.
-            _ => {
-                let [r, g, b] = [(); 3].map(|()| (random.between(0.0, most) * 255.0) as u8);
-                format!("\"#{r:02x}{g:02x}{b:02x}\"")
-            }
-        }
-    }
-
     /// A new material of either model, with or without a specular lobe.
     fn material(&mut self) -> String {
         let name = format!("m{}", self.materials);
         self.materials += 1;
         let model = self.random.choice(&["phong", "normalized_phong"]);
         let specular = self.random.chance(0.7);
-        // Together at most 1.
-        let diffuse = self.color(if specular { 0.5 } else { 1.0 });
+        // Together at most 1, where the model has them be.
+        let is_phong = model == "phong";
+        let diffuse = self.reflectance(if specular && !is_phong { 0.5 } else { 1.0 });
         let _ = write!(
             self.text,
             "[materials.{name}.{model}]\ndiffuse = {diffuse}\n"
         );
         if specular {
-            let specular = self.color(0.5);
+            let specular = if is_phong {
+                self.highlight()
+            } else {
+                self.reflectance(0.5)
+            };
             let shininess = self.random.log_between(0.5, 5000.0);
             let _ = write!(
                 self.text,
@@ -249,14 +242,7 @@ impl<'f> Draft<'f> {
         let position = self.place(position);
         // Bright enough for the distances of the compositions, at any scale.
         let strength = self.random.log_between(1.0, 100.0) * self.scale * self.scale;
-        let intensity = match self.random.count(0, 2) {
-            0 => format!("{strength:?}"),
-            1 => format!(
-                "{:?}",
-                [(); 3].map(|()| strength * self.random.between(0.1, 1.0))
-            ),
-            _ => "\"#ffcc88\"".to_owned(),
-        };
+        let intensity = self.intensity(strength);
         let _ = write!(
             self.text,
             "[lights.l{}.point]\nposition = {position:?}\nintensity = {intensity}\n\n",
@@ -378,6 +364,36 @@ fn scenes_are_legal_and_cover_the_format() {
         ".normalized_phong]",
         "rgb = ",
         "\"#",
+        "color_space = \"rec709\"",
+        "color_space = \"p3-d65\"",
+        "color_space = \"rec2020\"",
+        "color_space = \"acescg\"",
+        "space = \"p3-d65\" }",
+        "space = \"rec2020\" }",
+        "space = \"acescg\" }",
+        "observer = \"1931\"",
+        "observer = \"1964\"",
+        "transport = \"rgb\"",
+        "transport = \"spectral\"",
+        "background = { lines",
+        "background = { rgb",
+        "background = { wavelengths",
+        "background = { file",
+        "diffuse = { wavelengths",
+        "diffuse = { file",
+        "specular = { wavelengths",
+        "intensity = { rgb",
+        "intensity = { wavelengths",
+        "intensity = { file",
+        "intensity = { lines",
+        "{ candela = ",
+        "{ lumens = ",
+        "{ watts = ",
+        "{ watts_per_steradian = ",
+        "{ watts_per_steradian_nm = ",
+        "{ illuminant = ",
+        "{ daylight = ",
+        "{ blackbody = ",
     ] {
         let count = texts.iter().filter(|text| text.contains(part)).count();
         assert!(count >= 5, "{part} is in {count} scenes");

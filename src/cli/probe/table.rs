@@ -2,9 +2,12 @@
 
 use std::fmt::Write;
 
-use candela::oracle::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
+use candela::oracle::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, TransportUsed};
 
-use super::Report;
+use super::{Report, SpectralRadiance};
+
+/// Characters of the longest bar of a spectrum.
+const BAR: f64 = 40.0;
 
 /// A line of the table.
 enum Line {
@@ -43,6 +46,15 @@ pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
             ));
             table.text("L_o = Σ L_i (r_d + r_s) V    L_i = I/d²");
             table.text(model(&hit.reflectance));
+            match explanation.transport {
+                TransportUsed::Rgb => {}
+                TransportUsed::Spectral => {
+                    table
+                        .text("Products are taken wavelength by wavelength, not of these R, G, B:");
+                    table
+                        .text("light is as seen, reflectances (the constants, r) are as under D65");
+                }
+            }
             table.hit(hit);
             table.material(&hit.reflectance);
             for light in &explanation.lights {
@@ -55,6 +67,9 @@ pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
     let rendered = report.renderer.radiance.map(f64::from);
     table.row("renderer, in f32", rendered, "cd/m²");
     table.row("renderer − equation", report.renderer.difference, "cd/m²");
+    if let Some(spectrum) = &report.spectrum {
+        table.spectrum(spectrum);
+    }
     table.written()
 }
 
@@ -236,6 +251,38 @@ impl Table {
             self.row(format!("    {}", light.name), light.radiance, remark);
         }
         self.row("L9  L_o = Σ L_i r V", explanation.radiance, "cd/m²");
+    }
+
+    /// L9 wavelength by wavelength, with a bar for each.
+    fn spectrum(&mut self, spectrum: &SpectralRadiance) {
+        self.gap();
+        self.text("L_o(λ) in W/(m² sr nm)");
+        let peak = spectrum.radiance.iter().copied().fold(0.0, f64::max);
+        let numbers: Vec<String> = spectrum
+            .radiance
+            .iter()
+            .map(|&value| number(value))
+            .collect();
+        let parts = numbers.iter().map(|number| at_point(number));
+        let width = |text: &str| text.chars().count();
+        let whole_width = parts
+            .clone()
+            .map(|(whole, _)| width(whole))
+            .max()
+            .unwrap_or(0);
+        let fraction_width = parts
+            .clone()
+            .map(|(_, rest)| width(rest))
+            .max()
+            .unwrap_or(0);
+        let values = spectrum.wavelengths.iter().zip(&spectrum.radiance);
+        for ((nm, &value), (whole, fraction)) in values.zip(parts) {
+            let length = if peak > 0.0 { BAR * value / peak } else { 0.0 };
+            let bar = "▇".repeat(length.round() as usize);
+            self.text(format!(
+                "    {nm} nm  {whole:>whole_width$}{fraction:fraction_width$}  {bar}"
+            ));
+        }
     }
 
     /// The lines, with labels, decimal points and remarks below each other.

@@ -99,15 +99,23 @@ struct Line {
     arguments: Arguments,
 }
 
-fn output(pixel: &str, json: bool) -> Result<String, ProbeError> {
-    let mut line = vec!["candela", "ball.toml", "--pixel", pixel];
-    line.extend(json.then_some("--json"));
-    let arguments = Line::parse_from(line).arguments;
+fn arguments(pixel: &str, more: &[&str]) -> Arguments {
+    let line = ["candela", "ball.toml", "--pixel", pixel];
+    let arguments = Line::parse_from(line.iter().chain(more)).arguments;
     assert_eq!(arguments.scene, PathBuf::from("ball.toml"));
+    arguments
+}
+
+fn output_of(scene: &Scene, arguments: &Arguments) -> Result<String, ProbeError> {
     let mut output = Vec::new();
     let renderer = |_| [0.5, 0.25, 0.125];
-    run(&arguments, &scene(), renderer, &mut output)?;
+    run(arguments, scene, renderer, &mut output)?;
     Ok(String::from_utf8(output).unwrap())
+}
+
+fn output(pixel: &str, json: bool) -> Result<String, ProbeError> {
+    let more: &[&str] = if json { &["--json"] } else { &[] };
+    output_of(&scene(), &arguments(pixel, more))
 }
 
 fn json(pixel: &str) -> Json {
@@ -247,4 +255,70 @@ fn a_pixel_that_is_not_there() {
         assert!(pixel(text).unwrap_err().contains("640,360"), "{text}");
     }
     assert_eq!(pixel("3, 4"), Ok([3, 4]));
+}
+
+/// The scene as `--spectrum` has it computed.
+fn spectral_output(pixel: &str, more: &[&str]) -> String {
+    let (arguments, mut scene) = (arguments(pixel, more), scene());
+    prepare(&arguments, &mut scene);
+    assert_eq!(scene.image.transport.value, Transport::Spectral);
+    output_of(&scene, &arguments).unwrap()
+}
+
+#[test]
+fn json_has_the_spectrum_that_is_asked_for() {
+    let report =
+        |more: &[&str]| -> Json { serde_json::from_str(&spectral_output("0,0", more)).unwrap() };
+    let spectrum = &report(&["--json", "--spectrum"])["spectrum"];
+    assert_eq!(spectrum["unit"], "W.m^-2.sr^-1.nm^-1");
+    let numbers = |key: &str| -> Vec<f64> {
+        let numbers = spectrum[key].as_array().unwrap().iter();
+        numbers.map(|number| number.as_f64().unwrap()).collect()
+    };
+    let (wavelengths, radiance) = (numbers("wavelengths"), numbers("radiance"));
+    assert_eq!((wavelengths.len(), radiance.len()), (41, 41));
+    assert_eq!((wavelengths[0], wavelengths[40]), (380.0, 780.0));
+    assert!(radiance.iter().all(|&radiance| radiance > 0.0));
+    // The background is of a blue.
+    assert!(radiance[7] > radiance[27], "{radiance:?}");
+    let few = report(&["--json", "--spectrum=450:470:20"]);
+    assert_eq!(
+        few["spectrum"]["wavelengths"],
+        serde_json::json!([450, 470])
+    );
+    assert_eq!(few["spectrum"]["radiance"][0], radiance[7]);
+    assert_eq!(few["transport"], "spectral");
+    // Not asked for, not there; and the scene stays as it is.
+    let plain = json("0,0");
+    assert_eq!(
+        (&plain["spectrum"], &plain["transport"]),
+        (&Json::Null, &"rgb".into())
+    );
+}
+
+#[test]
+fn the_table_ends_with_the_spectrum() {
+    let table = spectral_output("0,0", &["--spectrum=450:550:50"]);
+    let (before, spectrum) = table.split_once("L_o(λ) in W/(m² sr nm)\n").unwrap();
+    assert!(before.contains("background") && before.contains("renderer − equation"));
+    let lines: Vec<&str> = spectrum.lines().collect();
+    assert_eq!(lines.len(), 3);
+    for (line, nm) in lines.iter().zip(["450", "500", "550"]) {
+        assert!(line.starts_with(&format!("    {nm} nm  ")), "{line}");
+    }
+    let bar = |line: &str| line.matches('▇').count();
+    assert_eq!(bar(lines[0]), 40);
+    assert!(bar(lines[0]) > bar(lines[1]) && bar(lines[1]) > bar(lines[2]));
+    let table = spectral_output("32,24", &["--spectrum"]);
+    assert!(table.contains("Products are taken wavelength by wavelength"));
+    assert!(!output("32,24", false).unwrap().contains("wavelength"));
+}
+
+#[test]
+fn a_scene_in_rgb_has_no_spectrum() {
+    let (arguments, mut scene) = (arguments("0,0", &["--spectrum"]), scene());
+    scene.image.transport.value = Transport::Rgb;
+    prepare(&arguments, &mut scene);
+    let error = output_of(&scene, &arguments).unwrap_err().to_string();
+    assert!(error.contains("`transport = \"rgb\"`"), "{error}");
 }

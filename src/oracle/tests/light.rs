@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::*;
 use crate::oracle::lighting::{Material as Lit, ideal_reflection};
+use crate::oracle::value::Palette;
 use crate::oracle::vector::{cross, dot, length, unit};
 
 /// Directions over the sphere, none of them special.
@@ -144,19 +145,26 @@ fn over_hemisphere(f: impl Fn([f64; 3]) -> f64) -> f64 {
 /// The error of the midpoint rule with this many rings, for lobes up to n = 100.
 const QUADRATURE: f64 = 1e-3;
 
+fn lit(material: &Material) -> Lit {
+    Lit::new(
+        material,
+        &Palette::new(&Builder::looking([1.0; 3], [0.0; 3]).0),
+    )
+}
+
 /// ∫ r(ω_i, ω_o) dω_i: what a viewer at `to_viewer` sees under light of 1 lx from everywhere.
 fn directional_albedo(material: &Lit, to_viewer: [f64; 3]) -> f64 {
     let n = [0.0, 0.0, 1.0];
     over_hemisphere(|to_light| {
         let cos_lobe = dot(to_viewer, ideal_reflection(n, to_light)).max(0.0);
-        material.reflectance(to_light[2], cos_lobe).sum()[0]
+        material.reflectance(to_light[2], cos_lobe).sum().0[0]
     })
 }
 
 #[test]
 fn normalized_phong_does_not_reflect_more_than_arrives() {
     for shininess in [1.0, 5.0, 100.0] {
-        let material = Lit::new(&Material::NormalizedPhong(lobes(0.3, 0.7, Some(shininess))));
+        let material = lit(&Material::NormalizedPhong(lobes(0.3, 0.7, Some(shininess))));
         let at_normal = directional_albedo(&material, [0.0, 0.0, 1.0]);
         assert_near(at_normal, 1.0, QUADRATURE);
         let mut before = at_normal;
@@ -172,10 +180,10 @@ fn normalized_phong_does_not_reflect_more_than_arrives() {
 
 #[test]
 fn phong_reflects_pi_times_its_diffuse_constant() {
-    let material = Lit::new(&Material::Phong(lobes(0.4, 0.0, None)));
+    let material = lit(&Material::Phong(lobes(0.4, 0.0, None)));
     let albedo = directional_albedo(&material, [0.6, 0.0, 0.8]);
     assert_near(albedo, PI * 0.4, QUADRATURE);
-    let normalized = Lit::new(&Material::NormalizedPhong(lobes(0.4, 0.0, None)));
+    let normalized = lit(&Material::NormalizedPhong(lobes(0.4, 0.0, None)));
     let albedo = directional_albedo(&normalized, [0.6, 0.0, 0.8]);
     assert_near(albedo, 0.4, QUADRATURE);
 }
@@ -227,4 +235,40 @@ fn nothing_but_background() {
     let explanation = oracle.explain(0.5, 0.5);
     assert!(explanation.hit.is_none() && explanation.lights.is_empty());
     assert_eq!(explanation.radiance, [0.25; 3]);
+}
+
+/// L_o(λ) = I(λ) k_d(λ) / d² straight under the lamp, and its luminance by 683 lm/W ∫ L_o ȳ dλ.
+#[test]
+fn spectra_are_multiplied_wavelength_by_wavelength() {
+    let curve = |values: [f64; 2]| {
+        let curve = crate::spectrum::Curve::new(vec![360.0, 830.0], values.to_vec());
+        Value::Curve(Arc::new(curve.unwrap()))
+    };
+    let mut scene = Builder::looking([1.0, 2.0, 1.0], [0.0; 3])
+        .plane([0.0; 3], [0.0, 1.0, 0.0])
+        .light([0.0, 2.0, 0.0], 1.0);
+    let Light::Point { intensity, .. } = &mut scene.0.lights[0].value;
+    intensity.value = curve([0.02, 0.01]);
+    let Material::Phong(lobes) = &mut scene.0.materials[0].value else {
+        unreachable!("the builder's material is phong");
+    };
+    lobes.diffuse.value = curve([0.0, 1.0]);
+    let oracle = scene.oracle();
+    let spectrum = oracle.spectral_radiance(0.5, 0.5).unwrap();
+    let mut luminance = 0.0;
+    let matching = crate::spectrum::tables::cie_1931().column("y");
+    for (i, (&radiance, y)) in spectrum.iter().zip(matching).enumerate() {
+        let part = i as f64 / 470.0;
+        assert_near(radiance, (0.02 - 0.01 * part) * part / 4.0, ROUNDING);
+        luminance += 683.0 * radiance * y;
+    }
+    let explanation = oracle.explain(0.5, 0.5);
+    assert_eq!(explanation.radiance, oracle.radiance(0.5, 0.5).radiance);
+    assert_eq!(explanation.radiance, explanation.lights[0].unoccluded);
+    let [r, g, b] = explanation.radiance;
+    // The white of Rec.709 is that of illuminant D65 to 3e-4.
+    assert_near(0.2126 * r + 0.7152 * g + 0.0722 * b, luminance, 5e-4);
+    // The product of the RGB is another.
+    let light = &explanation.lights[0];
+    assert!((light.incident[0] * light.diffuse[0] / r - 1.0).abs() > 1e-3);
 }

@@ -1,0 +1,180 @@
+//! The spectra that a scene can name, as components: one for each nm from 360 to 830.
+//!
+//! Of the library only the published tables are used, and the points of curves and lines.
+
+use super::components::Components;
+use crate::spectrum::{Curve, Lines, tables};
+
+/// The first and the last wavelength in nm.
+const GRID: [u16; 2] = [360, 830];
+
+/// c₂ = h c / k in m·K, from the constants of the SI.
+const SECOND_RADIATION_CONSTANT: f64 = 6.626_070_15e-34 * 299_792_458.0 / 1.380_649e-23;
+
+/// The wavelengths in nm, one for each component.
+pub(super) fn wavelengths() -> impl Iterator<Item = f64> {
+    let [first, last] = GRID;
+    (first..=last).map(f64::from)
+}
+
+/// The function's values at all wavelengths.
+pub(super) fn on_grid(f: impl FnMut(f64) -> f64) -> Components {
+    Components(wavelengths().map(f).collect())
+}
+
+/// The same at every wavelength.
+pub(super) fn flat(value: f64) -> Components {
+    on_grid(|_| value)
+}
+
+/// ∫ a(λ) b(λ) dλ
+pub(super) fn integral(a: &Components, b: &Components) -> f64 {
+    a.0.iter().zip(&b.0).map(|(a, b)| a * b).sum()
+}
+
+/// Linear between the points, constant beyond the first and the last.
+fn interpolated(points: &[f64], values: &[f64], nm: f64) -> f64 {
+    let above = points.partition_point(|&point| point < nm);
+    if above == 0 || above == points.len() {
+        return values[above.min(points.len() - 1)];
+    }
+    let (a, b) = (points[above - 1], points[above]);
+    values[above - 1] + (values[above] - values[above - 1]) * ((nm - a) / (b - a))
+}
+
+pub(super) fn curve(curve: &Curve) -> Components {
+    on_grid(|nm| interpolated(curve.wavelengths(), curve.values(), nm))
+}
+
+/// Each line is a triangle of its power that reaches to 1 nm beside it.
+pub(super) fn lines(lines: &Lines) -> Components {
+    on_grid(|nm| {
+        let share = |[at, power]: &[f64; 2]| power * (1.0 - (nm - at).abs()).max(0.0);
+        lines.lines().iter().map(share).sum()
+    })
+}
+
+/// The CIE's illuminant of this name, of any size; dark where there is none.
+pub(super) fn illuminant(name: &str) -> Components {
+    // c₂ was 1.4380e-2 when these got their names (CIE 15:2018).
+    let corrected = |nominal: f64| daylight(nominal * 1.4388 / 1.4380);
+    match name {
+        "A" => illuminant_a(),
+        "E" => flat(1.0),
+        "D50" => corrected(5000.0),
+        "D55" => corrected(5500.0),
+        "D65" => corrected(6500.0),
+        "D75" => corrected(7500.0),
+        tabulated => [tables::fluorescent(), tables::led(), tables::discharge()]
+            .into_iter()
+            .find(|table| table.names().contains(&tabulated))
+            .map_or_else(|| flat(0.0), |table| column(table, tabulated)),
+    }
+}
+
+fn column(table: &tables::Table, name: &str) -> Components {
+    on_grid(|nm| interpolated(table.wavelengths(), table.column(name), nm))
+}
+
+/// A(λ) = 100 (560/λ)⁵ (exp(1.435e7/(2848·560)) − 1) / (exp(1.435e7/(2848 λ)) − 1)
+/// (ISO/CIE 11664-2)
+fn illuminant_a() -> Components {
+    let exponential = |nm: f64| (1.435e7 / (2848.0 * nm)).exp() - 1.0;
+    on_grid(|nm| 100.0 * (560.0 / nm).powi(5) * exponential(560.0) / exponential(nm))
+}
+
+/// Daylight of a correlated color temperature in K, of any size:
+/// S(λ) = S₀(λ) + M₁ S₁(λ) + M₂ S₂(λ) (CIE 15:2018, 4.1.2).
+pub(super) fn daylight(temperature: f64) -> Components {
+    // In powers of 1000 K / T.
+    let u = 1e3 / temperature;
+    let x = if temperature <= 7000.0 {
+        0.244_063 + 0.099_11 * u + 2.9678 * u.powi(2) - 4.6070 * u.powi(3)
+    } else {
+        0.237_040 + 0.247_48 * u + 1.9018 * u.powi(2) - 2.0064 * u.powi(3)
+    };
+    let y = -3.0 * x.powi(2) + 2.870 * x - 0.275;
+    let divisor = 0.0241 + 0.2562 * x - 0.7341 * y;
+    let three_decimals = |m: f64| (m * 1000.0).round() / 1000.0;
+    let m1 = three_decimals((-1.3515 - 1.7703 * x + 5.9114 * y) / divisor);
+    let m2 = three_decimals((0.0300 - 31.4424 * x + 30.0717 * y) / divisor);
+    let table = tables::daylight();
+    let [s0, s1, s2] = ["S0", "S1", "S2"].map(|name| column(table, name));
+    s0.plus(&s1.scaled(m1)).plus(&s2.scaled(m2))
+}
+
+/// Planck's law, of any size: λ⁻⁵ / (exp(c₂/(λT)) − 1), with λ in μm before the fraction.
+pub(super) fn blackbody(temperature: f64) -> Components {
+    on_grid(|nm| {
+        let exponent = SECOND_RADIATION_CONSTANT / (nm * 1e-9 * temperature);
+        (nm * 1e-3).powi(-5) / exponent.exp_m1()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A few operations.
+    const ROUNDING: f64 = 1e-14;
+
+    fn at(spectrum: &Components, nm: u16) -> f64 {
+        spectrum.0[usize::from(nm - GRID[0])]
+    }
+
+    #[test]
+    fn curves_are_straight_between_their_points() {
+        let written = Curve::new(vec![400.5, 410.5, 700.0], vec![1.0, 3.0, 0.5]).unwrap();
+        let spectrum = curve(&written);
+        assert_eq!(spectrum.0.len(), 471);
+        assert_eq!(
+            [360, 400, 700, 830].map(|nm| at(&spectrum, nm)),
+            [1.0, 1.0, 0.5, 0.5]
+        );
+        assert!((at(&spectrum, 405) - 1.9).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn lines_keep_their_power_and_their_place() {
+        let written = Lines::new(vec![
+            [589.0, 0.5],
+            [589.6, 0.25],
+            [830.0, 1.0],
+            [360.0, 2.0],
+        ]);
+        let spectrum = lines(&written.unwrap());
+        assert!((spectrum.sum() - 3.75).abs() < ROUNDING);
+        for (nm, power) in [(360, 2.0), (588, 0.0), (589, 0.6), (590, 0.15), (830, 1.0)] {
+            assert!((at(&spectrum, nm) - power).abs() < ROUNDING * 100.0, "{nm}");
+        }
+    }
+
+    /// CIE standard illuminants (ISO/CIE 11664-2), some of the printed values.
+    #[test]
+    fn standard_illuminants() {
+        let (a, d65) = (illuminant("A"), illuminant("D65"));
+        for (nm, in_a, in_d65) in [
+            (400, 14.7080, 82.7549),
+            (450, 33.0859, 117.008),
+            (560, 100.0, 100.0),
+            (700, 198.261, 71.6091),
+            (780, 241.675, 63.3828),
+        ] {
+            assert!((at(&a, nm) - in_a).abs() < 1e-3, "{nm}: {}", at(&a, nm));
+            assert!((at(&d65, nm) - in_d65).abs() < 1e-3, "{nm}");
+        }
+        assert_eq!(illuminant("E"), flat(1.0));
+        // No panic where a scene is not legal.
+        assert_eq!(illuminant("D66"), flat(0.0));
+    }
+
+    /// λ T = 2.897771955e-3 m·K at the peak (CODATA 2018).
+    #[test]
+    fn wien_s_displacement() {
+        for nm in [400, 555, 800_u16] {
+            let spectrum = blackbody(2.897_771_955e-3 / (f64::from(nm) * 1e-9));
+            let peak = at(&spectrum, nm);
+            assert!(spectrum.0.iter().all(|&value| value <= peak), "{nm}");
+        }
+    }
+}
