@@ -4,6 +4,8 @@
 //! for every color that a reflectance of this form can have there are coefficients. They are solved
 //! for here, color by color, rather than looked up in a table of rounded ones.
 
+use std::cell::Cell;
+
 use super::{FIRST, LAST, Spectrum};
 
 /// How far, in each channel, the color of a solution may be from the one asked for.
@@ -14,6 +16,10 @@ const CONVERGED: f64 = 1e-13;
 
 /// Newton steps towards one target before it counts as too far away.
 const MOST_STEPS: usize = 40;
+
+/// How often the integrals are computed before a color counts as out of reach, in 10 ms. Colors within
+/// reach take 10, those close to its limit a thousand.
+const PATIENCE: u32 = 4000;
 
 /// The shortest step from gray to the color, as a part of the whole way.
 const SHORTEST: f64 = 1.0 / 4096.0;
@@ -73,7 +79,10 @@ fn sigmoid(x: f64) -> f64 {
 /// `None` if no reflectance of this form comes within [`RESIDUAL`] of it, in each channel: colors
 /// more saturated or brighter than surfaces can be. Black and white are its limits, not its members.
 pub fn reflectance(weights: &[Spectrum; 3], target: [f64; 3]) -> Option<Coefficients> {
-    let solver = Solver { weights };
+    let solver = Solver {
+        weights,
+        evaluations: Cell::new(0),
+    };
     let gray = (target.iter().sum::<f64>() / 3.0).clamp(0.02, 0.98);
     // s(x) = r at x = (r − ½)/√(r (1 − r)): exact for gray.
     let start = (gray - 0.5) / (gray * (1.0 - gray)).sqrt();
@@ -91,7 +100,7 @@ pub fn reflectance(weights: &[Spectrum; 3], target: [f64; 3]) -> Option<Coeffici
             step *= 2.0;
         } else {
             step /= 2.0;
-            if step < SHORTEST {
+            if step < SHORTEST || solver.evaluations.get() > PATIENCE {
                 return None;
             }
         }
@@ -101,6 +110,8 @@ pub fn reflectance(weights: &[Spectrum; 3], target: [f64; 3]) -> Option<Coeffici
 
 struct Solver<'a> {
     weights: &'a [Spectrum; 3],
+    /// How often the integrals were computed.
+    evaluations: Cell<u32>,
 }
 
 /// The colors' differences, and how they change with each coefficient.
@@ -117,7 +128,7 @@ impl Solver<'_> {
         let mut here = self.linearized(at, target);
         for _ in 0..MOST_STEPS {
             let norm = largest(here.difference);
-            if norm <= CONVERGED {
+            if norm <= CONVERGED || self.evaluations.get() > PATIENCE {
                 break;
             }
             let Some(step) = solve(here.jacobian, here.difference) else {
@@ -142,6 +153,7 @@ impl Solver<'_> {
     }
 
     fn linearized(&self, coefficients: [f64; 3], target: [f64; 3]) -> Linearized {
+        self.evaluations.update(|count| count + 1);
         let polynomial = Coefficients(coefficients);
         let mut difference = target.map(|channel| -channel);
         let mut jacobian = [[0.0; 3]; 3];

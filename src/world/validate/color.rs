@@ -1,5 +1,6 @@
 //! Values for light and color: from every notation to the working space, or to spectra.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ pub(super) struct Reflection {
 }
 
 /// How large a reflectance may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Bound {
     /// At most 1: an albedo.
     Albedo,
@@ -58,6 +59,23 @@ impl Reflection {
 
     pub(super) fn is_black(&self) -> bool {
         self.rgb == [0.0; 3] && self.shade.as_ref().is_none_or(Shade::is_black)
+    }
+}
+
+/// The spectra found for colors so far: scenes have few colors and many materials.
+#[derive(Default)]
+pub(super) struct Shades(HashMap<([u64; 3], Option<Bound>), Option<Shade>>);
+
+impl Shades {
+    /// What stands for a color, as a reflectance within a bound or as light.
+    fn of(
+        &mut self,
+        rgb: [f64; 3],
+        bound: Option<Bound>,
+        find: impl FnOnce() -> Option<Shade>,
+    ) -> Option<Shade> {
+        let key = (rgb.map(f64::to_bits), bound);
+        self.0.entry(key).or_insert_with(find).clone()
     }
 }
 
@@ -218,7 +236,7 @@ impl Validator<'_> {
                 spectrum: None,
             });
         };
-        let shade = colorimetry.unbounded(rgb);
+        let shade = self.shades.of(rgb, None, || colorimetry.unbounded(rgb));
         let spectrum = shade.map(|shade| shade.of(colorimetry.white()));
         let Some(spectrum) = spectrum else {
             return Err(self.out_of_reach(key, written, rgb, "light"));
@@ -247,12 +265,12 @@ impl Validator<'_> {
         let Some(colorimetry) = colorimetry else {
             return Ok(Reflection { rgb, shade: None });
         };
-        let shade = match bound {
+        let shade = self.shades.of(rgb, Some(bound), || match bound {
             Bound::Albedo => colorimetry.reflectance_of(rgb),
             Bound::None => colorimetry
                 .reflectance_of(rgb)
                 .or_else(|| colorimetry.unbounded(rgb)),
-        };
+        });
         if shade.is_none() {
             return Err(self.out_of_reach(key, written, rgb, "reflectance"));
         }

@@ -70,9 +70,10 @@ struct Validator<'a> {
     broken: &'a Broken,
     anchor: DVec3,
     diagnostics: Vec<Diagnostic>,
-    colorimetry: Colorimetry,
+    colorimetry: Arc<Colorimetry>,
     /// Whether light is carried wavelength by wavelength.
     is_spectral: bool,
+    shades: color::Shades,
     spectral_values: Vec<String>,
     gaps: Vec<Named<[f64; 2]>>,
 }
@@ -93,11 +94,12 @@ impl<'a> Validator<'a> {
                 DVec3::ZERO
             },
             diagnostics: Vec::new(),
-            colorimetry: Colorimetry::new(
+            colorimetry: Arc::new(Colorimetry::new(
                 scene.image.observer.value,
                 scene.image.color_space.value,
-            ),
+            )),
             is_spectral: is_spectral(scene),
+            shades: color::Shades::default(),
             spectral_values: Vec::new(),
             gaps: Vec::new(),
         };
@@ -169,7 +171,7 @@ impl<'a> Validator<'a> {
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
             let spectra = Spectra {
-                colorimetry: self.colorimetry.clone(),
+                colorimetry: Colorimetry::clone(&self.colorimetry),
                 lights: spectra,
                 materials: pigments,
                 background: background.spectrum.expect("spectral light has a spectrum"),
@@ -454,8 +456,8 @@ impl<'a> Validator<'a> {
     }
 
     /// The colorimetry, if light is carried spectrally.
-    fn colorimetry_of_spectra(&self) -> Option<&Colorimetry> {
-        self.is_spectral.then_some(&self.colorimetry)
+    fn colorimetry_of_spectra(&self) -> Option<Arc<Colorimetry>> {
+        self.is_spectral.then(|| Arc::clone(&self.colorimetry))
     }
 }
 
