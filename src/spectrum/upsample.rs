@@ -17,9 +17,9 @@ const CONVERGED: f64 = 1e-13;
 /// Newton steps towards one target before it counts as too far away.
 const MOST_STEPS: usize = 40;
 
-/// How often the integrals are computed before a color counts as out of reach, in 10 ms. Colors within
-/// reach take 10, those close to its limit a thousand.
-const PATIENCE: u32 = 4000;
+/// How often the integrals are computed before a color counts as out of reach: 3 ms. Colors within
+/// reach take 10, those close to its limit several hundred.
+const PATIENCE: u32 = 1500;
 
 /// The shortest step from gray to the color, as a part of the whole way.
 const SHORTEST: f64 = 1.0 / 4096.0;

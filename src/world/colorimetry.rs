@@ -121,18 +121,12 @@ impl Colorimetry {
             return Some(Shade::Flat(rgb[0]));
         }
         let brightest = rgb.into_iter().fold(0.0, f64::max);
-        let dimmed = |dimmer: f64| {
+        DIMMER.into_iter().find_map(|dimmer| {
             let scale = dimmer / brightest;
             let coefficients =
                 upsample::reflectance(&self.under_white, rgb.map(|channel| channel * scale))?;
             let spectrum = coefficients.spectrum().scaled(1.0 / scale);
             Some(Shade::Spectrum(Arc::new(spectrum)))
-        };
-        let [brightest, darker @ .., darkest] = DIMMER;
-        dimmed(brightest).or_else(|| {
-            // What is out of reach at its darkest is so in between.
-            let last = dimmed(darkest)?;
-            Some(darker.into_iter().find_map(dimmed).unwrap_or(last))
         })
     }
 }

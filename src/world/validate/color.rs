@@ -64,18 +64,34 @@ impl Reflection {
 
 /// The spectra found for colors so far: scenes have few colors and many materials.
 #[derive(Default)]
-pub(super) struct Shades(HashMap<([u64; 3], Option<Bound>), Option<Shade>>);
+pub(super) struct Shades {
+    known: HashMap<([u64; 3], Option<Bound>), Option<Shade>>,
+    out_of_reach: usize,
+}
+
+/// Errors of one kind that are enough to mend a scene by.
+const MOST_OUT_OF_REACH: usize = 100;
 
 impl Shades {
-    /// What stands for a color, as a reflectance within a bound or as light.
+    /// What stands for a color, as a reflectance within a bound or as light. After many colors out of
+    /// reach, each of which takes long to give up, no more are looked for.
     fn of(
         &mut self,
         rgb: [f64; 3],
         bound: Option<Bound>,
         find: impl FnOnce() -> Option<Shade>,
-    ) -> Option<Shade> {
+    ) -> Result<Option<Shade>, Reported> {
         let key = (rgb.map(f64::to_bits), bound);
-        self.0.entry(key).or_insert_with(find).clone()
+        if let Some(known) = self.known.get(&key) {
+            return Ok(known.clone());
+        }
+        if self.out_of_reach == MOST_OUT_OF_REACH {
+            return Err(Reported);
+        }
+        let found = find();
+        self.out_of_reach += usize::from(found.is_none());
+        self.known.insert(key, found.clone());
+        Ok(found)
     }
 }
 
@@ -236,7 +252,7 @@ impl Validator<'_> {
                 spectrum: None,
             });
         };
-        let shade = self.shades.of(rgb, None, || colorimetry.unbounded(rgb));
+        let shade = self.shades.of(rgb, None, || colorimetry.unbounded(rgb))?;
         let spectrum = shade.map(|shade| shade.of(colorimetry.white()));
         let Some(spectrum) = spectrum else {
             return Err(self.out_of_reach(key, written, rgb, "light"));
@@ -270,7 +286,7 @@ impl Validator<'_> {
             Bound::None => colorimetry
                 .reflectance_of(rgb)
                 .or_else(|| colorimetry.unbounded(rgb)),
-        });
+        })?;
         if shade.is_none() {
             return Err(self.out_of_reach(key, written, rgb, "reflectance"));
         }
