@@ -115,6 +115,7 @@
 pub mod color;
 pub mod display;
 pub mod film;
+pub mod lanes;
 pub mod math;
 pub mod oracle;
 pub mod output;

@@ -7,22 +7,30 @@ use std::path::{Path, PathBuf};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 12] = [
+const MAY_USE: [(&str, &[&str]); 13] = [
     ("units", &[]),
     ("math", &[]),
+    ("lanes", &["math"]),
     ("color", &[]),
     ("output", &[]),
     ("spectrum", &["units"]),
     ("scene", &["units", "spectrum"]),
-    ("world", &["scene", "units", "math", "color", "spectrum"]),
-    ("visibility", &["world", "math"]),
-    ("shading", &["world", "visibility", "units", "math"]),
+    (
+        "world",
+        &["scene", "units", "math", "lanes", "color", "spectrum"],
+    ),
+    ("visibility", &["world", "math", "lanes"]),
+    (
+        "shading",
+        &["world", "visibility", "units", "math", "lanes"],
+    ),
     (
         "film",
         &[
             "world",
             "visibility",
             "shading",
+            "lanes",
             "scene",
             "units",
             "color",

@@ -249,6 +249,7 @@ fn a_part_has_the_bands_of_the_whole() {
             layers: Layers {
                 spectral: Wavelengths::new(550, 650, 10),
             },
+            ..Options::default()
         };
         let (part, whole) = (
             film_of(&scene, &options),

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use candela::display;
 use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
 use candela::film::{self, Channels, Counts, MAX_SAMPLES, Options, Window};
+use candela::lanes::Door;
 use candela::output::{self, Unfinished};
 use candela::scene::Scene;
 use candela::visibility::Visibility;
@@ -86,6 +87,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = |text: &str| count(text, MAX_THREADS))]
     threads: Option<u32>,
+
+    /// Instructions to render with; the image is the same to the bit with all [default: the widest
+    /// of this machine]
+    #[arg(long, value_name = "NAME")]
+    #[arg(value_parser = PossibleValuesParser::new(Door::available().into_iter().map(|(name, _)| name))
+        .try_map(|name| name.parse::<Door>()))]
+    simd: Option<Door>,
 
     /// Write counts and times as JSON
     #[arg(long, value_name = "FILE.json", value_parser = named("json"))]
@@ -218,6 +226,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         samples: arguments.samples,
         window,
         layers,
+        door: arguments.simd.unwrap_or_default(),
     };
     let progress = Progress::new(whole, arguments);
     let ((film, counts), render) = timed(|| {

@@ -1,20 +1,18 @@
 //! Radiance to pixels: the tiles of an image, their samples, and the box filter.
 
+use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use super::bands::{self, Geometry, Place};
 use super::sampling::Sampler;
 use super::{Film, Layers, Metadata, Window};
-use crate::shading::{self, Shaded};
-use crate::units::Radiance;
-use crate::visibility::{PrimaryRays, SurfacePoint, Visibility};
+use crate::lanes::{Door, Kernel, LANES};
+use crate::shading::{self, Shaded, Term};
+use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
 
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
 const TILE: u32 = 16;
-
-/// Rays that are traced and shaded together.
-const BATCH: usize = 256;
 
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
@@ -29,6 +27,9 @@ pub struct Options {
     pub window: Option<Window>,
     /// What is made beside R, G, B and A. Default: nothing.
     pub layers: Layers,
+    /// The instructions to render with, which make no difference to the image. Default: the widest
+    /// that the machine has.
+    pub door: Door,
 }
 
 /// What a render took and met.
@@ -62,6 +63,7 @@ impl Default for Options {
             samples: 1,
             window: None,
             layers: Layers::default(),
+            door: Door::default(),
         }
     }
 }
@@ -106,15 +108,21 @@ pub fn render_with(
     let channels = options.layers.channels();
     let metadata = metadata(world, options, plan);
     let mut film = Film::black(resolution, window, channels, metadata);
-    let tiles = film.tiles(TILE).into_par_iter().map(|mut tile| {
-        let work = Work {
-            world,
-            plan,
-            visibility,
-            samples: options.samples,
-            bands: bands.as_ref(),
-        };
-        let counts = work.render(&mut tile);
+    let sampler = Sampler::new(options.samples);
+    let work = Work {
+        world,
+        visibility,
+        samples: options.samples,
+        sampler: &sampler,
+        bands: bands.as_ref(),
+    };
+    let tiles = film.tiles(TILE).into_par_iter();
+    let tiles = tiles.map_init(Box::<Space>::default, |space, mut tile| {
+        let counts = options.door.run(TileKernel {
+            work,
+            tile: &mut tile,
+            space,
+        });
         progress(u64::from(tile.window.width) * u64::from(tile.window.height));
         counts
     });
@@ -154,19 +162,70 @@ pub(super) struct Tile<'f> {
 #[derive(Clone, Copy)]
 struct Work<'w> {
     world: &'w World,
-    plan: &'w Plan,
     visibility: &'w Visibility<'w>,
     samples: u32,
+    sampler: &'w Sampler,
     bands: Option<&'w Bands>,
+}
+
+/// What a thread needs for a tile, to be used for the next as well.
+struct Space {
+    /// The samples' places in the image.
+    positions: [Column; 2],
+    tracing: Workspace,
+    points: Points,
+    shaded: Shaded,
+    /// The pixel and the number of each sample of a batch.
+    batch: Vec<(usize, u32)>,
+}
+
+impl Default for Space {
+    fn default() -> Self {
+        Self {
+            positions: [[0.0; BATCH]; 2],
+            tracing: Workspace::default(),
+            points: Points::default(),
+            shaded: Shaded::default(),
+            batch: Vec::with_capacity(BATCH),
+        }
+    }
+}
+
+/// One tile, on whatever instructions.
+struct TileKernel<'t, 'w, 'f> {
+    work: Work<'w>,
+    tile: &'t mut Tile<'f>,
+    space: &'t mut Space,
+}
+
+impl Kernel for TileKernel<'_, '_, '_> {
+    type Output = Counts;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Counts {
+        self.work.render(simd, self.tile, self.space)
+    }
 }
 
 impl Work<'_> {
     /// Renders all samples of a tile's pixels, batch by batch. Samples of one pixel follow each
     /// other, and pixels come in an order that keeps neighbors together, so that the rays of a
     /// batch, and any few of them in a row, are as alike as they can be.
-    fn render(self, tile: &mut Tile<'_>) -> Counts {
-        let Self { world, samples, .. } = self;
-        let sampler = Sampler::new(samples);
+    #[inline(always)]
+    fn render<S: Simd>(self, simd: S, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
+        let Self {
+            world,
+            samples,
+            sampler,
+            ..
+        } = self;
+        let Space {
+            positions,
+            tracing,
+            points,
+            shaded,
+            batch,
+        } = space;
         let Window {
             x,
             y,
@@ -183,33 +242,53 @@ impl Work<'_> {
         let mut samples_left =
             (0..pixels.len()).flat_map(|pixel| (0..samples).map(move |n| (pixel, n)));
         loop {
-            let batch: Vec<(usize, u32)> = samples_left.by_ref().take(BATCH).collect();
+            batch.clear();
+            batch.extend(samples_left.by_ref().take(BATCH));
             if batch.is_empty() {
                 break;
             }
-            let positions = batch.iter().map(|&(pixel, sample)| {
+            for (slot, &(pixel, sample)) in batch.iter().enumerate() {
                 let [column, row] = pixels[pixel];
-                sampler.position([x + column, y + row], sample)
-            });
-            let rays = PrimaryRays::through(world, positions);
-            let hits = self.visibility.nearest(&rays);
-            let mut points = Vec::with_capacity(batch.len());
-            for (ray, hit) in rays.iter().zip(&hits) {
-                points.extend(hit.as_ref().map(|hit| self.visibility.surface(&ray, hit)));
+                let [px, py] = sampler.position([x + column, y + row], sample);
+                (positions[0][slot], positions[1][slot]) = (px, py);
             }
-            let shaded = match &mut spectral {
-                None => shading::radiance(world, self.plan, self.visibility, &points),
-                Some(spectral) => {
-                    let hit = batch.iter().zip(&hits).filter(|(_, hit)| hit.is_some());
-                    let pixels = hit.map(|(&(pixel, _), _)| pixel);
-                    self.radiance_and_bands(&points, pixels, spectral)
+            let [xs, ys] = &*positions;
+            self.visibility
+                .see(simd, [xs, ys], batch.len(), tracing, points);
+            let is_hit = |slot: usize| points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
+            match &mut spectral {
+                None => {
+                    shading::radiance(simd, world, self.visibility, points, tracing, shaded, None)
                 }
-            };
-            let mut radiance = shaded.radiance.into_iter();
-            for (&(pixel, _), hit) in batch.iter().zip(&hits) {
-                let seen = hit.as_ref().and_then(|_| radiance.next());
-                sums[pixel].hits += u32::from(seen.is_some());
-                sums[pixel].add(seen.unwrap_or(world.background()));
+                Some(spectral) => {
+                    let places: Vec<Option<Place>> = batch
+                        .iter()
+                        .enumerate()
+                        .map(|(slot, &(pixel, _))| {
+                            let material = points.material[slot] as usize;
+                            is_hit(slot).then(|| spectral.geometry.place(pixel, material))
+                        })
+                        .collect();
+                    let mut add = |term: Term| {
+                        let place = places[term.point].expect("a term is of a point that is hit");
+                        spectral.geometry.add(place, &term);
+                    };
+                    shading::radiance(
+                        simd,
+                        world,
+                        self.visibility,
+                        points,
+                        tracing,
+                        shaded,
+                        Some(&mut add),
+                    );
+                }
+            }
+            for (slot, &(pixel, _)) in batch.iter().enumerate() {
+                let hit = is_hit(slot);
+                let seen = shaded.radiance.each_ref().map(|column| column[slot]);
+                sums[pixel].hits += u32::from(hit);
+                sums[pixel].add(if hit { seen } else { world.background().0.0 });
             }
             if let Some(spectral) = &mut spectral {
                 // The last pixel may have samples in the next batch.
@@ -239,28 +318,6 @@ impl Work<'_> {
             }
         }
         counts
-    }
-
-    /// The light of points that are hit in these pixels, with the geometry of its terms added to
-    /// `sums`.
-    fn radiance_and_bands(
-        self,
-        points: &[SurfacePoint],
-        pixels: impl Iterator<Item = usize>,
-        sums: &mut SpectralSums<'_>,
-    ) -> Shaded {
-        let objects = self.world.objects();
-        let places: Vec<Place> = points
-            .iter()
-            .zip(pixels)
-            .map(|(point, pixel)| {
-                let material = objects[point.object as usize].material;
-                sums.geometry.place(pixel, material)
-            })
-            .collect();
-        shading::radiance_and_terms(self.world, self.plan, self.visibility, points, |term| {
-            sums.geometry.add(places[term.point], &term);
-        })
     }
 }
 
@@ -315,8 +372,8 @@ struct PixelSum {
 }
 
 impl PixelSum {
-    fn add(&mut self, radiance: Radiance) {
-        for (sum, channel) in self.radiance.iter_mut().zip(radiance.0.0) {
+    fn add(&mut self, radiance: [f64; 3]) {
+        for (sum, channel) in self.radiance.iter_mut().zip(radiance) {
             *sum += channel;
         }
     }

@@ -6,25 +6,30 @@
 /// sequence, Owen-scrambled with a seed from the pixel's position (hash-based: Laine & Karras 2011,
 /// "Stratified Sampling for Stochastic Transparency", with the mixing constants of Vegdahl 2021),
 /// so that any power of two of them is stratified in every way and neighbors are independent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Sampler {
-    samples: u32,
+    /// The sequence before it is scrambled.
+    sequence: Vec<[u32; 2]>,
 }
 
 impl Sampler {
     pub(super) fn new(samples: u32) -> Self {
-        Self { samples }
+        let sequence = (0..samples).map(|sample| [sample.reverse_bits(), sobol(sample)]);
+        Self {
+            sequence: sequence.collect(),
+        }
     }
 
     /// Position of a sample within the image, in pixels, for the pixel at column x and row y.
-    pub(super) fn position(self, [x, y]: [u32; 2], sample: u32) -> [f64; 2] {
-        let offset = if self.samples == 1 {
+    pub(super) fn position(&self, [x, y]: [u32; 2], sample: u32) -> [f64; 2] {
+        let offset = if self.sequence.len() == 1 {
             [0.5, 0.5]
         } else {
+            let [first, second] = self.sequence[sample as usize];
             let seed = hash(hash(x) ^ y);
             [
-                unit_interval(scrambled(sample.reverse_bits(), hash(seed ^ 1))),
-                unit_interval(scrambled(sobol(sample), hash(seed ^ 2))),
+                unit_interval(scrambled(first, hash(seed ^ 1))),
+                unit_interval(scrambled(second, hash(seed ^ 2))),
             ]
         };
         [f64::from(x) + offset[0], f64::from(y) + offset[1]]

@@ -3,22 +3,35 @@
 mod power;
 mod reflectance;
 
-pub use power::power;
-use reflectance::Geometry;
+use fearless_simd::Simd;
 
-use crate::units::Radiance;
-use crate::visibility::{SurfacePoint, Visibility};
-use crate::world::{Lobes, Plan, World};
+pub use power::power;
+use reflectance::{Surfaces, geometry};
+
+use crate::lanes::{LANES, Lanes};
+use crate::units::ReflectedIntensity;
+use crate::visibility::{BATCH, Column, PACKETS, Points, Visibility, Workspace};
+use crate::world::{Lobes, World};
 
 /// The light of a batch of points, and what it took.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Shaded {
-    /// L_o of each point, in the order of the points.
-    pub radiance: Vec<Radiance>,
+    /// L_o of each point in cd/m², per primary; 0 where nothing is hit.
+    pub radiance: [Column; 3],
     /// How many points were asked for a light's visibility (L4).
     pub shadow_rays: u64,
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
+}
+
+impl Default for Shaded {
+    fn default() -> Self {
+        Self {
+            radiance: [[0.0; BATCH]; 3],
+            shadow_rays: 0,
+            singular: 0,
+        }
+    }
 }
 
 /// One term of L9 without its color: what a light that is seen does at a point, by geometry alone.
@@ -36,59 +49,134 @@ pub struct Term {
 }
 
 /// L9: L_o(ω_o) = Σ_s L_i^s(p) r(ω_i^s, ω_o) V^s(p), light by light over a batch of points.
-pub fn radiance(
+///
+/// `each`, if there is one, is told of every term of the sum that is not hidden (L4): light by light,
+/// point by point within.
+#[inline(never)]
+pub(crate) fn radiance<S: Simd>(
+    simd: S,
     world: &World,
-    plan: &Plan,
     visibility: &Visibility<'_>,
-    points: &[SurfacePoint],
-) -> Shaded {
-    radiance_and_terms(world, plan, visibility, points, |_| {})
+    points: &Points,
+    space: &mut Workspace,
+    shaded: &mut Shaded,
+    each: Option<&mut dyn FnMut(Term)>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || sum(simd, world, visibility, points, space, shaded, each),
+    );
 }
 
-/// [`radiance`], where `each` is told of every term of the sum that is not hidden (L4): light by
-/// light, point by point within. The sum itself is the same to the bit.
-pub fn radiance_and_terms(
+#[inline(always)]
+fn sum<S: Simd>(
+    simd: S,
     world: &World,
-    plan: &Plan,
     visibility: &Visibility<'_>,
-    points: &[SurfacePoint],
-    mut each: impl FnMut(Term),
-) -> Shaded {
-    let mut shaded = Shaded {
-        radiance: vec![Radiance::BLACK; points.len()],
-        ..Shaded::default()
-    };
-    let material_of = |point: &SurfacePoint| world.objects()[point.object as usize].material;
+    points: &Points,
+    space: &mut Workspace,
+    shaded: &mut Shaded,
+    mut each: Option<&mut dyn FnMut(Term)>,
+) {
+    for column in &mut shaded.radiance {
+        column.fill(0.0);
+    }
+    (shaded.shadow_rays, shaded.singular) = (0, 0);
     for (index, light) in world.lights().iter().enumerate() {
+        let position = light.value.position;
+        let mut above = [0; PACKETS];
+        for (packet, above) in above.iter_mut().enumerate() {
+            let facing = points.facing(simd, packet, position);
+            *above = facing.above;
+            shaded.shadow_rays += u64::from(facing.above.count_ones());
+            shaded.singular += u64::from(facing.at.count_ones());
+        }
+        let lit = visibility.lit(simd, position, points, &above, space);
         let transport = world.transport(index);
-        let geometry: Vec<Geometry> = points
-            .iter()
-            .map(|point| {
-                let material = &world.materials()[material_of(point)].value;
-                Geometry::new(point, light.value.position, material, plan)
-            })
-            .collect();
-        let facing: Vec<bool> = geometry.iter().map(Geometry::faces_light).collect();
-        let lit = visibility.lit(light.value.position, points, &facing);
-        for (place, point) in points.iter().enumerate() {
-            if let (Geometry::Lit(factors), true) = (geometry[place], lit[place]) {
-                let material = material_of(point);
-                each(Term {
-                    point: place,
-                    light: index,
-                    material,
-                    geometry: factors,
-                });
-                let reflected = transport[material];
-                shaded.radiance[place] += reflected.diffuse.radiance(factors.diffuse)
-                    + reflected.specular.radiance(factors.specular);
+        for (packet, bits) in lit.into_iter().enumerate() {
+            if bits == 0 {
+                continue;
+            }
+            let first = packet * LANES;
+            let materials = &points.material[first..first + LANES];
+            let (surfaces, reflected) = if points.is_uniform[packet] {
+                let material = materials[points.hit[packet].trailing_zeros() as usize] as usize;
+                (
+                    Surfaces::uniform(simd, &world.materials()[material].value),
+                    splat(simd, &transport[material]),
+                )
+            } else {
+                let material = |lane: usize| &world.materials()[materials[lane] as usize].value;
+                (
+                    Surfaces::mixed(simd, bits, material),
+                    gather(simd, bits, |lane| &transport[materials[lane] as usize]),
+                )
+            };
+            let geometry = geometry(simd, points, packet, position, &surfaces);
+            let is_lit = crate::lanes::Mask::from_bits(simd, bits);
+            for (channel, column) in shaded.radiance.iter_mut().enumerate() {
+                let before = Lanes::load(simd, &column[first..]);
+                let more = reflected.diffuse[channel] * geometry.diffuse
+                    + reflected.specular[channel] * geometry.specular;
+                is_lit
+                    .select(before + more, before)
+                    .store(&mut column[first..]);
+            }
+            if let Some(each) = &mut each {
+                let diffuse = geometry.diffuse.to_array();
+                let specular = geometry.specular.to_array();
+                for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+                    each(Term {
+                        point: first + lane,
+                        light: index,
+                        material: materials[lane] as usize,
+                        geometry: Lobes {
+                            diffuse: diffuse[lane],
+                            specular: specular[lane],
+                        },
+                    });
+                }
             }
         }
-        shaded.shadow_rays += facing.iter().filter(|&&facing| facing).count() as u64;
-        let at_light = geometry
-            .iter()
-            .filter(|geometry| matches!(geometry, Geometry::Singular));
-        shaded.singular += at_light.count() as u64;
     }
-    shaded
+}
+
+/// I · k of one material in all lanes, channel by channel.
+#[inline(always)]
+fn splat<S: Simd>(simd: S, lobes: &Lobes<ReflectedIntensity>) -> Lobes<[Lanes<S>; 3]> {
+    let ([r, g, b], [sr, sg, sb]) = (lobes.diffuse.0.0, lobes.specular.0.0);
+    let splat = |value: f64| Lanes::splat(simd, value);
+    Lobes {
+        diffuse: [splat(r), splat(g), splat(b)],
+        specular: [splat(sr), splat(sg), splat(sb)],
+    }
+}
+
+/// I · k of each lane's own material, for the lanes with a bit.
+#[inline(always)]
+fn gather<'t, S: Simd>(
+    simd: S,
+    bits: u32,
+    lobes: impl Fn(usize) -> &'t Lobes<ReflectedIntensity>,
+) -> Lobes<[Lanes<S>; 3]> {
+    let mut diffuse = [[0.0; LANES]; 3];
+    let mut specular = [[0.0; LANES]; 3];
+    for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+        let lobes = lobes(lane);
+        for channel in 0..3 {
+            diffuse[channel][lane] = lobes.diffuse.0.0[channel];
+            specular[channel][lane] = lobes.specular.0.0[channel];
+        }
+    }
+    let lanes = |[r, g, b]: [[f64; LANES]; 3]| {
+        [
+            Lanes::load(simd, &r),
+            Lanes::load(simd, &g),
+            Lanes::load(simd, &b),
+        ]
+    };
+    Lobes {
+        diffuse: lanes(diffuse),
+        specular: lanes(specular),
+    }
 }

@@ -2,6 +2,10 @@
 
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
+use fearless_simd::Simd;
+
+use crate::lanes::Lanes;
+
 /// 1/(2k + 1), the coefficients of artanh(s)/s in s². s² is at most (3 − 2√2)² ≈ 0.0295, so the
 /// first term left out is below 0.0295¹¹ / 23 ≈ 6e-19 of the sum.
 const ARTANH: [f64; 11] = {
@@ -33,6 +37,9 @@ const LOWEST_EXPONENT: f64 = -1022.0;
 /// of a number from 2⁵² to 2⁵³ stands for 1.
 const ROUNDS: f64 = 1.5 * (1_u64 << 52) as f64;
 
+/// The digits of an f64, without sign and exponent.
+const MANTISSA: u64 = (1 << 52) - 1;
+
 /// baseⁿ for a base from 0 to 1 and n above 0. Relative error: below 1e-12 where the result is
 /// above 1e-300, and 0 below that.
 ///
@@ -44,10 +51,65 @@ pub fn power(base: f64, exponent: f64) -> f64 {
     exp2(exponent * log2(if base < 1.0 { base } else { 1.0 }))
 }
 
+/// [`power`] in every lane, to the same bits.
+#[inline(always)]
+pub(super) fn powers<S: Simd>(simd: S, base: Lanes<S>, exponent: Lanes<S>) -> Lanes<S> {
+    let one = Lanes::splat(simd, 1.0);
+    let zero = Lanes::splat(simd, 0.0);
+    let is_above_zero = base.ge(Lanes::splat(simd, f64::MIN_POSITIVE));
+    if !is_above_zero.any() {
+        return zero;
+    }
+    let base = is_above_zero.select(base.lt(one).select(base, one), one);
+    is_above_zero.select(exp2_lanes(simd, exponent * log2_lanes(simd, base)), zero)
+}
+
+/// [`log2`] in every lane.
+#[inline(always)]
+fn log2_lanes<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
+    let bits = x.to_bits();
+    // An integer below 2⁵² in the digits of 2⁵² is that much more.
+    const INTEGERS: f64 = (1_u64 << 52) as f64;
+    let exponent = Lanes::from_bits(bits.shr(52).or(INTEGERS.to_bits())) - (INTEGERS + 1023.0);
+    let mantissa = Lanes::from_bits(bits.and(MANTISSA).or(1.0_f64.to_bits()));
+    let is_large = mantissa.gt(Lanes::splat(simd, SQRT_2));
+    let exponent = is_large.select(exponent + 1.0, exponent);
+    let mantissa = is_large.select(mantissa * 0.5, mantissa);
+    let s = (mantissa - 1.0) / (mantissa + 1.0);
+    exponent + s * (2.0 * LOG2_E) * polynomial_lanes(simd, &ARTANH, s * s)
+}
+
+/// [`exp2`] in every lane.
+#[inline(always)]
+fn exp2_lanes<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
+    let is_tiny = x.lt(Lanes::splat(simd, LOWEST_EXPONENT));
+    let rounded = x + ROUNDS;
+    let rest = (x - (rounded - ROUNDS)) * LN_2;
+    // The lowest digits of `rounded` are the integer.
+    let power = Lanes::from_bits(rounded.to_bits().plus(1023).shl(52));
+    let result = polynomial_lanes(simd, &EXPONENTIAL, rest) * power;
+    is_tiny.select(Lanes::splat(simd, 0.0), result)
+}
+
+/// [`polynomial`] in every lane.
+#[inline(always)]
+fn polynomial_lanes<S: Simd, const N: usize>(
+    simd: S,
+    coefficients: &[f64; N],
+    x: Lanes<S>,
+) -> Lanes<S> {
+    let x2 = x * x;
+    let (mut even, mut odd) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.0));
+    for pair in coefficients.chunks(2).rev() {
+        even = even * x2 + pair[0];
+        odd = odd * x2 + pair.get(1).copied().unwrap_or(0.0);
+    }
+    even + odd * x
+}
+
 /// log₂ x of a normal number: with x = 2ᵉ m, m from 1/√2 to √2, log₂ x = e + 2 log₂ e · artanh(s),
 /// s = (m − 1)/(m + 1).
 fn log2(x: f64) -> f64 {
-    const MANTISSA: u64 = (1 << 52) - 1;
     let bits = x.to_bits();
     let exponent = (bits >> 52) as i32 - 1023;
     let mantissa = f64::from_bits((bits & MANTISSA) | 1.0_f64.to_bits());
@@ -58,7 +120,7 @@ fn log2(x: f64) -> f64 {
     };
     let s = (mantissa - 1.0) / (mantissa + 1.0);
     let s2 = s * s;
-    f64::from(exponent) + 2.0 * LOG2_E * s * polynomial(&ARTANH, s2)
+    f64::from(exponent) + s * (2.0 * LOG2_E) * polynomial(&ARTANH, s2)
 }
 
 /// 2ˣ for x up to 1023: the integer part by the exponent's bits, the rest, at most ½, by the series

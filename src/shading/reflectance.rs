@@ -1,74 +1,97 @@
-//! L5 to L8 at one point for one light, without the light's color and the material's.
+//! L5 to L8 at the points of a packet for one light, without the light's color and the material's.
 
-use super::power;
-use crate::math::{DVec3, Point};
-use crate::visibility::SurfacePoint;
+use fearless_simd::Simd;
+
+use super::power::powers;
+use crate::lanes::{LANES, Lanes, Mask, Vectors};
+use crate::math::Point;
+use crate::visibility::{Points, columns};
 use crate::world::material::Model;
-use crate::world::{Lobes, Material, Plan};
+use crate::world::{Lobes, Material};
 
-/// What one light does at one point, by geometry alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Geometry {
-    /// The light is above the surface: cosine terms over d², in m⁻².
-    Lit(Lobes<f64>),
-    /// The light is below the surface and adds nothing.
-    Below,
-    /// The light is at the point itself, d = 0, where L3 has no value; it adds nothing.
-    Singular,
+/// What the lobes of the points' materials look like.
+#[derive(Clone, Copy)]
+pub(super) struct Surfaces<S: Simd> {
+    /// n of L7.
+    shininess: Lanes<S>,
+    /// Where there is a specular lobe.
+    is_specular: Mask<S>,
+    /// Where L7 has the cosine of the incident light as a factor.
+    is_normalized: Mask<S>,
+    any_specular: bool,
 }
 
-impl Geometry {
-    pub(super) fn new(
-        point: &SurfacePoint,
-        light: Point,
-        material: &Material,
-        plan: &Plan,
-    ) -> Self {
-        if point.is_at(light) {
-            return Self::Singular;
+impl<S: Simd> Surfaces<S> {
+    /// All of one material.
+    #[inline(always)]
+    pub(super) fn uniform(simd: S, material: &Material) -> Self {
+        let mask = |is: bool| Mask::from_bits(simd, if is { u32::MAX } else { 0 });
+        Self {
+            shininess: Lanes::splat(simd, material.shininess()),
+            is_specular: mask(material.is_specular()),
+            is_normalized: mask(is_normalized(material)),
+            any_specular: material.is_specular(),
         }
-        if !point.faces(light) {
-            return Self::Below;
-        }
-        let to_light = light.from(point.position);
-        let distance_squared = to_light.dot(to_light);
-        let incident = to_light / distance_squared.sqrt();
-        let normal = point.shading_normal.get();
-        let cos_incident = positive(normal.dot(incident));
-        let specular = if plan.specular() && material.is_specular() {
-            let cos_lobe = positive(point.to_viewer.get().dot(reflection(normal, incident)));
-            let lobe = power(cos_lobe, material.shininess());
-            match material.model() {
-                Model::Phong => lobe,
-                Model::NormalizedPhong => lobe * cos_incident,
+    }
+
+    /// Each of its own, for the lanes with a bit.
+    #[inline(always)]
+    pub(super) fn mixed<'m>(simd: S, bits: u32, material: impl Fn(usize) -> &'m Material) -> Self {
+        let mut shininess = [1.0; LANES];
+        let (mut specular, mut normalized) = (0, 0);
+        for (lane, shininess) in shininess.iter_mut().enumerate() {
+            if bits >> lane & 1 == 1 {
+                let material = material(lane);
+                *shininess = material.shininess();
+                specular |= u32::from(material.is_specular()) << lane;
+                normalized |= u32::from(is_normalized(material)) << lane;
             }
-        } else {
-            0.0
-        };
-        // Closer than 1e-154 to a light the quotient is beyond f64, and would make a black channel
-        // NaN.
-        let per_area = |cosine: f64| (cosine / distance_squared).min(f64::MAX);
-        Self::Lit(Lobes {
-            diffuse: per_area(cos_incident),
-            specular: per_area(specular),
-        })
-    }
-
-    /// Whether the light is above the surface, so that L4 matters.
-    pub(super) fn faces_light(&self) -> bool {
-        match self {
-            Self::Lit(_) => true,
-            Self::Below | Self::Singular => false,
+        }
+        Self {
+            shininess: Lanes::load(simd, &shininess),
+            is_specular: Mask::from_bits(simd, specular),
+            is_normalized: Mask::from_bits(simd, normalized),
+            any_specular: specular != 0,
         }
     }
 }
 
-/// L6: ω_r = 2 (n·ω_i) n − ω_i, the ideal direction of reflection.
-fn reflection(normal: DVec3, incident: DVec3) -> DVec3 {
-    normal * (2.0 * normal.dot(incident)) - incident
+fn is_normalized(material: &Material) -> bool {
+    match material.model() {
+        Model::Phong => false,
+        Model::NormalizedPhong => true,
+    }
 }
 
-/// Cosines below 0 count as 0.
-fn positive(cosine: f64) -> f64 {
-    if cosine > 0.0 { cosine } else { 0.0 }
+/// The cosine terms of L5 and L7 over d², in m⁻², of points that a light reaches.
+#[inline(always)]
+pub(super) fn geometry<S: Simd>(
+    simd: S,
+    points: &Points,
+    packet: usize,
+    light: Point,
+    surfaces: &Surfaces<S>,
+) -> Lobes<Lanes<S>> {
+    let zero = Lanes::splat(simd, 0.0);
+    let to_light = -Vectors::load(simd, columns(&points.position, packet)).minus(light.0);
+    let square = to_light.dot(to_light);
+    let incident = to_light.times(Lanes::splat(simd, 1.0) / square.sqrt());
+    let normal = Vectors::load(simd, columns(&points.shading_normal, packet));
+    let cos_incident = normal.dot(incident).max(zero);
+    let specular = if surfaces.any_specular {
+        // L6: ω_r = 2 (n·ω_i) n − ω_i
+        let reflected = normal.times(normal.dot(incident) * 2.0) - incident;
+        let to_viewer = Vectors::load(simd, columns(&points.to_viewer, packet));
+        let lobe = powers(simd, to_viewer.dot(reflected), surfaces.shininess);
+        let lobe = surfaces.is_normalized.select(lobe * cos_incident, lobe);
+        surfaces.is_specular.select(lobe, zero)
+    } else {
+        zero
+    };
+    // Closer than 1e-154 to a light the quotient is beyond f64, and would make a black channel NaN.
+    let largest = Lanes::splat(simd, f64::MAX);
+    Lobes {
+        diffuse: (cos_incident / square).min(largest),
+        specular: (specular / square).min(largest),
+    }
 }

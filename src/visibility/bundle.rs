@@ -1,7 +1,7 @@
 //! All rays of a batch at once.
 
 use super::bvh::Bounds;
-use crate::math::{DVec3, Point};
+use crate::math::DVec3;
 
 /// What the rays r(t) = o + t ω of a batch have in common: boxes around all o and around all ω,
 /// and the range of t. Interval arithmetic tells which boxes none of them can meet.
@@ -14,30 +14,14 @@ pub(super) struct Bundle {
 }
 
 impl Bundle {
-    /// Rays from one point; `None` where there are none.
-    pub(super) fn from_point(
-        origin: Point,
-        directions: impl Iterator<Item = DVec3>,
-        limit: f64,
-    ) -> Option<Self> {
-        Some(Self {
-            origins: Bounds::around(std::iter::once(origin.0))?,
-            directions: Bounds::around(directions)?,
+    /// Rays whose origins and directions lie within these ranges.
+    pub(super) fn new(origins: [DVec3; 2], directions: [DVec3; 2], limit: f64) -> Self {
+        let bounds = |[min, max]: [DVec3; 2]| Bounds { min, max };
+        Self {
+            origins: bounds(origins),
+            directions: bounds(directions),
             limit,
-        })
-    }
-
-    /// Rays of one direction; `None` where there are none.
-    pub(super) fn parallel(
-        origins: impl Iterator<Item = DVec3>,
-        direction: DVec3,
-        limit: f64,
-    ) -> Option<Self> {
-        Some(Self {
-            origins: Bounds::around(origins)?,
-            directions: Bounds::around(std::iter::once(direction))?,
-            limit,
-        })
+        }
     }
 
     /// The same rays in a frame that is moved by −`center` and then scaled.

@@ -4,23 +4,16 @@
 //! the same at any scale and anywhere. They are rounded outwards, so that no shape is missed that
 //! the f64 intersection would hit.
 
-use std::collections::VecDeque;
-
 use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 
-use super::bundle::Bundle;
-use super::search::Bounded;
+use super::search::Shape;
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
-
-/// Boxes that a batch of rays starts with, about: more are found with fewer steps down from each,
-/// but every ray has to look at all.
-const CUT_SIZE: usize = 16;
 
 /// Shapes in a leaf at most. Their own boxes sort them better than a common one.
 const LEAF_SIZE: u32 = 1;
@@ -46,16 +39,6 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// The smallest box around points; `None` where there are none.
-    pub(super) fn around(points: impl Iterator<Item = DVec3>) -> Option<Self> {
-        points
-            .map(|point| Self {
-                min: point,
-                max: point,
-            })
-            .reduce(Self::union)
-    }
-
     /// The smallest box around two boxes.
     pub(super) fn union(self, other: Self) -> Self {
         Self {
@@ -115,8 +98,8 @@ pub(super) enum Child {
 
 impl Bvh {
     /// A tree over shapes, and the order in which its leaves have them.
-    pub(super) fn new<S: Bounded>(shapes: &[S]) -> (Self, Vec<u32>) {
-        let whole = shapes.iter().map(Bounded::bounds).reduce(Bounds::union);
+    pub(super) fn new<S: Shape>(shapes: &[S]) -> (Self, Vec<u32>) {
+        let whole = shapes.iter().map(Shape::bounds).reduce(Bounds::union);
         let whole = whole.expect("a tree is planned only for shapes");
         let center = whole.min * 0.5 + whole.max * 0.5;
         let size = (whole.max - whole.min).max_element();
@@ -199,32 +182,9 @@ impl Bvh {
         order
     }
 
-    /// What of the tree a whole batch of rays has to look at: about [`CUT_SIZE`] boxes that together
-    /// hold every shape that a ray of the bundle could meet, roughly near to far.
-    pub(super) fn cut(&self, bundle: &Bundle) -> Vec<Member> {
-        let bundle = bundle.in_frame(self.center, self.scale);
-        let margin = (bundle.reach() + 1.0) * f64::from(BOX_GIVES_WAY);
-        let may_meet = |member: &Member| bundle.may_meet(&member.bounds().grown(margin));
-        let mut pieces = Vec::with_capacity(CUT_SIZE + WIDTH);
-        let mut queue: VecDeque<Member> = self.nodes[0].members().iter().copied().collect();
-        queue.retain(may_meet);
-        while let Some(member) = queue.pop_front() {
-            match member.child {
-                Child::Node(index) if pieces.len() + queue.len() < CUT_SIZE => {
-                    let members = self.nodes[index as usize].members().iter().copied();
-                    queue.extend(members.filter(may_meet));
-                }
-                Child::Node(_) | Child::Leaf { .. } => pieces.push(member),
-            }
-        }
-        let distance = |member: &Member| bundle.distance_along(&member.bounds());
-        pieces.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        pieces
-    }
-
-    /// Bytes of the nodes.
-    pub(super) fn memory(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
+    /// Middle of the tree's frame in world space.
+    pub(super) fn center(&self) -> DVec3 {
+        self.center
     }
 }
 
@@ -335,13 +295,6 @@ impl Member {
             min: bounds.min.into(),
             max: bounds.max.into(),
             child,
-        }
-    }
-
-    fn bounds(&self) -> Bounds {
-        Bounds {
-            min: self.min.as_dvec3(),
-            max: self.max.as_dvec3(),
         }
     }
 }

@@ -1,62 +1,68 @@
 //! What a camera ray sees (L2) and what a light reaches (L4).
 //!
-//! Rays come in batches that share something: the primary rays of a tile share the eye or a
-//! direction, the shadow rays to a point light share the light. All is asked here in such
-//! batches and answered for the whole batch, so that how a batch is traced is nobody else's
-//! business. Each kind of shape is searched on its own, through a list or a tree as the
-//! [`Plan`] says.
+//! Rays come in batches that share something: the primary rays of a few pixels share the eye or a
+//! direction, the shadow rays to a point light share the light. All is asked here in such batches and
+//! answered for the whole batch: first interval arithmetic on the batch as a whole drops the shapes
+//! that none of its rays can meet, then packets of sixteen rays ask those that are left, side by side.
+//! Each kind of shape is searched on its own, through a list or a tree as the [`Plan`] says.
 //!
 //! Intersections are computed in f64. The tree's boxes are f32 and conservative, and ties are
-//! settled by the order of the scene file: the picture does not depend on the tree.
+//! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
+//! are asked together, nor on the instruction set.
 
 mod bundle;
 mod bvh;
-mod descent;
+mod nodes;
+mod packet;
 mod plane;
 mod search;
 mod sphere;
 mod surface;
 mod triangle;
 
-pub use surface::{Primitive, SurfacePoint};
+use fearless_simd::Simd;
+use rayon::prelude::*;
 
-use crate::math::{DVec3, Point, Ray};
-use crate::world::{Plan, World};
+pub use surface::{BATCH, PACKETS, Points};
+pub(crate) use surface::{Column, columns};
+
+use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
+use crate::math::{DVec3, Point};
+use crate::world::{Plan, Projection, World};
 use bundle::Bundle;
+use packet::{EMPTY_STACK, Ends, Nearest, Rays, Shadow, Stack};
 use search::Search;
-use triangle::{Facet, ShearedRay};
+use triangle::Facet;
 
 /// How much a few operations in f64 on coordinates of magnitude 1 can be off: each by ε/2, eight of
 /// them, and as much again for room. Times a length, it is the bound below which "on the surface"
 /// and "beside it" are the same.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// The primary rays of one batch.
-#[derive(Clone, Debug)]
-pub enum PrimaryRays {
-    /// Of a perspective camera.
-    SharedOrigin {
-        /// Where all rays start.
-        origin: Point,
-        /// Where each goes; of any length.
-        directions: Vec<DVec3>,
-    },
-    /// Of an orthographic camera.
-    SharedDirection {
-        /// Where each starts.
-        origins: Vec<Point>,
-        /// Where all rays go.
-        direction: DVec3,
-    },
-}
+/// One shape that a ray can hit: its object, and of a mesh its triangle, in the order of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Primitive(u64);
 
-/// The nearest thing that a primary ray hits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// The ray's parameter (L1). Range: above 0.
-    pub t: f64,
-    /// What is hit there.
-    pub primitive: Primitive,
+impl Primitive {
+    /// An object of one shape.
+    fn whole(object: u32) -> Self {
+        Self(u64::from(object) << 32)
+    }
+
+    /// A triangle, by its index in the world.
+    fn triangle(object: u32, index: u32) -> Self {
+        Self(u64::from(object) << 32 | u64::from(index))
+    }
+
+    /// The object, and the triangle.
+    fn parts(self) -> (u32, u32) {
+        ((self.0 >> 32) as u32, self.0 as u32)
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(self, simd: S) -> Ids<S> {
+        Ids::splat(simd, self.0)
+    }
 }
 
 /// The shapes of a world, arranged for tracing.
@@ -65,197 +71,269 @@ pub struct Visibility<'w> {
     world: &'w World,
     spheres: Search<sphere::Ball>,
     triangles: Search<Facet>,
+    is_smooth: bool,
 }
 
-impl PrimaryRays {
-    /// The rays of the camera of `world` through points of the image, in pixels.
-    pub fn through(world: &World, points: impl Iterator<Item = [f64; 2]>) -> Self {
-        use crate::world::Projection;
-        let camera = world.camera();
-        let rays = points.map(|[x, y]| camera.ray(x, y));
-        match camera.projection() {
-            Projection::Perspective { .. } => Self::SharedOrigin {
-                origin: camera.eye(),
-                directions: rays.map(|ray| ray.direction).collect(),
-            },
-            Projection::Orthographic { .. } => Self::SharedDirection {
-                origins: rays.map(|ray| ray.origin).collect(),
-                direction: camera.forward().get(),
-            },
+/// What a thread needs to trace batches, to be used again and again.
+#[derive(Debug)]
+pub struct Workspace {
+    /// The first `rays` of these are there.
+    rays: usize,
+    /// Of a perspective camera where each ray goes, of an orthographic one where each starts.
+    varying: [Column; 3],
+    stack: Box<Stack>,
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self {
+            rays: 0,
+            varying: [[0.0; BATCH]; 3],
+            stack: Box::new(EMPTY_STACK),
         }
     }
+}
 
-    /// The rays one by one.
-    pub fn iter(&self) -> impl Iterator<Item = Ray> + '_ {
-        (0..self.len()).map(|index| match self {
-            Self::SharedOrigin { origin, directions } => Ray {
-                origin: *origin,
-                direction: directions[index],
-            },
-            Self::SharedDirection { origins, direction } => Ray {
-                origin: origins[index],
-                direction: *direction,
-            },
-        })
-    }
+/// One bit for each of the first `count` lanes of a packet.
+fn first_lanes(count: usize, packet: usize) -> u32 {
+    let left = count.saturating_sub(packet * LANES).min(LANES);
+    (1_u32 << left) - 1
+}
 
-    /// What all rays have in common; `None` where there are none.
-    fn bundle(&self) -> Option<Bundle> {
-        match self {
-            Self::SharedOrigin { origin, directions } => {
-                Bundle::from_point(*origin, directions.iter().copied(), f64::INFINITY)
-            }
-            Self::SharedDirection { origins, direction } => {
-                let origins = origins.iter().map(|origin| origin.0);
-                Bundle::parallel(origins, *direction, f64::INFINITY)
-            }
+/// The ranges of columns over the lanes with a bit; `None` where there is none.
+#[inline(always)]
+fn ranges<S: Simd>(
+    simd: S,
+    bits: impl Fn(usize) -> u32,
+    vectors: impl Fn(usize) -> Vectors<S>,
+) -> Option<[DVec3; 2]> {
+    let infinite = Vectors::splat(simd, DVec3::INFINITY);
+    let (mut least, mut most) = (infinite, -infinite);
+    let mut any = 0;
+    for packet in 0..PACKETS {
+        let bits = bits(packet);
+        if bits == 0 {
+            continue;
         }
+        any |= bits;
+        let asked = Mask::from_bits(simd, bits);
+        let vectors = vectors(packet);
+        let low = asked.select_vectors(vectors, infinite);
+        let high = asked.select_vectors(vectors, -infinite);
+        least.x = low.x.min(least.x);
+        least.y = low.y.min(least.y);
+        least.z = low.z.min(least.z);
+        most.x = high.x.max(most.x);
+        most.y = high.y.max(most.y);
+        most.z = high.z.max(most.z);
     }
-
-    /// How many rays there are.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::SharedOrigin { directions, .. } => directions.len(),
-            Self::SharedDirection { origins, .. } => origins.len(),
-        }
-    }
-
-    /// Whether there is no ray.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
+    (any != 0).then(|| {
+        [
+            -DVec3::new(
+                (-least.x).largest(),
+                (-least.y).largest(),
+                (-least.z).largest(),
+            ),
+            DVec3::new(most.x.largest(), most.y.largest(), most.z.largest()),
+        ]
+    })
 }
 
 impl<'w> Visibility<'w> {
     /// Arranges the shapes of a world as its plan says; builds the trees.
     pub fn new(world: &'w World, plan: &Plan) -> Self {
-        let balls = world.spheres().iter().enumerate();
-        let balls = balls.map(|(index, sphere)| sphere::Ball::new(index as u32, sphere));
         let triangles = world.triangles();
-        let facets =
-            (0..triangles.len() as u32).map(|index| Facet::new(index, triangles.vertices(index)));
+        let facets = triangles.meshes().par_iter().flat_map(|mesh| {
+            mesh.triangles.clone().into_par_iter().map(|index| {
+                let primitive = Primitive::triangle(mesh.object, index);
+                Facet::new(primitive, triangles.vertices(index))
+            })
+        });
         Self {
             world,
-            spheres: Search::new(balls.collect(), plan.spheres()),
+            spheres: Search::new(
+                world.spheres().iter().map(sphere::Ball::new).collect(),
+                plan.spheres(),
+            ),
             triangles: Search::new(facets.collect(), plan.triangles()),
+            is_smooth: triangles.meshes().iter().any(|mesh| mesh.normals.is_some()),
         }
     }
 
-    /// L2: the nearest hit of every ray of a batch.
-    pub fn nearest(&self, rays: &PrimaryRays) -> Vec<Option<Hit>> {
-        let Some(bundle) = rays.bundle() else {
-            return Vec::new();
+    /// L1 and L2: the points that the primary rays through points of the image (in pixels) hit.
+    #[inline(never)]
+    pub(crate) fn see<S: Simd>(
+        &self,
+        simd: S,
+        places: [&Column; 2],
+        count: usize,
+        space: &mut Workspace,
+        points: &mut Points,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.see_all(simd, places, count, space, points),
+        );
+    }
+
+    #[inline(always)]
+    fn see_all<S: Simd>(
+        &self,
+        simd: S,
+        [xs, ys]: [&Column; 2],
+        count: usize,
+        space: &mut Workspace,
+        points: &mut Points,
+    ) {
+        let camera = self.world.camera();
+        space.rays = count;
+        for packet in 0..PACKETS {
+            let x = Lanes::load(simd, &xs[packet * LANES..]);
+            let y = Lanes::load(simd, &ys[packet * LANES..]);
+            let varying = camera.varying(simd, x, y);
+            let [x, y, z] = &mut space.varying;
+            let lanes = packet * LANES..(packet + 1) * LANES;
+            varying.store([&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]]);
+        }
+        let varying = &space.varying;
+        let range = ranges(
+            simd,
+            #[inline(always)]
+            |packet| first_lanes(count, packet),
+            #[inline(always)]
+            |packet| Vectors::load(simd, columns(varying, packet)),
+        );
+        let Some(range) = range else {
+            points.hit = [0; PACKETS];
+            return;
         };
-        let rays: Vec<Ray> = rays.iter().collect();
-        let mut nearest: Vec<Option<Hit>> = vec![None; rays.len()];
-        for (index, plane) in self.world.planes().iter().enumerate() {
-            for (ray, nearest) in rays.iter().zip(&mut nearest) {
-                if let Some(t) = plane::intersect(plane, ray) {
-                    self.keep_nearest(nearest, t, Primitive::Plane(index as u32));
-                }
+        let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
+        let (eye, forward) = (camera.eye(), camera.forward().get());
+        let bundle = if is_perspective {
+            Bundle::new([eye.0; 2], range, f64::INFINITY)
+        } else {
+            Bundle::new(range, [forward; 2], f64::INFINITY)
+        };
+        let spheres = self.spheres.within(&bundle);
+        let triangles = self.triangles.within(&bundle);
+        for packet in 0..PACKETS {
+            let bits = first_lanes(count, packet);
+            if bits == 0 {
+                points.hit[packet] = 0;
+                continue;
+            }
+            let varying = Vectors::load(simd, columns(varying, packet));
+            let rays = if is_perspective {
+                Rays::from_point(simd, eye, varying)
+            } else {
+                Rays::new(simd, varying, Vectors::splat(simd, forward), None)
+            };
+            let mut nearest = Nearest::new(simd, bits);
+            for plane in self.world.planes() {
+                plane::intersect(simd, plane, &rays, &mut nearest);
+            }
+            spheres.ask(simd, &rays, &mut nearest, &mut space.stack);
+            triangles.ask(simd, &rays, &mut nearest, &mut space.stack);
+            points.fill(simd, self.world, packet, &rays, &nearest);
+            if self.is_smooth {
+                let ray = |slot: usize| {
+                    let varying = DVec3::from_array(varying_at(&space.varying, slot));
+                    if is_perspective {
+                        (eye.0, varying)
+                    } else {
+                        (varying, forward)
+                    }
+                };
+                points.interpolate(self.world, packet, ray);
             }
         }
-        let limit_of = |nearest: &Option<Hit>| nearest.map_or(f64::INFINITY, |hit| hit.t);
-        let mut limits: Vec<f64> = nearest.iter().map(limit_of).collect();
+    }
 
+    /// L4: which of the points with a bit in `facing` the light reaches. Asked only of points whose
+    /// geometric normal faces the light.
+    #[inline(never)]
+    pub(crate) fn lit<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        facing: &[u32; PACKETS],
+        space: &mut Workspace,
+    ) -> [u32; PACKETS] {
+        simd.vectorize(
+            #[inline(always)]
+            || self.lit_all(simd, light, points, facing, space),
+        )
+    }
+
+    #[inline(always)]
+    fn lit_all<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        facing: &[u32; PACKETS],
+        space: &mut Workspace,
+    ) -> [u32; PACKETS] {
+        let range = ranges(
+            simd,
+            #[inline(always)]
+            |packet| facing[packet],
+            #[inline(always)]
+            |packet| way(simd, points, packet, light),
+        );
+        let Some(range) = range else {
+            return [0; PACKETS];
+        };
+        let bundle = Bundle::new([light.0; 2], range, 1.0);
         let spheres = self.spheres.within(&bundle);
-        if !spheres.is_empty() {
-            spheres.visit(&rays, &mut limits, |ball, ray| {
-                if let Some(t) = ball.intersect(&rays[ray]) {
-                    self.keep_nearest(&mut nearest[ray], t, Primitive::Sphere(ball.index()));
-                }
-                limit_of(&nearest[ray])
-            });
-        }
         let triangles = self.triangles.within(&bundle);
-        if !triangles.is_empty() {
-            let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
-            triangles.visit(&rays, &mut limits, |triangle, ray| {
-                if let Some(t) = triangle.intersect(&sheared[ray]) {
-                    self.keep_nearest(&mut nearest[ray], t, Primitive::Triangle(triangle.index()));
-                }
-                limit_of(&nearest[ray])
-            });
+        let planes = self.world.planes();
+        if planes.is_empty() && spheres.is_empty() && triangles.is_empty() {
+            return *facing;
         }
-        nearest
-    }
-
-    /// Keeps the nearer of two hits; at the same distance the one written first in the scene.
-    fn keep_nearest(&self, nearest: &mut Option<Hit>, t: f64, primitive: Primitive) {
-        let is_nearer = nearest.is_none_or(|known| {
-            t < known.t || (t == known.t && self.rank(primitive) < self.rank(known.primitive))
-        });
-        if is_nearer {
-            *nearest = Some(Hit { t, primitive });
-        }
-    }
-
-    /// The place of a primitive in the order of the scene file.
-    fn rank(&self, primitive: Primitive) -> (u32, u32) {
-        match primitive {
-            Primitive::Sphere(index) => (self.world.spheres()[index as usize].object, 0),
-            Primitive::Plane(index) => (self.world.planes()[index as usize].object, 0),
-            Primitive::Triangle(index) => (self.world.triangles().mesh(index).object, index),
-        }
-    }
-
-    /// The point of the surface that a ray hits, with its normals turned towards the viewer.
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        SurfacePoint::new(self.world, ray, hit)
-    }
-
-    /// L4: for every point, whether the light at `light` reaches it. Asked only of points whose
-    /// geometric normal faces the light; `facing` says which, and for the others the answer is
-    /// no. At the light itself (d = 0) it is no as well.
-    pub fn lit(&self, light: Point, points: &[SurfacePoint], facing: &[bool]) -> Vec<bool> {
-        let asked = points.iter().zip(facing).filter(|&(_, &facing)| facing);
-        let asked: Vec<&SurfacePoint> = asked.map(|(point, _)| point).collect();
-        let mut lit = self.reached(light, &asked).into_iter();
-        let answer = |&facing: &bool| facing && lit.next().unwrap_or(false);
-        facing.iter().map(answer).collect()
-    }
-
-    /// Which of these points the light reaches.
-    fn reached(&self, light: Point, points: &[&SurfacePoint]) -> Vec<bool> {
-        let shadow_ray = |point: &&SurfacePoint| Ray {
-            origin: light,
-            direction: point.position.from(light),
-        };
-        let rays: Vec<Ray> = points.iter().map(shadow_ray).collect();
-        let directions = rays.iter().map(|ray| ray.direction);
-        let Some(bundle) = Bundle::from_point(light, directions, 1.0) else {
-            return Vec::new();
-        };
-        // The limit of a ray: 1, the point itself, while nothing is known to be in its way.
-        const DONE: f64 = -1.0;
-        let limit_if = |is_occluded: bool| if is_occluded { DONE } else { 1.0 };
-        let mut limits = vec![1.0; rays.len()];
-        for (index, plane) in self.world.planes().iter().enumerate() {
-            for ((ray, point), limit) in rays.iter().zip(points).zip(&mut limits) {
-                let is_own = point.primitive == Primitive::Plane(index as u32);
-                if *limit > 0.0 && !is_own {
-                    *limit = limit_if(plane::occludes(plane, ray, point));
-                }
+        let mut lit = [0; PACKETS];
+        for packet in 0..PACKETS {
+            if facing[packet] == 0 {
+                continue;
             }
+            let lanes = packet * LANES;
+            let ends = Ends {
+                position: Vectors::load(simd, columns(&points.position, packet)),
+                error: Lanes::load(simd, &points.error[lanes..]),
+                primitive: Ids::load(simd, &points.primitive[lanes..]),
+            };
+            let mut shadow = Shadow {
+                light,
+                points: &ends,
+                asked: Mask::from_bits(simd, facing[packet]),
+                asked_bits: facing[packet],
+            };
+            for plane in planes {
+                plane::occlude(simd, plane, &mut shadow);
+            }
+            if !(spheres.is_empty() && triangles.is_empty()) {
+                let rays = Rays::from_point(simd, light, way(simd, points, packet, light));
+                spheres.ask(simd, &rays, &mut shadow, &mut space.stack);
+                triangles.ask(simd, &rays, &mut shadow, &mut space.stack);
+            }
+            lit[packet] = shadow.asked_bits;
         }
-        let spheres = self.spheres.within(&bundle);
-        if !spheres.is_empty() {
-            spheres.visit(&rays, &mut limits, |ball, ray| {
-                limit_if(ball.occludes(&rays[ray], points[ray]))
-            });
-        }
-        let triangles = self.triangles.within(&bundle);
-        if !triangles.is_empty() {
-            let sheared: Vec<ShearedRay> = rays.iter().copied().map(ShearedRay::new).collect();
-            triangles.visit(&rays, &mut limits, |triangle, ray| {
-                limit_if(triangle.occludes(&sheared[ray], points[ray]))
-            });
-        }
-        limits.iter().map(|&limit| limit > 0.0).collect()
+        lit
     }
 
     /// Bytes of the arrays and trees.
     pub fn memory(&self) -> usize {
         self.spheres.memory() + self.triangles.memory()
     }
+}
+
+/// From a light to the points of a packet.
+#[inline(always)]
+fn way<S: Simd>(simd: S, points: &Points, packet: usize, light: Point) -> Vectors<S> {
+    Vectors::load(simd, columns(&points.position, packet)).minus(light.0)
+}
+
+fn varying_at(columns: &[Column; 3], slot: usize) -> [f64; 3] {
+    columns.each_ref().map(|column| column[slot])
 }

@@ -1,27 +1,48 @@
 //! L2 and L4 for infinite planes.
 
-use super::{ROUNDING, SurfacePoint};
-use crate::math::Ray;
+use fearless_simd::Simd;
+
+use super::packet::{Nearest, Rays, Shadow};
+use super::{Primitive, ROUNDING};
+use crate::lanes::Lanes;
 use crate::world::Plane;
 
-/// L2: where the ray meets the plane, if it does so at t above 0.
-pub(super) fn intersect(plane: &Plane, ray: &Ray) -> Option<f64> {
+/// L2: where the rays meet the plane, if they do so at t above 0.
+#[inline(always)]
+pub(super) fn intersect<S: Simd>(simd: S, plane: &Plane, rays: &Rays<S>, nearest: &mut Nearest<S>) {
     let normal = plane.normal.get();
-    let t = normal.dot(plane.point.from(ray.origin)) / normal.dot(ray.direction);
+    let height = -rays.origin.minus(plane.point.0).dot_with(normal);
+    let t = height / rays.direction.dot_with(normal);
     // A ray along the plane gives an infinite or NaN t.
-    (t > 0.0 && t.is_finite()).then_some(t)
+    let found = t.is_positive() & t.lt(Lanes::splat(simd, f64::INFINITY));
+    nearest.offer(simd, found, t, Primitive::whole(plane.object));
 }
 
-/// L4: whether the plane stands strictly between the start of the ray, a light, and `point` at
+/// L4: whether the plane stands strictly between the start of the ray, a light, and the point at
 /// its end: they are on different sides of it, each further from it than its rounding error.
-pub(super) fn occludes(plane: &Plane, ray: &Ray, point: &SurfacePoint) -> bool {
+#[inline(always)]
+pub(super) fn occlude<S: Simd>(simd: S, plane: &Plane, shadow: &mut Shadow<'_, S>) {
     let normal = plane.normal.get();
-    let to_point = point.position.from(plane.point);
-    let to_light = ray.origin.from(plane.point);
-    let point_height = normal.dot(to_point);
+    let light = shadow.light;
+    let to_light = light.from(plane.point);
     let light_height = normal.dot(to_light);
-    let rounding = |length: f64| ROUNDING * length;
-    (point_height > 0.0) != (light_height > 0.0)
-        && point_height.abs() > point.error + rounding(to_point.length())
-        && light_height.abs() > rounding(to_light.length() + ray.origin.0.length())
+    if light_height.abs() <= ROUNDING * (to_light.length() + light.0.length()) {
+        return;
+    }
+    let points = shadow.points;
+    let to_point = points.position.minus(plane.point.0);
+    let point_height = to_point.dot_with(normal);
+    let is_own = points
+        .primitive
+        .eq(Primitive::whole(plane.object).lanes(simd));
+    // The sum of the components' magnitudes is at least the length.
+    let length = to_point.x.abs() + to_point.y.abs() + to_point.z.abs();
+    // Positive where the point is on the other side than the light.
+    let beyond = if light_height > 0.0 {
+        -point_height
+    } else {
+        point_height
+    };
+    let is_clear = beyond.gt(points.error + length * ROUNDING);
+    shadow.hide(is_clear & !is_own);
 }

@@ -1,9 +1,11 @@
 //! All shapes of one kind: a list to go through, or a tree over it.
 
+use fearless_simd::Simd;
+
 use super::bundle::Bundle;
-use super::bvh::{Bounds, Bvh, Member};
-use super::descent::LARGEST_BATCH;
-use crate::math::Ray;
+use super::bvh::Bounds;
+use super::nodes::{Node, Tree};
+use super::packet::{Nearest, Question, Rays, Shadow, Stack, descend};
 use crate::world::plan::{Acceleration, LONGEST_LIST};
 
 /// How much the box of a shape gives way to a bundle, per unit of distance: the rounding in f64 of
@@ -11,9 +13,15 @@ use crate::world::plan::{Acceleration, LONGEST_LIST};
 const GIVES_WAY: f64 = 64.0 * f64::EPSILON;
 
 /// A shape that fits in a box.
-pub(super) trait Bounded {
+pub(super) trait Shape: Copy {
     /// The smallest box around it.
     fn bounds(&self) -> Bounds;
+
+    /// L2: offers where the rays hit it at t above 0.
+    fn intersect<S: Simd>(&self, simd: S, rays: &Rays<S>, nearest: &mut Nearest<S>);
+
+    /// L4: hides the points that it stands strictly before.
+    fn occlude<S: Simd>(&self, simd: S, rays: &Rays<S>, shadow: &mut Shadow<'_, S>);
 }
 
 /// A shape that is this many times larger than the middle one is kept out of the tree: its boxes
@@ -22,29 +30,22 @@ const OUTSIZED: f64 = 1000.0;
 
 /// All shapes of one kind.
 #[derive(Debug)]
-pub(super) struct Search<S> {
+pub(super) struct Search<T> {
     /// Those that are gone through one by one.
-    listed: Vec<S>,
-    tree: Option<Tree<S>>,
-}
-
-/// Shapes, in the order in which the tree's leaves have them.
-#[derive(Debug)]
-struct Tree<S> {
-    shapes: Vec<S>,
-    tree: Bvh,
+    listed: Vec<T>,
+    tree: Option<Tree<T>>,
 }
 
 /// The shapes of one kind that a batch of rays could meet.
 #[derive(Debug)]
-pub(super) struct Candidates<'s, S> {
-    listed: Vec<S>,
-    /// Those below the roots, which are parts of the tree.
-    tree: Option<(&'s Tree<S>, Vec<Member>)>,
+pub(super) struct Candidates<'s, T> {
+    listed: Vec<T>,
+    /// The tree, and the nodes that the batch enters it by.
+    tree: Option<(&'s Tree<T>, Vec<Node>)>,
 }
 
-impl<S: Bounded + Copy> Search<S> {
-    pub(super) fn new(shapes: Vec<S>, acceleration: Acceleration) -> Self {
+impl<T: Shape> Search<T> {
+    pub(super) fn new(shapes: Vec<T>, acceleration: Acceleration) -> Self {
         match acceleration {
             Acceleration::None | Acceleration::List => Self {
                 listed: shapes,
@@ -52,89 +53,90 @@ impl<S: Bounded + Copy> Search<S> {
             },
             Acceleration::Tree => {
                 let (listed, shapes) = without_outsized(shapes);
-                let (tree, order) = Bvh::new(&shapes);
-                let shapes = order.iter().map(|&index| shapes[index as usize]).collect();
                 Self {
                     listed,
-                    tree: Some(Tree { shapes, tree }),
+                    tree: Some(Tree::new(&shapes)),
                 }
             }
         }
     }
 
     /// The shapes that a ray of the bundle could meet.
-    pub(super) fn within(&self, bundle: &Bundle) -> Candidates<'_, S> {
-        let may_meet = |shape: &S| {
+    pub(super) fn within(&self, bundle: &Bundle) -> Candidates<'_, T> {
+        let may_meet = |shape: &T| {
             let bounds = shape.bounds();
             bundle.may_meet(&bounds.grown((bundle.reach() + bounds.reach()) * GIVES_WAY))
         };
+        let entered = self.tree.as_ref().map(|tree| (tree, tree.entries(bundle)));
         Candidates {
             listed: self.listed.iter().copied().filter(may_meet).collect(),
-            tree: self.tree.as_ref().map(|tree| (tree, tree.tree.cut(bundle))),
+            tree: entered.filter(|(_, entries)| !entries.is_empty()),
         }
     }
 
     /// Bytes of the shapes and their tree.
     pub(super) fn memory(&self) -> usize {
-        let tree = |tree: &Tree<S>| size_of_val(tree.shapes.as_slice()) + tree.tree.memory();
-        size_of_val(self.listed.as_slice()) + self.tree.as_ref().map_or(0, tree)
+        let tree = self.tree.as_ref().map_or(0, Tree::memory);
+        size_of_val(self.listed.as_slice()) + tree
     }
 }
 
 /// The few shapes that are far larger than the others, and the others.
-fn without_outsized<S: Bounded + Copy>(shapes: Vec<S>) -> (Vec<S>, Vec<S>) {
-    let extent = |shape: &S| {
+fn without_outsized<T: Shape>(shapes: Vec<T>) -> (Vec<T>, Vec<T>) {
+    let extent = |shape: &T| {
         let Bounds { min, max } = shape.bounds();
         (max - min).max_element()
     };
     let mut extents: Vec<f64> = shapes.iter().map(extent).collect();
     let middle = extents.len() / 2;
     let (_, &mut median, _) = extents.select_nth_unstable_by(middle, f64::total_cmp);
-    let is_outsized = |shape: &S| extent(shape) > median * OUTSIZED;
+    let is_outsized = |shape: &T| extent(shape) > median * OUTSIZED;
     if shapes.iter().filter(|shape| is_outsized(shape)).count() > LONGEST_LIST {
         return (Vec::new(), shapes);
     }
     shapes.into_iter().partition(is_outsized)
 }
 
-impl<S> Candidates<'_, S> {
+impl<T: Shape> Candidates<'_, T> {
     /// Whether no ray of the batch can meet anything.
     pub(super) fn is_empty(&self) -> bool {
-        let tree_is_empty = |(_, roots): &(_, Vec<Member>)| roots.is_empty();
-        self.listed.is_empty() && self.tree.as_ref().is_none_or(tree_is_empty)
+        self.listed.is_empty() && self.tree.is_none()
     }
 
-    /// Shows `found` the shapes that each ray may meet at t from 0 to its limit, with the ray's
-    /// index. `found` gives back the ray's new limit, below 0 if the ray is done; `limits` keeps it.
-    pub(super) fn visit(
+    /// Puts a packet's question to every shape that its rays may meet.
+    #[inline(never)]
+    pub(super) fn ask<S: Simd>(
         &self,
-        rays: &[Ray],
-        limits: &mut [f64],
-        mut found: impl FnMut(&S, usize) -> f64,
+        simd: S,
+        rays: &Rays<S>,
+        question: &mut impl Question<S>,
+        stack: &mut Stack,
     ) {
-        for (index, limit) in limits.iter_mut().enumerate() {
-            for shape in &self.listed {
-                if *limit >= 0.0 {
-                    *limit = found(shape, index);
-                }
-            }
-        }
-        let Some((Tree { shapes, tree }, roots)) = &self.tree else {
+        if self.is_empty() {
             return;
-        };
-        let batches = rays
-            .chunks(LARGEST_BATCH)
-            .zip(limits.chunks_mut(LARGEST_BATCH));
-        for (number, (rays, limits)) in batches.enumerate() {
-            let mut batch = tree.batch(rays, limits);
-            tree.descend(roots, &mut batch, |leaf, index| {
-                for shape in &shapes[leaf] {
-                    if limits[index] >= 0.0 {
-                        limits[index] = found(shape, number * LARGEST_BATCH + index);
-                    }
-                }
-                limits[index]
-            });
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || self.ask_all(simd, rays, question, stack),
+        );
+    }
+
+    #[inline(always)]
+    fn ask_all<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        question: &mut impl Question<S>,
+        stack: &mut Stack,
+    ) {
+        for shape in &self.listed {
+            if question.asked() == 0 {
+                return;
+            }
+            question.ask(simd, rays, shape);
+        }
+        if let Some((tree, entries)) = &self.tree {
+            descend(simd, tree, entries, rays, question, stack);
         }
     }
 }

@@ -1,9 +1,13 @@
 //! L2 and L4 for spheres: ‖r(t) − c‖² = R².
 
+use fearless_simd::Simd;
+
 use super::bvh::Bounds;
-use super::search::Bounded;
-use super::{Primitive, ROUNDING, SurfacePoint};
-use crate::math::{DVec3, Point, Ray};
+use super::packet::{Nearest, Rays, Shadow};
+use super::search::Shape;
+use super::{Primitive, ROUNDING};
+use crate::lanes::{Lanes, Mask};
+use crate::math::{DVec3, Point};
 use crate::world::Sphere;
 
 /// A sphere with its index in the world.
@@ -11,103 +15,132 @@ use crate::world::Sphere;
 pub(super) struct Ball {
     center: Point,
     radius: f64,
-    index: u32,
+    object: u32,
 }
 
 /// Both parameters at which a line meets a sphere, the nearer first.
-struct Crossings {
-    first: f64,
-    second: f64,
+struct Crossings<S: Simd> {
+    exist: Mask<S>,
+    first: Lanes<S>,
+    second: Lanes<S>,
 }
 
 impl Ball {
-    pub(super) fn new(index: u32, sphere: &Sphere) -> Self {
+    pub(super) fn new(sphere: &Sphere) -> Self {
         Self {
             center: sphere.center,
             radius: sphere.radius,
-            index,
+            object: sphere.object,
         }
     }
 
-    /// The sphere's index in the world.
-    pub(super) fn index(&self) -> u32 {
-        self.index
-    }
-
-    /// L2 with the whole line. The discriminant R² − |oc − (oc·ω)ω|² and the root c/q keep their
-    /// precision for a sphere that is small and far away, where b² − 4ac cancels.
-    fn crossings(&self, ray: &Ray) -> Option<Crossings> {
-        let d = ray.direction;
-        let oc = self.center.from(ray.origin);
-        let dd = d.dot(d);
-        let along = oc.dot(d);
-        let across = oc - d * (along / dd);
-        let discriminant = self.radius * self.radius - across.dot(across);
-        if discriminant < 0.0 {
+    /// L2 with the whole lines; `None` if none of the rays in `asked` meets the sphere. The
+    /// discriminant R² − |oc − (oc·ω)ω|² and the root c/q keep their precision for a sphere that is
+    /// small and far away, where b² − 4ac cancels.
+    #[inline(always)]
+    fn crossings<S: Simd>(&self, simd: S, rays: &Rays<S>, asked: Mask<S>) -> Option<Crossings<S>> {
+        let zero = Lanes::splat(simd, 0.0);
+        let oc = -rays.origin.minus(self.center.0);
+        let along = oc.dot(rays.direction);
+        let across = oc - rays.direction.times(along * rays.inverse_square);
+        let discriminant = -across.dot(across) + self.radius * self.radius;
+        let exist = discriminant.ge(zero) & asked;
+        if !exist.any() {
             return None;
         }
-        let root = (dd * discriminant).sqrt();
-        let q = if along < 0.0 {
-            along - root
-        } else {
-            along + root
+        // A ray that misses has no root; what is made of it there is not looked at.
+        let root = (rays.square * discriminant.max(zero)).sqrt();
+        let q = along.lt(zero).select(along - root, along + root);
+        let c = match rays.shared_origin {
+            Some(origin) => {
+                let distance = self.center.from(Point(origin)).length();
+                Lanes::splat(simd, (distance - self.radius) * (distance + self.radius))
+            }
+            None => {
+                let distance = oc.dot(oc).sqrt();
+                (distance - self.radius) * (distance + self.radius)
+            }
         };
-        let distance = oc.length();
-        let c = (distance - self.radius) * (distance + self.radius);
         // q is 0 only for a ray that starts on the sphere and touches it there.
-        let (a, b) = if q == 0.0 {
-            (0.0, 0.0)
-        } else {
-            (q / dd, c / q)
-        };
+        let touches = q.eq(zero);
+        let a = touches.select(zero, q * rays.inverse_square);
+        let b = touches.select(zero, c / q);
         Some(Crossings {
-            first: if a < b { a } else { b },
-            second: if a < b { b } else { a },
+            exist,
+            first: a.min(b),
+            second: b.max(a),
         })
-    }
-
-    /// L2: where the ray first meets the sphere at t above 0, from outside or inside.
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
-        let Crossings { first, second } = self.crossings(ray)?;
-        if first > 0.0 {
-            Some(first)
-        } else {
-            (second > 0.0).then_some(second)
-        }
-    }
-
-    /// L4: whether the sphere stands strictly between the start of the ray, a light, and `point`
-    /// at its end.
-    pub(super) fn occludes(&self, ray: &Ray, point: &SurfacePoint) -> bool {
-        let outwards = point.position.from(self.center);
-        let distance = outwards.length();
-        let light_distance = ray.origin.from(self.center).length();
-        let rounding = |length: f64| ROUNDING * length;
-        // A light on the sphere itself is not occluded by the surface that it is on.
-        let at_light = rounding(light_distance + self.radius + ray.origin.0.length());
-        let is_own = point.primitive == Primitive::Sphere(self.index);
-        let at_point = point.error + rounding(distance + self.radius);
-        if is_own || (distance - self.radius).abs() <= at_point {
-            // The point is on this sphere, so no root of L2 at the point can be trusted. Where the
-            // way to the light leads inwards, it leaves the sphere again unless the light is
-            // inside; where it leads outwards, it never comes back.
-            let light_is_outside = light_distance - self.radius > at_light;
-            return outwards.dot(ray.direction) > 0.0 && light_is_outside;
-        }
-        let Some(Crossings { first, second }) = self.crossings(ray) else {
-            return false;
-        };
-        let after_light = at_light / ray.direction.length();
-        let is_between = |t: f64| t > after_light && t < 1.0;
-        is_between(first) || is_between(second)
     }
 }
 
-impl Bounded for Ball {
+impl Shape for Ball {
     fn bounds(&self) -> Bounds {
         Bounds {
             min: self.center.0 - DVec3::splat(self.radius),
             max: self.center.0 + DVec3::splat(self.radius),
         }
     }
+
+    /// L2: where the rays first meet the sphere at t above 0, from outside or inside.
+    #[inline(always)]
+    fn intersect<S: Simd>(&self, simd: S, rays: &Rays<S>, nearest: &mut Nearest<S>) {
+        if let Some(Crossings {
+            exist,
+            first,
+            second,
+        }) = self.crossings(simd, rays, nearest.asked)
+        {
+            let t = first.is_positive().select(first, second);
+            let found = exist & t.is_positive();
+            nearest.offer(simd, found, t, Primitive::whole(self.object));
+        }
+    }
+
+    /// L4: whether the sphere stands strictly between the start of the ray, a light, and the
+    /// point at its end.
+    #[inline(always)]
+    fn occlude<S: Simd>(&self, simd: S, rays: &Rays<S>, shadow: &mut Shadow<'_, S>) {
+        let light = shadow.light;
+        let points = shadow.points;
+        let outwards = points.position.minus(self.center.0);
+        let distance_square = outwards.dot(outwards);
+        let light_distance = light.from(self.center).length();
+        // A light on the sphere itself is not occluded by the surface that it is on.
+        let at_light = ROUNDING * (light_distance + self.radius + light.0.length());
+        let is_own = points
+            .primitive
+            .eq(Primitive::whole(self.object).lanes(simd));
+        // | |p − c| − R | within the rounding error, without the root: |p − c|² − R² is that times
+        // |p − c| + R, and the sum of the components' magnitudes is at least the length.
+        let reach = outwards.x.abs() + outwards.y.abs() + outwards.z.abs() + self.radius;
+        let at_point = points.error + reach * ROUNDING;
+        let off = (distance_square - self.radius * self.radius).abs();
+        let is_on = is_own | off.le(at_point * reach);
+        if (is_on & shadow.asked).any() {
+            // The point is on this sphere, so no root of L2 at the point can be trusted. Where the
+            // way to the light leads inwards, it leaves the sphere again unless the light is
+            // inside; where it leads outwards, it never comes back.
+            if light_distance - self.radius > at_light {
+                let inwards = outwards.dot(rays.direction).is_positive();
+                shadow.hide(is_on & inwards);
+            }
+        }
+        if let Some(Crossings {
+            exist,
+            first,
+            second,
+        }) = self.crossings(simd, rays, shadow.asked & !is_on)
+        {
+            let hidden =
+                is_between(simd, first, rays, at_light) | is_between(simd, second, rays, at_light);
+            shadow.hide(exist & hidden);
+        }
+    }
+}
+
+/// Where t is before the point at 1, and after the light: t > at_light / |ω|.
+#[inline(always)]
+fn is_between<S: Simd>(simd: S, t: Lanes<S>, rays: &Rays<S>, at_light: f64) -> Mask<S> {
+    let after = (t * t * rays.square).gt(Lanes::splat(simd, at_light * at_light));
+    t.is_positive() & after & t.lt(Lanes::splat(simd, 1.0))
 }

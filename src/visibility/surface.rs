@@ -1,122 +1,332 @@
-//! The point of a surface that a primary ray hits.
+//! The points of surfaces that primary rays hit.
 
-use super::{Hit, ROUNDING, triangle};
-use crate::math::{DVec3, Direction, Normal, Point, Ray};
-use crate::world::World;
+use fearless_simd::Simd;
+
+use super::packet::{Nearest, Rays};
+use super::{Primitive, ROUNDING, triangle};
+use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
+use crate::math::{DVec3, Direction, Point};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
+use crate::world::{Shape, World};
 
-/// One shape that a ray can hit, an index into the world's array of its kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Primitive {
-    /// An index into [`World::spheres`].
-    Sphere(u32),
-    /// An index into [`World::planes`].
-    Plane(u32),
-    /// An index into [`World::triangles`].
-    Triangle(u32),
-}
+/// Rays that are traced and shaded together.
+pub const BATCH: usize = 256;
 
-/// p of the lecture, with all that L3 to L8 need there.
-#[derive(Clone, Copy, Debug)]
-pub struct SurfacePoint {
+/// Packets of a batch.
+pub const PACKETS: usize = BATCH / LANES;
+
+/// One number for each ray of a batch.
+pub(crate) type Column = [f64; BATCH];
+
+/// p of the lecture for every ray of a batch, with all that L3 to L8 need there, number by number in
+/// columns. Where a ray hits nothing the numbers mean nothing.
+#[derive(Clone, Debug)]
+pub struct Points {
+    /// For each packet one bit for each ray that hits something.
+    pub(crate) hit: [u32; PACKETS],
     /// p, relative to the world's anchor.
-    pub position: Point,
-    /// A bound on the rounding error of `position`, in scene units: what is nearer to it than
-    /// this may be the surface itself.
-    pub error: f64,
-    /// A point of the plane that touches the surface at `position`: for flat shapes one that is
-    /// known exactly, for others `position` itself.
-    tangent: Point,
+    pub(crate) position: [Column; 3],
+    /// A bound on the rounding error of p, in scene units: what is nearer to it than this may be the
+    /// surface itself.
+    pub(crate) error: Column,
+    /// A point of the plane that touches the surface at p: for flat shapes one that is known exactly,
+    /// for others p itself.
+    tangent: [Column; 3],
+    /// How far `tangent` may be off.
+    tangent_error: Column,
     /// ω_o: from the point to the viewer.
-    pub to_viewer: Direction,
+    pub(crate) to_viewer: [Column; 3],
     /// The normal of the surface, turned towards the viewer.
-    pub geometric_normal: Normal,
-    /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the
-    /// surface; elsewhere the geometric normal.
-    pub shading_normal: Normal,
-    /// What the ray hit.
-    pub primitive: Primitive,
-    /// An index into [`World::objects`].
-    pub object: u32,
+    geometric_normal: [Column; 3],
+    /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the surface;
+    /// elsewhere the geometric normal.
+    pub(crate) shading_normal: [Column; 3],
+    /// What is hit.
+    pub(crate) primitive: [u64; BATCH],
+    /// Its material, an index into [`World::materials`].
+    pub(crate) material: [u32; BATCH],
+    /// For each packet, whether all its points have one material.
+    pub(crate) is_uniform: [bool; PACKETS],
 }
 
-impl SurfacePoint {
-    pub(super) fn new(world: &World, ray: &Ray, hit: &Hit) -> Self {
-        let position = ray.at(hit.t);
-        let to_viewer = Direction::new(-ray.direction).expect("a ray has a direction");
-        let towards_viewer = |normal: Normal| {
-            if normal.get().dot(to_viewer.get()) < 0.0 {
-                normal.flipped()
-            } else {
-                normal
-            }
-        };
-        let (object, normal, interpolated, tangent) = match hit.primitive {
-            Primitive::Sphere(index) => {
-                let sphere = &world.spheres()[index as usize];
-                let normal = Normal::new(position.from(sphere.center));
-                // A sphere smaller than the rounding of its place faces the viewer.
-                let normal = normal.unwrap_or(Normal::from(to_viewer));
-                (sphere.object, normal, None, position)
-            }
-            Primitive::Plane(index) => {
-                let plane = &world.planes()[index as usize];
-                (plane.object, plane.normal, None, plane.point)
-            }
-            Primitive::Triangle(index) => {
-                let mesh = world.triangles().mesh(index);
-                let vertices = world.triangles().vertices(index);
-                let normal = triangle_normal(vertices).expect("no triangle is degenerate");
-                let interpolated = mesh
-                    .normals
-                    .is_some()
-                    .then(|| mesh.shading_normal(index, triangle::weights(vertices, ray)));
-                let corner = Point(from_shorter_edges(vertices)[0]);
-                (mesh.object, normal, interpolated.flatten(), corner)
-            }
-        };
-        let geometric_normal = towards_viewer(normal);
-        let shading_normal = interpolated.map_or(geometric_normal, |normal| {
-            if normal.get().dot(geometric_normal.get()) < 0.0 {
-                normal.flipped()
-            } else {
-                normal
-            }
-        });
-        // t comes from the way to the shape's own reference, and is rounded with it; then one
-        // rounding for the product and one for the sum.
-        let magnitude = ray.origin.0.length()
-            + (ray.direction * hit.t).length()
-            + tangent.from(ray.origin).length();
+impl Default for Points {
+    fn default() -> Self {
+        const NONE: Column = [0.0; BATCH];
         Self {
-            position,
-            tangent,
-            error: ROUNDING * magnitude,
-            to_viewer,
-            geometric_normal,
-            shading_normal,
-            primitive: hit.primitive,
-            object,
+            hit: [0; PACKETS],
+            position: [NONE; 3],
+            error: NONE,
+            tangent: [NONE; 3],
+            tangent_error: NONE,
+            to_viewer: [NONE; 3],
+            geometric_normal: [NONE; 3],
+            shading_normal: [NONE; 3],
+            primitive: [0; BATCH],
+            material: [0; BATCH],
+            is_uniform: [true; PACKETS],
+        }
+    }
+}
+
+/// Three columns of a packet.
+#[inline(always)]
+pub(crate) fn columns(columns: &[Column; 3], packet: usize) -> [&[f64]; 3] {
+    let [x, y, z] = columns;
+    let lanes = packet * LANES..(packet + 1) * LANES;
+    [&x[lanes.clone()], &y[lanes.clone()], &z[lanes]]
+}
+
+#[inline(always)]
+fn columns_mut(columns: &mut [Column; 3], packet: usize) -> [&mut [f64]; 3] {
+    let [x, y, z] = columns;
+    let lanes = packet * LANES..(packet + 1) * LANES;
+    [&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]]
+}
+
+/// What a primitive says about all its points.
+#[derive(Clone, Copy)]
+struct Source {
+    /// The center of a curved shape, or the normal of a flat one.
+    reference: DVec3,
+    /// A point of a flat shape.
+    tangent: DVec3,
+    is_curved: bool,
+    material: u32,
+}
+
+impl Points {
+    /// Makes the points of a packet from its nearest hits.
+    #[inline(always)]
+    pub(super) fn fill<S: Simd>(
+        &mut self,
+        simd: S,
+        world: &World,
+        packet: usize,
+        rays: &Rays<S>,
+        nearest: &Nearest<S>,
+    ) {
+        let infinite = Lanes::splat(simd, f64::INFINITY);
+        let hit = nearest.t.lt(infinite) & nearest.asked;
+        let bits = hit.to_bits();
+        self.hit[packet] = bits;
+        if bits == 0 {
+            return;
+        }
+        let first_lane = packet * LANES;
+        let ids = nearest.primitive.to_array();
+        self.primitive[first_lane..first_lane + LANES].copy_from_slice(&ids);
+        let first = bits.trailing_zeros() as usize;
+        let one = Ids::splat(simd, ids[first]);
+        let source = source(world, Primitive(ids[first]));
+        let (reference, tangent, is_curved);
+        if nearest.primitive.eq(one).to_bits() & bits == bits {
+            reference = Vectors::splat(simd, source.reference);
+            tangent = Vectors::splat(simd, source.tangent);
+            is_curved = Mask::from_bits(simd, if source.is_curved { bits } else { 0 });
+            self.material[first_lane..first_lane + LANES].fill(source.material);
+            self.is_uniform[packet] = true;
+        } else {
+            let mut references = [[0.0; LANES]; 3];
+            let mut tangents = [[0.0; LANES]; 3];
+            let mut curved = 0;
+            let mut is_uniform = true;
+            let (mut known, mut of_known) = (ids[first], source);
+            for lane in 0..LANES {
+                if bits >> lane & 1 == 0 {
+                    continue;
+                }
+                if ids[lane] != known {
+                    (known, of_known) = (ids[lane], self::source(world, Primitive(ids[lane])));
+                }
+                for axis in 0..3 {
+                    references[axis][lane] = of_known.reference[axis];
+                    tangents[axis][lane] = of_known.tangent[axis];
+                }
+                curved |= u32::from(of_known.is_curved) << lane;
+                self.material[first_lane + lane] = of_known.material;
+                is_uniform &= of_known.material == source.material;
+            }
+            let [x, y, z] = &references;
+            reference = Vectors::load(simd, [x, y, z]);
+            let [x, y, z] = &tangents;
+            tangent = Vectors::load(simd, [x, y, z]);
+            is_curved = Mask::from_bits(simd, curved);
+            self.is_uniform[packet] = is_uniform;
+        }
+
+        let way = rays.direction.times(nearest.t);
+        let position = rays.origin + way;
+        let to_viewer = unit(simd, -rays.direction, bits);
+        let outwards = unit(simd, position - reference, bits & is_curved.to_bits());
+        // A sphere smaller than the rounding of its place faces the viewer.
+        let has_direction = outwards.dot(outwards).is_positive();
+        let outwards = has_direction.select_vectors(outwards, to_viewer);
+        let normal = is_curved.select_vectors(outwards, reference);
+        let is_turned = normal.dot(to_viewer).lt(Lanes::splat(simd, 0.0));
+        let geometric = is_turned.select_vectors(-normal, normal);
+        let tangent = is_curved.select_vectors(position, tangent);
+        // t comes from the way to the shape's own reference, and is rounded with it; then one rounding
+        // for the product and one for the sum.
+        let origin_length = match rays.shared_origin {
+            Some(origin) => Lanes::splat(simd, origin.length()),
+            None => length(rays.origin),
+        };
+        let magnitude = origin_length + length(way) + length(tangent - rays.origin);
+        let error = magnitude * ROUNDING;
+
+        position.store(columns_mut(&mut self.position, packet));
+        error.store(&mut self.error[first_lane..]);
+        tangent.store(columns_mut(&mut self.tangent, packet));
+        let zero = Lanes::splat(simd, 0.0);
+        let tangent_error = is_curved.select(error, zero);
+        tangent_error.store(&mut self.tangent_error[first_lane..]);
+        to_viewer.store(columns_mut(&mut self.to_viewer, packet));
+        geometric.store(columns_mut(&mut self.geometric_normal, packet));
+        geometric.store(columns_mut(&mut self.shading_normal, packet));
+    }
+
+    /// Puts interpolated normals where a smooth mesh is hit.
+    pub(super) fn interpolate(
+        &mut self,
+        world: &World,
+        packet: usize,
+        ray: impl Fn(usize) -> (DVec3, DVec3),
+    ) {
+        for lane in 0..LANES {
+            if self.hit[packet] >> lane & 1 == 0 {
+                continue;
+            }
+            let slot = packet * LANES + lane;
+            let (object, triangle) = Primitive(self.primitive[slot]).parts();
+            let Shape::Mesh(mesh) = world.objects()[object as usize].shape else {
+                continue;
+            };
+            let mesh = &world.triangles().meshes()[mesh];
+            if mesh.normals.is_none() {
+                continue;
+            }
+            let (origin, direction) = ray(slot);
+            let weights =
+                triangle::weights(world.triangles().vertices(triangle), origin, direction);
+            if let Some(normal) = mesh.shading_normal(triangle, weights) {
+                let geometric = self.geometric_normal.each_ref().map(|column| column[slot]);
+                let normal = normal.get();
+                let is_turned = normal.dot(DVec3::from_array(geometric)) < 0.0;
+                let normal = if is_turned { -normal } else { normal };
+                for axis in 0..3 {
+                    self.shading_normal[axis][slot] = normal[axis];
+                }
+            }
         }
     }
 
-    /// Whether a light is above the surface: on the viewer's side of the tangent plane, further
-    /// from it than rounding errors. A light in the very plane of a floor is not above it.
-    pub fn faces(&self, light: Point) -> bool {
-        let to_light = light.from(self.tangent);
+    /// For the points of a packet, whether a light is above the surface: on the viewer's side of the
+    /// tangent plane, further from it than rounding errors. A light in the very plane of a floor is not
+    /// above it. And whether it is at the point itself (d = 0), as far as can be told.
+    #[inline(always)]
+    pub(crate) fn facing<S: Simd>(&self, simd: S, packet: usize, light: Point) -> Facing {
+        let hit = self.hit[packet];
+        if hit == 0 {
+            return Facing::default();
+        }
+        let lanes = packet * LANES;
+        let tangent = Vectors::load(simd, columns(&self.tangent, packet));
+        let to_light = -tangent.minus(light.0);
         // The largest component stands for the length, which is at most √3 times as long.
-        let length = |vector: DVec3| vector.abs().max_element();
-        let rounding = 2.0 * ROUNDING * (length(to_light) + length(light.0));
-        let known_to = if self.tangent == self.position {
-            self.error
-        } else {
-            0.0
-        };
-        self.geometric_normal.get().dot(to_light) > rounding + known_to
+        let light_length = light.0.abs().max_element();
+        let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
+        let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
+        let known_to = Lanes::load(simd, &self.tangent_error[lanes..]);
+        let is_above = normal.dot(to_light).gt(rounding + known_to);
+        let position = Vectors::load(simd, columns(&self.position, packet));
+        let way = position.minus(light.0);
+        let error = Lanes::load(simd, &self.error[lanes..]);
+        let is_at = way.dot(way).le(error * error).to_bits() & hit;
+        Facing {
+            above: is_above.to_bits() & hit & !is_at,
+            at: is_at,
+        }
     }
+}
 
-    /// Whether a light is at the point itself (d = 0), as far as can be told.
-    pub fn is_at(&self, light: Point) -> bool {
-        light.from(self.position).length_squared() <= self.error * self.error
+/// Where a light is as seen from the points of a packet, one bit for each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Facing {
+    /// Above the surface.
+    pub(crate) above: u32,
+    /// At the point itself.
+    pub(crate) at: u32,
+}
+
+fn source(world: &World, primitive: Primitive) -> Source {
+    let (object, triangle) = primitive.parts();
+    let object = &world.objects()[object as usize];
+    let material = object.material as u32;
+    match object.shape {
+        Shape::Sphere(index) => Source {
+            reference: world.spheres()[index].center.0,
+            tangent: DVec3::ZERO,
+            is_curved: true,
+            material,
+        },
+        Shape::Plane(index) => {
+            let plane = &world.planes()[index];
+            Source {
+                reference: plane.normal.get(),
+                tangent: plane.point.0,
+                is_curved: false,
+                material,
+            }
+        }
+        Shape::Mesh(_) => {
+            let vertices = world.triangles().vertices(triangle);
+            let normal = triangle_normal(vertices).expect("no triangle is degenerate");
+            Source {
+                reference: normal.get(),
+                tangent: from_shorter_edges(vertices)[0],
+                is_curved: false,
+                material,
+            }
+        }
     }
+}
+
+#[inline(always)]
+fn length<S: Simd>(vector: Vectors<S>) -> Lanes<S> {
+    vector.dot(vector).sqrt()
+}
+
+/// Squared lengths in this range have all their digits, and so have their square roots.
+const SAFE_SQUARES: [f64; 2] = [1e-200, 1e200];
+
+/// Vectors at unit length; 0 for those of `asked` that have no direction.
+#[inline(always)]
+fn unit<S: Simd>(simd: S, vectors: Vectors<S>, asked: u32) -> Vectors<S> {
+    let square = vectors.dot(vectors);
+    let least = Lanes::splat(simd, SAFE_SQUARES[0]);
+    let most = Lanes::splat(simd, SAFE_SQUARES[1]);
+    let is_safe = (square.ge(least) & square.lt(most)).to_bits();
+    let units = vectors.times(Lanes::splat(simd, 1.0) / square.sqrt());
+    let unsafe_lanes = asked & !is_safe;
+    if unsafe_lanes == 0 {
+        return units;
+    }
+    // Tiny and huge vectors are scaled before they are squared.
+    let mut columns = [units.x.to_array(), units.y.to_array(), units.z.to_array()];
+    let exact = [
+        vectors.x.to_array(),
+        vectors.y.to_array(),
+        vectors.z.to_array(),
+    ];
+    for lane in 0..LANES {
+        if unsafe_lanes >> lane & 1 == 1 {
+            let vector = DVec3::from_array(exact.map(|column| column[lane]));
+            let unit = Direction::new(vector).map_or(DVec3::ZERO, Direction::get);
+            for axis in 0..3 {
+                columns[axis][lane] = unit[axis];
+            }
+        }
+    }
+    let [x, y, z] = &columns;
+    Vectors::load(simd, [x, y, z])
 }

@@ -1,171 +1,242 @@
 //! L2 and L4 for triangles, without cracks between neighbors.
+//!
+//! A ray is sheared so that it runs along its largest axis z (Woop, Benthin & Wald 2013, "Watertight
+//! Ray/Triangle Intersection"). Seen along z, a triangle is flat, and the ray passes through it where
+//! the origin is inside. Each corner is projected on its own, whatever triangle it is part of. The
+//! edge function xᵢ yⱼ − xⱼ yᵢ compares two products, and rounding each of them cannot turn their order
+//! around: it has the right sign or is 0, which counts as inside. So no ray slips between triangles
+//! that share an edge or a corner.
+
+use fearless_simd::Simd;
 
 use super::bvh::Bounds;
-use super::search::Bounded;
-use super::{Primitive, ROUNDING, SurfacePoint};
-use crate::math::{DVec3, Ray};
+use super::packet::{Nearest, Rays, Shadow};
+use super::search::Shape;
+use super::{Primitive, ROUNDING};
+use crate::lanes::{Lanes, Mask, Vectors};
+use crate::math::DVec3;
 use crate::world::geometry::{area_vector, from_shorter_edges};
 
-/// A triangle with its index in the world, its corners side by side in memory.
+/// A triangle with its place in the world, its corners side by side in memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
     /// In the cyclic order of the world, from the corner between the two shorter edges on.
     vertices: [DVec3; 3],
-    index: u32,
+    primitive: Primitive,
 }
 
-/// A ray, arranged for many triangles: its largest axis z, and the shear that turns it into that
-/// axis (Woop, Benthin & Wald 2013, "Watertight Ray/Triangle Intersection").
-///
-/// Sheared and seen along z, a triangle is flat, and the ray passes through it where the origin is
-/// inside. Each corner is projected on its own, whatever triangle it is part of. The edge function
-/// xᵢ yⱼ − xⱼ yᵢ compares two products, and rounding each of them cannot turn their order around:
-/// it has the right sign or is 0, which counts as inside. So no ray slips between triangles that
-/// share an edge or a corner.
+/// Of rays that run along one axis, the others of their directions over that axis, in cyclic order.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ShearedRay {
-    ray: Ray,
-    axis: Axis,
-    /// The other two components of the direction over that of the axis, in cyclic order.
-    shear: [f64; 2],
+pub(super) struct Shear<S: Simd> {
+    /// The rays whose largest component is along this axis.
+    rays: Mask<S>,
+    /// One bit for each of them.
+    bits: u32,
+    slopes: [Lanes<S>; 2],
 }
 
-/// The axis along which a ray is longest.
-#[derive(Clone, Copy, Debug)]
-enum Axis {
-    X,
-    Y,
-    Z,
+/// The shears of a packet, for x, y and z.
+pub(super) type Shears<S> = [Shear<S>; 3];
+
+/// The axis and the two that follow it.
+const CYCLE: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+
+/// The shears of rays with these directions.
+#[inline(always)]
+pub(super) fn shears<S: Simd>(direction: Vectors<S>) -> Shears<S> {
+    let d = [direction.x, direction.y, direction.z];
+    let size = [d[0].abs(), d[1].abs(), d[2].abs()];
+    let is_x = size[0].ge(size[1]) & size[0].ge(size[2]);
+    let is_y = size[1].ge(size[2]) & !is_x;
+    let along = [is_x, is_y, !(is_x | is_y)];
+    [
+        shear(d, along[0], CYCLE[0]),
+        shear(d, along[1], CYCLE[1]),
+        shear(d, along[2], CYCLE[2]),
+    ]
 }
 
-/// Barycentric coordinates of the point where a ray that hits the triangle does so.
-pub(super) fn weights(vertices: [DVec3; 3], ray: &Ray) -> [f64; 3] {
-    let functions = ShearedRay::new(*ray).edge_functions(vertices);
+/// The shear of the rays that run along the last axis of a cycle.
+#[inline(always)]
+fn shear<S: Simd>(d: [Lanes<S>; 3], rays: Mask<S>, [u, v, w]: [usize; 3]) -> Shear<S> {
+    let bits = rays.to_bits();
+    Shear {
+        rays,
+        bits,
+        // No division for an axis that no ray has.
+        slopes: if bits == 0 {
+            [d[u]; 2]
+        } else {
+            [d[u] / d[w], d[v] / d[w]]
+        },
+    }
+}
+
+/// Which rays pass through a triangle: all edge functions have one sign. The i-th edge function is
+/// twice the area that the ray makes with the edge opposite of the i-th corner.
+#[inline(always)]
+fn passes_through<S: Simd>(simd: S, vertices: [DVec3; 3], rays: &Rays<S>, asked: u32) -> Mask<S> {
+    let mut passes = Mask::from_bits(simd, 0);
+    for axis in 0..3 {
+        let shear = &rays.shears[axis];
+        if shear.bits & asked == 0 {
+            continue;
+        }
+        let [u, v, w] = edge_functions(vertices, rays, shear, axis);
+        let zero = Lanes::splat(simd, 0.0);
+        let positive = u.ge(zero) & v.ge(zero) & w.ge(zero);
+        let negative = u.le(zero) & v.le(zero) & w.le(zero);
+        passes = passes | ((positive | negative) & shear.rays);
+    }
+    passes
+}
+
+#[inline(always)]
+fn edge_functions<S: Simd>(
+    vertices: [DVec3; 3],
+    rays: &Rays<S>,
+    shear: &Shear<S>,
+    axis: usize,
+) -> [Lanes<S>; 3] {
+    let [u, v, w] = CYCLE[axis];
+    let origin = [rays.origin.x, rays.origin.y, rays.origin.z];
+    let a = projected(vertices[0], origin, shear, [u, v, w]);
+    let b = projected(vertices[1], origin, shear, [u, v, w]);
+    let c = projected(vertices[2], origin, shear, [u, v, w]);
+    [edge(b, c), edge(c, a), edge(a, b)]
+}
+
+/// A corner as seen along the rays.
+#[inline(always)]
+fn projected<S: Simd>(
+    vertex: DVec3,
+    origin: [Lanes<S>; 3],
+    shear: &Shear<S>,
+    [u, v, w]: [usize; 3],
+) -> [Lanes<S>; 2] {
+    let vertex = vertex.to_array();
+    let z = -(origin[w] - vertex[w]);
+    [
+        -(origin[u] - vertex[u]) - shear.slopes[0] * z,
+        -(origin[v] - vertex[v]) - shear.slopes[1] * z,
+    ]
+}
+
+#[inline(always)]
+fn edge<S: Simd>(p: [Lanes<S>; 2], q: [Lanes<S>; 2]) -> Lanes<S> {
+    p[0] * q[1] - q[0] * p[1]
+}
+
+/// Barycentric coordinates, of corner after corner, where a ray that hits a triangle does so.
+pub(super) fn weights(vertices: [DVec3; 3], origin: DVec3, direction: DVec3) -> [f64; 3] {
+    let size = direction.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    let [u, v, w] = CYCLE[axis];
+    let slopes = [direction[u] / direction[w], direction[v] / direction[w]];
+    let [a, b, c] = vertices.map(|vertex| {
+        let from = vertex - origin;
+        [from[u] - slopes[0] * from[w], from[v] - slopes[1] * from[w]]
+    });
+    let edge = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - q[0] * p[1];
+    let functions = [edge(b, c), edge(c, a), edge(a, b)];
     let sum: f64 = functions.iter().sum();
     functions.map(|function| function / sum)
 }
 
-impl ShearedRay {
-    pub(super) fn new(ray: Ray) -> Self {
-        let d = ray.direction;
-        let size = d.abs();
-        let (axis, shear) = if size.x >= size.y && size.x >= size.z {
-            (Axis::X, [d.y / d.x, d.z / d.x])
-        } else if size.y >= size.z {
-            (Axis::Y, [d.z / d.y, d.x / d.y])
-        } else {
-            (Axis::Z, [d.x / d.z, d.y / d.z])
-        };
-        Self { ray, axis, shear }
-    }
-
-    /// The edge functions of the triangle around the ray: twice the areas that the ray makes with
-    /// its edges. The i-th belongs to the edge opposite of the i-th corner.
-    #[inline(always)]
-    fn edge_functions(&self, vertices: [DVec3; 3]) -> [f64; 3] {
-        match self.axis {
-            Axis::X => self.projected(vertices, |v| [v.y, v.z, v.x]),
-            Axis::Y => self.projected(vertices, |v| [v.z, v.x, v.y]),
-            Axis::Z => self.projected(vertices, |v| [v.x, v.y, v.z]),
-        }
-    }
-
-    /// The edge functions, with `turned` to bring the ray's axis to the end.
-    #[inline(always)]
-    fn projected(&self, [a, b, c]: [DVec3; 3], turned: impl Fn(DVec3) -> [f64; 3]) -> [f64; 3] {
-        let project = |vertex: DVec3| {
-            let [x, y, z] = turned(vertex - self.ray.origin.0);
-            [x - self.shear[0] * z, y - self.shear[1] * z]
-        };
-        let edge = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - q[0] * p[1];
-        let (a, b, c) = (project(a), project(b), project(c));
-        [edge(b, c), edge(c, a), edge(a, b)]
-    }
-
-    /// Whether the ray's line passes through the triangle: all edge functions have one sign.
-    #[inline(always)]
-    fn passes_through(&self, vertices: [DVec3; 3]) -> bool {
-        let [u, v, w] = self.edge_functions(vertices);
-        (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
-    }
-}
-
-impl Axis {
-    /// The component of a vector along this axis.
-    fn of(self, vector: DVec3) -> f64 {
-        match self {
-            Self::X => vector.x,
-            Self::Y => vector.y,
-            Self::Z => vector.z,
-        }
-    }
-}
-
 impl Facet {
-    pub(super) fn new(index: u32, vertices: [DVec3; 3]) -> Self {
+    pub(super) fn new(primitive: Primitive, vertices: [DVec3; 3]) -> Self {
         Self {
             vertices: from_shorter_edges(vertices),
-            index,
+            primitive,
         }
-    }
-
-    /// The triangle's index in the world.
-    pub(super) fn index(&self) -> u32 {
-        self.index
-    }
-
-    /// L2: where the ray meets the triangle at t above 0.
-    pub(super) fn intersect(&self, sheared: &ShearedRay) -> Option<f64> {
-        if !sheared.passes_through(self.vertices) {
-            return None;
-        }
-        let ray = &sheared.ray;
-        let normal = area_vector(self.vertices);
-        let speed = normal.dot(ray.direction);
-        // Seen edge-on, as far as can be told, a triangle has no extent.
-        let tilt = normal.length_squared() * ray.direction.length_squared();
-        if speed * speed <= ROUNDING * ROUNDING * tilt {
-            return None;
-        }
-        let t = normal.dot(self.vertices[0] - ray.origin.0) / speed;
-        // The hit is between the corners, also where the normal of a sliver is not worth much.
-        let heights = self
-            .vertices
-            .map(|vertex| sheared.axis.of(vertex - ray.origin.0) / sheared.axis.of(ray.direction));
-        let nearest = heights[0].min(heights[1]).min(heights[2]);
-        let farthest = heights[0].max(heights[1]).max(heights[2]);
-        Some(t.max(nearest).min(farthest)).filter(|&t| t > 0.0)
-    }
-
-    /// L4: whether the triangle stands strictly between the start of the ray, a light, and
-    /// `point` at its end: they are on different sides of its plane, each further from it than
-    /// its rounding error, and the ray passes through it. A triangle does not occlude itself.
-    pub(super) fn occludes(&self, sheared: &ShearedRay, point: &SurfacePoint) -> bool {
-        if point.primitive == Primitive::Triangle(self.index)
-            || !sheared.passes_through(self.vertices)
-        {
-            return false;
-        }
-        let normal = area_vector(self.vertices);
-        let light = sheared.ray.origin.0;
-        let to_point = point.position.0 - self.vertices[0];
-        let to_light = light - self.vertices[0];
-        let point_height = normal.dot(to_point);
-        let light_height = normal.dot(to_light);
-        let rounding = |length: f64| ROUNDING * length;
-        let scale = normal.length();
-        (point_height > 0.0) != (light_height > 0.0)
-            && point_height.abs() > (point.error + rounding(to_point.length())) * scale
-            && light_height.abs() > rounding(to_light.length() + light.length()) * scale
     }
 }
 
-impl Bounded for Facet {
+impl Shape for Facet {
     fn bounds(&self) -> Bounds {
         let [a, b, c] = self.vertices;
         Bounds {
             min: a.min(b).min(c),
             max: a.max(b).max(c),
         }
+    }
+
+    /// L2: where the rays meet the triangle at t above 0.
+    #[inline(always)]
+    fn intersect<S: Simd>(&self, simd: S, rays: &Rays<S>, nearest: &mut Nearest<S>) {
+        let passes = passes_through(simd, self.vertices, rays, nearest.asked_bits) & nearest.asked;
+        if !passes.any() {
+            return;
+        }
+        let normal = area_vector(self.vertices);
+        let speed = rays.direction.dot_with(normal);
+        // Seen edge-on, as far as can be told, a triangle has no extent.
+        let tilt = rays.square * (ROUNDING * ROUNDING * normal.length_squared());
+        let is_seen = (speed * speed).gt(tilt);
+        let t = -rays.origin.minus(self.vertices[0]).dot_with(normal) / speed;
+        // The hit is between the corners, also where the normal of a sliver is not worth much.
+        let mut nearest_corner = t;
+        let mut farthest_corner = t;
+        let (origin, direction) = (rays.origin, rays.direction);
+        let axes = [
+            (origin.x, direction.x),
+            (origin.y, direction.y),
+            (origin.z, direction.z),
+        ];
+        for (axis, (origin, direction)) in axes.into_iter().enumerate() {
+            let shear = &rays.shears[axis];
+            if shear.bits & nearest.asked_bits == 0 {
+                continue;
+            }
+            let [a, b, c] = self.vertices.map(|vertex| vertex[axis]);
+            let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+            let to_least = -(origin - least) / direction;
+            let to_most = -(origin - most) / direction;
+            let (near, far) = (to_least.min(to_most), to_most.max(to_least));
+            nearest_corner = shear.rays.select(near, nearest_corner);
+            farthest_corner = shear.rays.select(far, farthest_corner);
+        }
+        let t = t.max(nearest_corner).min(farthest_corner);
+        let found = passes & is_seen & t.is_positive();
+        nearest.offer(simd, found, t, self.primitive);
+    }
+
+    /// L4: whether the triangle stands strictly between the start of the ray, a light, and the
+    /// point at its end: they are on different sides of its plane, each further from it than its
+    /// rounding error, and the ray passes through it. A triangle does not occlude itself.
+    #[inline(always)]
+    fn occlude<S: Simd>(&self, simd: S, rays: &Rays<S>, shadow: &mut Shadow<'_, S>) {
+        let passes = passes_through(simd, self.vertices, rays, shadow.asked_bits) & shadow.asked;
+        if !passes.any() {
+            return;
+        }
+        let normal = area_vector(self.vertices);
+        let light = shadow.light.0;
+        let to_light = light - self.vertices[0];
+        let light_height = normal.dot(to_light);
+        let scale = normal.length();
+        let light_error = ROUNDING * (to_light.length() + light.length());
+        if light_height.abs() <= light_error * scale {
+            return;
+        }
+        let points = shadow.points;
+        let to_point = points.position.minus(self.vertices[0]);
+        let point_height = to_point.dot_with(normal);
+        let beyond = if light_height > 0.0 {
+            -point_height
+        } else {
+            point_height
+        };
+        // The sum of the components' magnitudes is at least the length.
+        let length = to_point.x.abs() + to_point.y.abs() + to_point.z.abs();
+        let is_clear = beyond.gt((points.error + length * ROUNDING) * scale);
+        let is_own = points.primitive.eq(self.primitive.lanes(simd));
+        shadow.hide(passes & is_clear & !is_own);
     }
 }

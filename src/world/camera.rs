@@ -1,5 +1,8 @@
 //! L1: primary rays, from image space over NDC and camera space to world space.
 
+use fearless_simd::Simd;
+
+use crate::lanes::{Lanes, Vectors};
 use crate::math::{DVec3, Direction, Point, Ray};
 
 /// A camera that looks somewhere.
@@ -94,6 +97,22 @@ impl Camera {
                 direction: self.forward.get(),
             },
         }
+    }
+
+    /// What differs from ray to ray through points of the image, as [`Camera::ray`] has it: the
+    /// direction of a perspective camera, the origin of an orthographic one.
+    #[inline(always)]
+    pub(crate) fn varying<S: Simd>(&self, simd: S, x: Lanes<S>, y: Lanes<S>) -> Vectors<S> {
+        let [width, height] = self.resolution.map(f64::from);
+        let x = (x * 2.0 / width - 1.0) * (width / height);
+        let y = Lanes::splat(simd, 1.0) - y * 2.0 / height;
+        let (start, half) = match self.projection {
+            Projection::Perspective { half_height } => (self.forward.get(), half_height),
+            Projection::Orthographic { half_height } => (self.eye.0, half_height),
+        };
+        let right = Vectors::splat(simd, self.right.get()).times(x * half);
+        let up = Vectors::splat(simd, self.up.get()).times(y * half);
+        Vectors::splat(simd, start) + (right + up)
     }
 
     /// World to camera space for column vectors: +x right, +y up, +z along the view. `anchor`
