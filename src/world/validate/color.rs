@@ -181,8 +181,9 @@ impl Validator<'_> {
             },
         };
         let emission = emission.unwrap_or(Emission::DARK);
-        let largest = emission.rgb.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        if largest > f64::from(f32::MAX) {
+        // As a range, which holds no NaN: sums that overflow in both directions are one.
+        let legal = |channel: &f64| (0.0..=f64::from(f32::MAX)).contains(&channel.abs());
+        if !emission.rgb.iter().all(legal) {
             let expected = "light of at most 3.4e38 in every channel";
             self.out_of_range(key, written.span, listed(&emission.rgb), expected);
             return Emission::DARK;
@@ -301,9 +302,12 @@ impl Validator<'_> {
         bound: Bound,
     ) -> Result<Reflection, Reported> {
         let (peak, nm) = spectrum.peak();
-        if bound == Bound::Albedo && peak > 1.0 {
+        let (most, expected) = match bound {
+            Bound::Albedo => (1.0, "an albedo of at most 1 at every wavelength"),
+            Bound::None => (f64::from(f32::MAX), "at most 3.4e38 at every wavelength"),
+        };
+        if peak > most {
             let value = format!("{} at {nm} nm", as_written(peak));
-            let expected = "an albedo of at most 1 at every wavelength";
             self.out_of_range(key, written.span, value, expected);
             return Err(Reported);
         }
@@ -400,10 +404,14 @@ impl Validator<'_> {
         whole: f64,
     ) -> Result<f64, Reported> {
         let share = wanted / whole;
-        if share.is_finite() {
+        if whole.is_finite() && share.is_finite() {
             return Ok(share);
         }
-        let conflict = "`color` is black, expected a color that light can have";
+        let conflict = if whole > 0.0 {
+            "`color` is too bright or too dark to compute with, expected values near 1"
+        } else {
+            "`color` is black, expected a color that light can have"
+        };
         self.report(written.span, Problem::Conflict(conflict.to_owned()));
         Err(Reported)
     }
