@@ -101,6 +101,10 @@ fn parse(text: &str) -> Result<Curve, CurveError> {
         .read_record(&mut record)
         .map_err(|_| CurveError::NotText)?
     {
+        // A line of blanks alone.
+        if record.len() == 1 && record[0].is_empty() {
+            continue;
+        }
         let start = record.position().map_or(0, csv::Position::byte);
         let line = || line_of_record(text, start);
         let may_be_header = std::mem::take(&mut is_first);
@@ -177,6 +181,7 @@ mod tests {
             "\u{feff}nm;value\n400;0.1\n500.5;0.25\n700;1\n",
             "400\t0.1\n500.5\t0.25\n700\t1\n",
             "\"400\",\"0.1\"\n500.5,0.25\n700,1\n",
+            "  \nnm,value\n400,0.1\n500.5,0.25\n  \n700,1\n  ",
         ] {
             assert_eq!(parse(text).unwrap(), expected, "{text}");
         }
