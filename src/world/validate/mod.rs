@@ -170,17 +170,18 @@ impl<'a> Validator<'a> {
         }
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
-            let spectra = Spectra {
-                colorimetry: Colorimetry::clone(&self.colorimetry),
-                lights: spectra,
-                materials: pigments,
-                background: background.spectrum.expect("spectral light has a spectrum"),
-            };
             let mut used = vec![false; world.materials.len()];
             for object in &world.objects {
                 used[object.material] = true;
             }
-            world.transport = spectra.transport(&world.lights, &used);
+            let spectra = Spectra {
+                colorimetry: Colorimetry::clone(&self.colorimetry),
+                lights: spectra,
+                materials: pigments,
+                used,
+                background: background.spectrum.expect("spectral light has a spectrum"),
+            };
+            world.transport = spectra.transport(&world.lights);
             world.spectra = Some(spectra);
             return world;
         }
