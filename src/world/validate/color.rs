@@ -301,7 +301,14 @@ impl Validator<'_> {
         spectrum: Spectrum,
         bound: Bound,
     ) -> Result<Reflection, Reported> {
-        let (peak, nm) = spectrum.peak();
+        let (mut peak, mut nm) = spectrum.peak();
+        // Of a curve finer than the grid, the points say more than the means.
+        if let Value::Curve(curve) = &written.value
+            && let Some((value, place)) = curve.peak()
+            && value > peak
+        {
+            (peak, nm) = (value, place);
+        }
         let (most, expected) = match bound {
             Bound::Albedo => (1.0, "an albedo of at most 1 at every wavelength"),
             Bound::None => (f64::from(f32::MAX), "at most 3.4e38 at every wavelength"),
