@@ -219,6 +219,13 @@ impl Bands {
         }
     }
 
+    /// How many numbers, of 8 bytes, the products of `spectra` at `wavelengths` are.
+    pub fn size(spectra: &Spectra, wavelengths: Wavelengths) -> u64 {
+        let used = spectra.used.iter().filter(|used| **used).count() as u64;
+        let lobes = 2 * used * spectra.lights.len() as u64;
+        (lobes + 1) * wavelengths.count() as u64
+    }
+
     /// Where the bands are.
     pub fn wavelengths(&self) -> Wavelengths {
         self.wavelengths
@@ -294,6 +301,9 @@ mod tests {
         };
         let bands = Bands::new(&spectra, Wavelengths::default());
         assert_eq!(bands.transport.len(), 2 * 2 * 2 * 41);
+        let numbers = bands.transport.len() + bands.background.len();
+        let size = Bands::size(&spectra, Wavelengths::default());
+        assert_eq!(size, numbers as u64);
         for (light, material, expected) in [(0, 1, 0.2), (0, 2, 0.3), (1, 1, 0.4), (1, 2, 0.6)] {
             for band in bands.transport(light, material).diffuse {
                 assert!(
