@@ -11,6 +11,7 @@ use candela::color::Primaries;
 use candela::color::difference::{Lab, delta_e_2000};
 use candela::film::exr::{self, ExrOptions};
 use candela::math::DVec3;
+use candela::oracle::Oracle;
 use candela::output::Unfinished;
 use candela::scene::ColorSpace;
 use candela::spectrum::tables;
@@ -338,18 +339,21 @@ fn difference(color: &str) -> f64 {
 /// The illuminance in lux on a white surface one meter straight below a light, as the luminance of
 /// its pixel.
 fn lux(intensity: &str, image: &str) -> f64 {
-    let text = format!(
+    let film = render(&white_floor(intensity, image), 1);
+    let [r, g, b, _] = pixel(&film, 0, 0);
+    let space = film.metadata().color_space;
+    let weights = primaries(space).luminance_weights();
+    weights[0] * f64::from(r) + weights[1] * f64::from(g) + weights[2] * f64::from(b)
+}
+
+fn white_floor(intensity: &str, image: &str) -> String {
+    format!(
         "[image]\nresolution = [1, 1]\n{image}\n\
          [camera.orthographic]\neye = [0, 0, 0.5]\nlook_at = [0, 0, 0]\nheight = 1\n\
          [materials.white.phong]\ndiffuse = 1\n\
          [lights.lamp.point]\nposition = [0, 0, 1]\nintensity = {intensity}\n\
          [objects.floor.plane]\nmaterial = \"white\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
-    );
-    let film = render(&text, 1);
-    let [r, g, b, _] = pixel(&film, 0, 0);
-    let space = film.metadata().color_space;
-    let weights = primaries(space).luminance_weights();
-    weights[0] * f64::from(r) + weights[1] * f64::from(g) + weights[2] * f64::from(b)
+    )
 }
 
 /// The light of a candela is the same in every unit, and a candela is a candela in every color.
@@ -426,6 +430,23 @@ fn watts_become_candela_by_the_observer() {
     let wide = lux("{ watts_per_steradian_nm = 0.01 }", "observer = \"1964\"");
     let expected = 683.6 * 0.01 * 116.661_877;
     assert!((wide / expected - 1.0).abs() < 3e-4, "{wide}");
+}
+
+/// A lamp that is off may be black, in every unit; the renderer and the oracle agree.
+#[test]
+fn nothing_of_black_is_dark() {
+    for unit in ["candela", "lumens", "watts", "watts_per_steradian"] {
+        for color in ["0", "[0, 0, 0]", "{ lines = [[555, 0]] }", "[1, 0.5, 0]"] {
+            for image in ["", "transport = \"rgb\"", "transport = \"spectral\""] {
+                let intensity = format!("{{ {unit} = 0, color = {color} }}");
+                assert_eq!(lux(&intensity, image), 0.0, "{intensity} {image}");
+                let text = white_floor(&intensity, image);
+                let scene = Scene::parse(&text, Path::new("test.toml")).unwrap();
+                let oracle = Oracle::new(&scene).radiance(0.5, 0.5).radiance;
+                assert_eq!(oracle, [0.0; 3], "{intensity} {image}");
+            }
+        }
+    }
 }
 
 /// A light said as `[r, g, b]` on white gives that, to the bit; so does white light on gray.

@@ -410,6 +410,10 @@ impl Validator<'_> {
         wanted: f64,
         whole: f64,
     ) -> Result<f64, Reported> {
+        if wanted == 0.0 && whole == 0.0 {
+            // A lamp that is off, said twice.
+            return Ok(0.0);
+        }
         let share = wanted / whole;
         if whole.is_finite() && share.is_finite() {
             return Ok(share);
