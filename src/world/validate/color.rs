@@ -174,7 +174,7 @@ impl Validator<'_> {
             value => match Literal::of(value) {
                 Some(literal) => self
                     .literal(key, written, &literal)
-                    .and_then(|rgb| self.literal_light(key, written, rgb)),
+                    .and_then(|rgb| self.literal_light(key, written, &literal, rgb)),
                 None => self
                     .light_spectrum(key, written, value)
                     .map(|spectrum| self.spectral_light(spectrum)),
@@ -245,6 +245,7 @@ impl Validator<'_> {
         &mut self,
         key: &'static str,
         written: &Spanned<Value>,
+        literal: &Literal,
         rgb: [f64; 3],
     ) -> Result<Emission, Reported> {
         let Some(colorimetry) = self.colorimetry_of_spectra() else {
@@ -256,7 +257,7 @@ impl Validator<'_> {
         let shade = self.shades.of(rgb, None, || colorimetry.unbounded(rgb))?;
         let spectrum = shade.map(|shade| shade.of(colorimetry.white()));
         let Some(spectrum) = spectrum else {
-            return Err(self.out_of_reach(key, written, rgb, "light"));
+            return Err(self.out_of_reach(key, written, literal, "light"));
         };
         Ok(Emission {
             rgb,
@@ -289,7 +290,7 @@ impl Validator<'_> {
                 .or_else(|| colorimetry.unbounded(rgb)),
         })?;
         if shade.is_none() {
-            return Err(self.out_of_reach(key, written, rgb, "reflectance"));
+            return Err(self.out_of_reach(key, written, literal, "reflectance"));
         }
         Ok(Reflection { rgb, shade })
     }
@@ -331,14 +332,14 @@ impl Validator<'_> {
         &mut self,
         key: &'static str,
         written: &Spanned<Value>,
-        rgb: [f64; 3],
+        literal: &Literal,
         what: &str,
     ) -> Reported {
         let conflict = format!(
             "`{key}` is {value} in {space}, more saturated than any smooth {what}; expected a \
              color within reach, a curve of `wavelengths` and `values`, or `transport = \"rgb\"`",
-            value = listed(&rounded(rgb)),
-            space = self.scene.image.color_space.value.name(),
+            value = listed(&literal.rgb.map(six_digits)),
+            space = literal.space.name(),
         );
         self.report(written.span, Problem::Conflict(conflict));
         Reported
@@ -380,14 +381,14 @@ impl Validator<'_> {
                 } else {
                     of_color.map(|channel| channel * size)
                 };
-                self.literal_light(key, written, rgb)
+                self.literal_light(key, written, &literal, rgb)
             }
             (literal, _) => {
                 let spectrum = match literal {
                     Some(literal) => {
                         let rgb = self.literal(key, written, &literal)?;
                         let Some(shade) = self.colorimetry.unbounded(rgb) else {
-                            return Err(self.out_of_reach(key, written, rgb, "light"));
+                            return Err(self.out_of_reach(key, written, &literal, "light"));
                         };
                         shade.of(self.colorimetry.white())
                     }
@@ -456,6 +457,11 @@ impl Validator<'_> {
             }
         }
     }
+}
+
+/// To six digits, for messages: hexadecimal codes become long numbers.
+fn six_digits(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
 }
 
 /// To six decimals, for messages.
