@@ -18,6 +18,7 @@ use candela::spectrum::tables;
 use candela::world::World;
 use candela::world::colorimetry::{converted, primaries};
 use candela::world::difference::differences;
+use candela::world::physics::albedo_at_normal_incidence;
 
 use crate::images::{film_of, pixel, render};
 
@@ -447,6 +448,56 @@ fn nothing_of_black_is_dark() {
             }
         }
     }
+}
+
+/// Two curves that reflect no more than all light at any wavelength are legal in every transport,
+/// also if a channel of the two is above 1; more than all light at one wavelength is not.
+#[test]
+fn curves_of_one_material_are_judged_by_wavelength() {
+    let load = |transport: &str, diffuse: &str, specular: &str| {
+        let text = format!(
+            "[image]\nresolution = [1, 1]\ntransport = \"{transport}\"\n\
+             [camera.orthographic]\neye = [0, 0, 1]\nlook_at = [0, 0, 0]\nheight = 1\n\
+             [materials.m.normalized_phong]\nshininess = 5\n\
+             diffuse = {diffuse}\nspecular = {specular}\n\
+             [lights.l.point]\nposition = [0, 0, 1]\nintensity = 1\n\
+             [objects.o.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 0]\nradius = 1\n"
+        );
+        World::new(&Scene::parse(&text, Path::new("test.toml")).unwrap())
+    };
+    let long = "{ wavelengths = [589, 590], values = [0, 0.9] }";
+    for (specular, is_legal) in [
+        ("{ wavelengths = [589, 590], values = [0, 0.1] }", true),
+        ("{ wavelengths = [589, 590], values = [1, 0] }", true),
+        ("0.1", true),
+        ("[0.05, 0.1, 0.08]", true),
+        ("{ wavelengths = [589, 590], values = [0, 0.2] }", false),
+        ("0.2", false),
+        ("[0.3, 0.2, 0.2]", false),
+    ] {
+        for transport in ["rgb", "spectral"] {
+            for (diffuse, specular) in [(long, specular), (specular, long)] {
+                let world = load(transport, diffuse, specular);
+                assert_eq!(world.is_ok(), is_legal, "{transport} {diffuse} {specular}");
+                let Err(error) = world else { continue };
+                let expected = "expected an albedo of at most 1 at every wavelength";
+                assert!(error.to_string().contains(expected), "{error}");
+            }
+        }
+    }
+    // Of a triple in RGB transport, what a smooth spectrum would have where none sees it is nothing.
+    assert!(
+        load(
+            "rgb",
+            "{ wavelengths = [780, 820], values = [0, 1] }",
+            "[0.9, 0.4, 0.1]"
+        )
+        .is_ok()
+    );
+    // The claim is one: in a channel they are more.
+    let world = load("rgb", long, "0.1").unwrap();
+    let albedo = albedo_at_normal_incidence(&world.materials()[0].value);
+    assert!(albedo[0] > 1.0, "{albedo:?}");
 }
 
 /// A light said as `[r, g, b]` on white gives that, to the bit; so does white light on gray.

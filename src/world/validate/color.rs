@@ -31,7 +31,7 @@ pub(super) struct Emission {
 pub(super) struct Reflection {
     /// Under white light, in the working space.
     pub(super) rgb: [f64; 3],
-    /// Only where light is carried spectrally.
+    /// Of every curve, and of RGB values where light is carried spectrally.
     pub(super) shade: Option<Shade>,
 }
 
@@ -59,6 +59,10 @@ impl Reflection {
 
     pub(super) fn is_black(&self) -> bool {
         self.rgb == [0.0; 3] && self.shade.as_ref().is_none_or(Shade::is_black)
+    }
+
+    pub(super) fn is_gray(&self) -> bool {
+        self.rgb[0] == self.rgb[1] && self.rgb[1] == self.rgb[2]
     }
 }
 
@@ -321,11 +325,19 @@ impl Validator<'_> {
         }
         Ok(Reflection {
             rgb: self.colorimetry.reflectance(&spectrum),
-            shade: self
-                .colorimetry_of_spectra()
-                .is_some()
-                .then(|| Shade::Spectrum(Arc::new(spectrum))),
+            shade: Some(Shade::Spectrum(Arc::new(spectrum))),
         })
+    }
+
+    /// What an albedo is at each wavelength; `None` if no smooth spectrum has its color.
+    pub(super) fn by_wavelength(&mut self, albedo: &Reflection) -> Option<Shade> {
+        if albedo.shade.is_some() {
+            return albedo.shade.clone();
+        }
+        let colorimetry = Arc::clone(&self.colorimetry);
+        let find = || colorimetry.reflectance_of(albedo.rgb);
+        let found = self.shades.of(albedo.rgb, Some(Bound::Albedo), find);
+        found.ok().flatten()
     }
 
     fn out_of_reach(
