@@ -227,6 +227,18 @@ fn scene_files_agree() {
     judge(&scenes);
 }
 
+/// A curve with points from 3e-3 to 3 nm apart, in turns, from 340 nm on.
+fn any_spacing() -> String {
+    let mut nm = 340.0;
+    let mut wavelengths = Vec::new();
+    for i in 0..1000_i32 {
+        nm += 10.0_f64.powf(f64::from(i * 7 % 31) / 10.0 - 2.5);
+        wavelengths.push(nm);
+    }
+    let values: Vec<i32> = (0..1000).map(|i| i * 37 % 101).collect();
+    format!("{{ wavelengths = {wavelengths:?}, values = {values:?} }}")
+}
+
 /// The renderer's spectrum of each light, beside the oracle's of a background of that value: wavelength
 /// by wavelength, so that nothing is averaged away.
 #[test]
@@ -244,6 +256,8 @@ fn spectra_of_lights_agree() {
     let mut values: Vec<String> = triples.map(|rgb| format!("{rgb:?}")).collect();
     for kind in [
         "{ wavelengths = [300, 450.25, 450.5, 600, 900], values = [1, 0.5, 2, 0.1, 3] }",
+        "{ wavelengths = [435, 435.6, 435.8, 436, 436.6], values = [0, 0.01, 1, 0.01, 0] }",
+        "{ wavelengths = [359.2, 359.9, 360.4, 829.7, 830.2], values = [0, 1, 0, 0, 1] }",
         "{ lines = [[360, 1], [435.8, 0.5], [546.074, 1], [546.1, 2], [830, 0.1]] }",
         "{ rgb = [0.9, 0.2, 0.4], space = \"p3-d65\" }",
         "{ rgb = [0.4, 0.9, 0.3], space = \"rec2020\" }",
@@ -253,6 +267,7 @@ fn spectra_of_lights_agree() {
     ] {
         values.push(kind.to_owned());
     }
+    values.push(any_spacing());
     let mut worst = (0.0, String::new());
     for (space, observer) in [
         ("rec709", "1931"),

@@ -154,7 +154,13 @@ fn print_differences(
     plan: &Plan,
     output: &mut impl Write,
 ) -> Result<(), Failure> {
-    if world.lights().len() * world.materials().len() > COMPARED {
+    let pairs = world.lights().len() * world.materials().len();
+    if pairs > COMPARED {
+        writeln!(
+            output,
+            "\ncolors     not compared with other transport: {pairs} pairs of a light and a \
+             material are more than {COMPARED}"
+        )?;
         return Ok(());
     }
     let (other, what) = match plan.transport() {

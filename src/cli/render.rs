@@ -14,7 +14,7 @@ use candela::lanes::Door;
 use candela::output::{self, Unfinished};
 use candela::scene::Scene;
 use candela::visibility::Visibility;
-use candela::world::{Plan, World};
+use candela::world::{Bands, Plan, World};
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
@@ -215,7 +215,11 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         chromaticities: arguments.chromaticities,
     };
     exr_options.check(whole, &channels)?;
-    fits_in_memory(whole, &channels)?;
+    let spectral = world.spectra().zip(layers.spectral);
+    let table = spectral.map_or(0, |(spectra, wavelengths)| {
+        Bands::size(spectra, wavelengths)
+    });
+    fits_in_memory(whole, &channels, table)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -274,19 +278,31 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     Ok(())
 }
 
-/// Whether the system would give the memory that the film of a window takes.
-fn fits_in_memory(window: Window, channels: &Channels) -> Result<(), Failure> {
+/// Whether the system would give the memory that the film of a window takes, with a table of so many
+/// numbers for the bands of lights on materials.
+fn fits_in_memory(window: Window, channels: &Channels, table: u64) -> Result<(), Failure> {
     let pixels = u64::from(window.width) * u64::from(window.height);
     let values = pixels * channels.list.len() as u64;
     let mut rgba: Vec<[f32; 4]> = Vec::new();
     let mut further: Vec<f32> = Vec::new();
+    let mut bands: Vec<f64> = Vec::new();
     let fits = usize::try_from(pixels).is_ok_and(|count| rgba.try_reserve_exact(count).is_ok())
-        && usize::try_from(values).is_ok_and(|count| further.try_reserve_exact(count).is_ok());
+        && usize::try_from(values).is_ok_and(|count| further.try_reserve_exact(count).is_ok())
+        && usize::try_from(table).is_ok_and(|count| bands.try_reserve_exact(count).is_ok());
     if fits {
         return Ok(());
     }
     let bytes = |count: u64, size: usize| count as f64 * size as f64;
-    let gigabytes = (bytes(pixels, size_of::<[f32; 4]>()) + bytes(values, size_of::<f32>())) / 1e9;
+    let film = bytes(pixels, size_of::<[f32; 4]>()) + bytes(values, size_of::<f32>());
+    let table = bytes(table, size_of::<f64>());
+    let gigabytes = (film + table) / 1e9;
+    if table > film {
+        return Err(format!(
+            "the bands of all lights on all materials take {gigabytes:.1} GB of memory, more than \
+             there is; choose fewer --wavelengths, or fewer lights or materials",
+        )
+        .into());
+    }
     let fewer = match channels.list.len() {
         0 => "",
         _ => "fewer --wavelengths or ",
@@ -449,4 +465,43 @@ fn count(text: &str, most: u32) -> Result<u32, String> {
         .ok()
         .filter(|number| (1..=most).contains(number));
     number.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use candela::film::Layers;
+    use candela::world::Wavelengths;
+
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_in_memory_is_said() {
+        let whole = Window::whole;
+        let channels = Layers {
+            spectral: Some(Wavelengths::default()),
+        }
+        .channels();
+        assert!(fits_in_memory(whole([64, 64]), &channels, 1000).is_ok());
+        // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
+        let message = |table| {
+            let error = fits_in_memory(whole([64, 64]), &channels, table).unwrap_err();
+            error.to_string()
+        };
+        for table in [1 << 58, u64::MAX] {
+            let message = message(table);
+            assert!(
+                message.contains("bands of all lights on all materials"),
+                "{message}"
+            );
+            assert!(
+                message.contains("fewer --wavelengths, or fewer lights"),
+                "{message}"
+            );
+        }
+        assert!(
+            message(1 << 58).contains("2305843009.2 GB"),
+            "{}",
+            message(1 << 58)
+        );
+    }
 }

@@ -42,8 +42,42 @@ fn interpolated(points: &[f64], values: &[f64], nm: f64) -> f64 {
     values[above - 1] + (values[above] - values[above - 1]) * ((nm - a) / (b - a))
 }
 
+/// The curve's value at each wavelength or, where its points are less than 1 nm apart (but for a
+/// rounding), its mean with the weights of a line's triangle: what is finer than the components
+/// keeps its power.
 pub(super) fn curve(curve: &Curve) -> Components {
-    on_grid(|nm| interpolated(curve.wavelengths(), curve.values(), nm))
+    let (points, values) = (curve.wavelengths(), curve.values());
+    on_grid(|nm| {
+        let first = points.partition_point(|&point| point <= nm - 1.0);
+        let near: Vec<f64> = points[first..]
+            .iter()
+            .copied()
+            .take_while(|&point| point < nm + 1.0)
+            .collect();
+        let before = points[..first].last();
+        let after = points.get(first + near.len());
+        let reaching: Vec<f64> = before
+            .into_iter()
+            .chain(&near)
+            .chain(after)
+            .copied()
+            .collect();
+        if reaching
+            .windows(2)
+            .all(|pair| pair[1] - pair[0] >= 1.0 - 1e-9)
+        {
+            return interpolated(points, values, nm);
+        }
+        let mut corners = [near, vec![nm - 1.0, nm, nm + 1.0]].concat();
+        corners.sort_by(f64::total_cmp);
+        let weighted = |at: f64| interpolated(points, values, at) * (1.0 - (at - nm).abs());
+        // Simpson's rule: exact for the products of straight lines between the corners.
+        let pieces = corners.windows(2).map(|ends| {
+            let (a, b) = (ends[0], ends[1]);
+            (b - a) * (weighted(a) + 4.0 * weighted((a + b) / 2.0) + weighted(b)) / 6.0
+        });
+        pieces.sum()
+    })
 }
 
 /// Each line is a triangle of its power that reaches to 1 nm beside it.
@@ -132,6 +166,20 @@ mod tests {
             [1.0, 1.0, 0.5, 0.5]
         );
         assert!((at(&spectrum, 405) - 1.9).abs() < ROUNDING);
+    }
+
+    /// A triangle of 1 at its peak, 0.4 nm wide, has 0.2, a fifth of which is nearer to 435 nm.
+    #[test]
+    fn fine_curves_keep_their_power() {
+        let written = Curve::new(
+            vec![400.0, 435.6, 435.8, 436.0, 500.0],
+            vec![0.0, 0.0, 1.0, 0.0, 0.0],
+        );
+        let spectrum = curve(&written.unwrap());
+        assert!((spectrum.sum() - 0.2).abs() < ROUNDING * 100.0);
+        for (nm, power) in [(434, 0.0), (435, 0.04), (436, 0.16), (437, 0.0)] {
+            assert!((at(&spectrum, nm) - power).abs() < ROUNDING * 100.0, "{nm}");
+        }
     }
 
     #[test]

@@ -129,6 +129,14 @@ impl Palette {
             // The same in all directions, of which there are 4π sr.
             Unit::Lumens | Unit::Watts => amount / (4.0 * PI),
         };
+        // Nothing of a black color is nothing.
+        let share = |whole: f64| {
+            if intensity == 0.0 {
+                0.0
+            } else {
+                intensity / whole
+            }
+        };
         if let (Some((rgb, space)), Unit::Candela | Unit::Lumens) = (literal(color), unit) {
             // A triple is in candela, and its luminance that of Rec.709.
             let candela = luminance(
@@ -136,7 +144,7 @@ impl Palette {
                 ColorSpace::Rec709,
             );
             let working = converted(rgb, space, self.space);
-            return self.colored_light(scale(working, intensity / candela));
+            return self.colored_light(scale(working, share(candela)));
         }
         let spectrum = match self.working_rgb(color) {
             Some(rgb) => self.filtered_white(&self.colorimetry.weights(), rgb),
@@ -146,7 +154,7 @@ impl Palette {
             Unit::Candela | Unit::Lumens => self.colorimetry.luminous(&spectrum),
             Unit::WattsPerSteradian | Unit::Watts => spectrum.sum(),
         };
-        self.light_of_spectrum(spectrum.scaled(intensity / whole))
+        self.light_of_spectrum(spectrum.scaled(share(whole)))
     }
 }
 

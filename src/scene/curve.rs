@@ -94,28 +94,35 @@ fn parse(text: &str) -> Result<Curve, CurveError> {
         .comment(Some(b'#'))
         .trim(Trim::All)
         .from_reader(text.as_bytes());
-    let (mut wavelengths, mut values, mut lines) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut wavelengths, mut values, mut starts) = (Vec::new(), Vec::new(), Vec::new());
     let mut record = StringRecord::new();
     let mut is_first = true;
     while reader
         .read_record(&mut record)
         .map_err(|_| CurveError::NotText)?
     {
-        let line = record.position().map_or(0, csv::Position::line);
+        // A line of blanks alone.
+        if record.len() == 1 && record[0].is_empty() {
+            continue;
+        }
+        let start = record.position().map_or(0, csv::Position::byte);
+        let line = || line_of_record(text, start);
         let may_be_header = std::mem::take(&mut is_first);
         let [nm, value] = columns(&record, line)?;
         match (number(nm, line), number(value, line)) {
             (Ok(nm), Ok(value)) => {
                 wavelengths.push(nm);
                 values.push(value);
-                lines.push(line);
+                starts.push(start);
             }
             (Err(_), Err(_)) if may_be_header => {}
             (Err(error), _) | (_, Err(error)) => return Err(error),
         }
     }
     Curve::new(wavelengths, values).map_err(|problem| CurveError::Illegal {
-        line: problem.index().map(|index| lines[index]),
+        line: problem
+            .index()
+            .map(|index| line_of_record(text, starts[index])),
         problem,
     })
 }
@@ -132,17 +139,31 @@ fn delimiter(text: &str) -> u8 {
         .unwrap_or(b',')
 }
 
-fn columns(record: &StringRecord, line: u64) -> Result<[&str; 2], CurveError> {
+/// The line, counted from 1, of the record that the reader found when it went on at the byte
+/// `start`. What it passed over is before it: the rest of a line's end, empty lines and comments.
+fn line_of_record(text: &str, start: u64) -> u64 {
+    let (before, rest) = text.split_at(start as usize);
+    let passed = rest
+        .lines()
+        .take_while(|line| line.is_empty() || line.starts_with('#'));
+    let line = 1 + before.matches('\n').count() + passed.count();
+    line as u64
+}
+
+fn columns(record: &StringRecord, line: impl Fn() -> u64) -> Result<[&str; 2], CurveError> {
     let columns = record.len();
     match (record.get(0), record.get(1)) {
         (Some(nm), Some(value)) if columns == 2 => Ok([nm, value]),
-        _ => Err(CurveError::Columns { line, columns }),
+        _ => Err(CurveError::Columns {
+            line: line(),
+            columns,
+        }),
     }
 }
 
-fn number(text: &str, line: u64) -> Result<f64, CurveError> {
+fn number(text: &str, line: impl Fn() -> u64) -> Result<f64, CurveError> {
     text.parse().map_err(|_| CurveError::NotANumber {
-        line,
+        line: line(),
         text: text.to_owned(),
     })
 }
@@ -160,6 +181,7 @@ mod tests {
             "\u{feff}nm;value\n400;0.1\n500.5;0.25\n700;1\n",
             "400\t0.1\n500.5\t0.25\n700\t1\n",
             "\"400\",\"0.1\"\n500.5,0.25\n700,1\n",
+            "  \nnm,value\n400,0.1\n500.5,0.25\n  \n700,1\n  ",
         ] {
             assert_eq!(parse(text).unwrap(), expected, "{text}");
         }
@@ -175,6 +197,18 @@ mod tests {
             ),
             ("nm,value\nnm,value\n", "line 2: `nm` is not a number"),
             ("400,0.1\n500,red\n", "line 2: `red` is not a number"),
+            (
+                "nm,value\r\n400,0.1\r\n500,red\r\n",
+                "line 3: `red` is not a number",
+            ),
+            (
+                "400,0.1\n# a comment\n\n500,red\n",
+                "line 4: `red` is not a number",
+            ),
+            (
+                "\u{feff}nm,value\r\n400,0.1\r\n\r\n# a comment\r\n300,1\r\n",
+                "line 5: the wavelength 300 nm comes after 400 nm, expected ascending order",
+            ),
             (
                 "400,0,1\n",
                 "line 1: 3 columns, expected two, wavelength in nm and value, parted by a comma",

@@ -7,7 +7,7 @@
 //! | type | what |
 //! | --- | --- |
 //! | [`Spectrum`] | one number for each wavelength of the grid |
-//! | [`Curve`] | a tabulated spectrum of any spacing, interpolated linearly |
+//! | [`Curve`] | a tabulated spectrum of any spacing, linear between its points |
 //! | [`Lines`] | an emission of single wavelengths |
 //! | [`Illuminant`] | the CIE's illuminants by name |
 //! | [`daylight()`], [`blackbody()`] | spectra by temperature |

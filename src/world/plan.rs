@@ -118,11 +118,11 @@ impl Plan {
             (Transport::Rgb, Rgb) => [says("rgb"), format!("left aside though {values}")]
                 .map(|reason| reason.replace("left aside though no", "no")),
             (Transport::Spectral, Auto | Rgb) => [
-                "would miss colors, as said below".to_owned(),
+                "products of three numbers: what they miss is said below".to_owned(),
                 format!("{values}; integrated once, over 1 nm"),
             ],
             (Transport::Spectral, Spectral) => [
-                "would miss colors, as said below".to_owned(),
+                "products of three numbers: what they miss is said below".to_owned(),
                 format!("{}; integrated once, over 1 nm", says("spectral")),
             ],
         }

@@ -17,6 +17,8 @@ pub struct Spectra {
     pub(super) lights: Vec<Spectrum>,
     /// k_d(λ) and k_s(λ) of each material.
     pub(super) materials: Vec<Lobes<Pigment>>,
+    /// Whether any object has the material.
+    pub(super) used: Vec<bool>,
     /// Of what is behind everything, in W·m⁻²·sr⁻¹·nm⁻¹.
     pub(super) background: Spectrum,
 }
@@ -39,17 +41,13 @@ impl Spectra {
         &self.lights[light]
     }
 
-    /// I · k of every pair of a light and one of the materials that are `used`, light by light,
-    /// material by material within:
+    /// I · k of every pair of a light and a material that is used, light by light, material by
+    /// material within:
     ///
     /// T = K_m ∫ I(λ) k(λ) m(λ) dλ, with the working space's color matching functions m.
     ///
     /// A gray k takes the light's own R, G, B, which are as they were written.
-    pub(super) fn transport(
-        &self,
-        lights: &[Named<PointLight>],
-        used: &[bool],
-    ) -> Vec<Lobes<ReflectedIntensity>> {
+    pub(super) fn transport(&self, lights: &[Named<PointLight>]) -> Vec<Lobes<ReflectedIntensity>> {
         let rows = self.lights.par_iter().zip(lights);
         rows.flat_map_iter(|(spectrum, light)| {
             let seen = self.colorimetry.seen(spectrum);
@@ -63,7 +61,7 @@ impl Spectra {
                 };
                 ReflectedIntensity(Rgb(rgb))
             };
-            let materials = self.materials.iter().zip(used);
+            let materials = self.materials.iter().zip(&self.used);
             materials.map(move |(lobes, used)| {
                 if *used {
                     Lobes {
@@ -166,14 +164,16 @@ impl Wavelengths {
     }
 }
 
-/// What the pixels of a spectral image are made of: I · k of every light and material, and the
-/// background, band by band.
+/// What the pixels of a spectral image are made of: I · k of every light and every material that
+/// objects have, and the background, band by band.
 #[derive(Clone, Debug)]
 pub struct Bands {
     wavelengths: Wavelengths,
     lights: usize,
-    materials: usize,
-    /// Light by light, material by material within, diffuse and specular, band by band.
+    /// Each material's place among those that are used.
+    places: Vec<Option<usize>>,
+    used: usize,
+    /// Light by light, used material by used material within, diffuse and specular, band by band.
     transport: Vec<f64>,
     background: Vec<f64>,
 }
@@ -181,6 +181,14 @@ pub struct Bands {
 impl Bands {
     /// The products of `spectra` at `wavelengths`.
     pub fn new(spectra: &Spectra, wavelengths: Wavelengths) -> Self {
+        let mut used = 0;
+        let places = spectra.used.iter().map(|is_used| {
+            is_used.then(|| {
+                used += 1;
+                used - 1
+            })
+        });
+        let places = places.collect();
         let rows = spectra.lights.par_iter();
         let transport = rows.flat_map_iter(|light| {
             let of_light = wavelengths.means(light);
@@ -196,17 +204,26 @@ impl Bands {
                 }
                 means
             };
-            let lobes = spectra.materials.iter();
+            let used = spectra.materials.iter().zip(&spectra.used);
+            let lobes = used.filter_map(|(lobes, used)| used.then_some(lobes));
             let lobes = lobes.flat_map(|lobes| [&lobes.diffuse, &lobes.specular]);
             lobes.flat_map(reflected)
         });
         Self {
             wavelengths,
             lights: spectra.lights.len(),
-            materials: spectra.materials.len(),
+            places,
+            used,
             transport: transport.collect(),
             background: wavelengths.means(&spectra.background),
         }
+    }
+
+    /// How many numbers, of 8 bytes, the products of `spectra` at `wavelengths` are.
+    pub fn size(spectra: &Spectra, wavelengths: Wavelengths) -> u64 {
+        let used = spectra.used.iter().filter(|used| **used).count() as u64;
+        let lobes = 2 * used * spectra.lights.len() as u64;
+        (lobes + 1) * wavelengths.count() as u64
     }
 
     /// Where the bands are.
@@ -220,9 +237,13 @@ impl Bands {
     }
 
     /// I · k of both lobes of a material under a light in W·sr⁻²·nm⁻¹, band by band.
+    ///
+    /// # Panics
+    /// If no object has the material.
     pub fn transport(&self, light: usize, material: usize) -> Lobes<&[f64]> {
         let bands = self.wavelengths.count();
-        let start = 2 * bands * (light * self.materials + material);
+        let place = self.places[material].expect("only materials of objects are seen");
+        let start = 2 * bands * (light * self.used + place);
         Lobes {
             diffuse: &self.transport[start..start + bands],
             specular: &self.transport[start + bands..start + 2 * bands],
@@ -238,6 +259,8 @@ impl Bands {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::ColorSpace;
+    use crate::spectrum::Observer;
 
     #[test]
     fn wavelengths_are_checked() {
@@ -254,6 +277,40 @@ mod tests {
             (400, 840, 10),
         ] {
             assert_eq!(Wavelengths::new(first, last, step), None);
+        }
+    }
+
+    /// Bands are as many as the used materials need, and each finds its own.
+    #[test]
+    fn only_materials_that_are_used_have_bands() {
+        let colorimetry = Colorimetry::new(Observer::Cie1931, ColorSpace::Rec709);
+        let flat = |value| Pigment {
+            shade: Shade::Flat(value),
+            factor: 1.0,
+        };
+        let material = |value| Lobes {
+            diffuse: flat(value),
+            specular: flat(0.0),
+        };
+        let spectra = Spectra {
+            colorimetry,
+            lights: vec![Spectrum::constant(1.0), Spectrum::constant(2.0)],
+            materials: [0.1, 0.2, 0.3].map(material).to_vec(),
+            used: vec![false, true, true],
+            background: Spectrum::constant(0.0),
+        };
+        let bands = Bands::new(&spectra, Wavelengths::default());
+        assert_eq!(bands.transport.len(), 2 * 2 * 2 * 41);
+        let numbers = bands.transport.len() + bands.background.len();
+        let size = Bands::size(&spectra, Wavelengths::default());
+        assert_eq!(size, numbers as u64);
+        for (light, material, expected) in [(0, 1, 0.2), (0, 2, 0.3), (1, 1, 0.4), (1, 2, 0.6)] {
+            for band in bands.transport(light, material).diffuse {
+                assert!(
+                    (band - expected).abs() < 1e-14,
+                    "{light} {material}: {band}"
+                );
+            }
         }
     }
 

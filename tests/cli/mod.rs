@@ -569,3 +569,27 @@ fn checks() {
         "{report}"
     );
 }
+
+/// What is left out of the report for its cost is said.
+#[test]
+fn check_says_why_colors_are_not_compared() {
+    let folder = folder();
+    // With the clay, the key and the fill: 1000 materials and 1001 lights.
+    let more = (1..1000).map(|i| {
+        format!(
+            "[materials.m{i}.phong]\ndiffuse = 0.5\n\
+             [lights.l{i}.point]\nposition = [0, 9, {i}]\nintensity = 1\n"
+        )
+    });
+    let many = SCENE.to_owned() + &more.collect::<String>();
+    fs::write(folder.path().join("many.toml"), many).unwrap();
+    let report = succeeds(folder.path(), "check many.toml");
+    let expected = "colors     not compared with other transport: 1001000 pairs of a light and a \
+                    material are more than 1000000\n";
+    assert!(report.contains(expected), "{report}");
+    let report = succeeds(folder.path(), "check ball.toml");
+    assert!(
+        report.contains("ΔE00") && !report.contains("not compared"),
+        "{report}"
+    );
+}

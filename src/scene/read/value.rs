@@ -373,6 +373,27 @@ impl Fields<'_, '_, '_> {
                 Some(Value::Curve(Arc::new(curve)))
             }
             DeValue::Table(table) => {
+                let is_other = |name: &str| {
+                    let curve = [&WAVELENGTHS, &VALUES, &FILE].map(|key| key.name);
+                    let mut known = Notation::ALL.iter().map(|notation| notation.key().name);
+                    !curve.contains(&name) && known.any(|known| known == name)
+                };
+                if let Some(other) = table.keys().find(|key| is_other(key.get_ref())) {
+                    let alone = if other.get_ref() == LINES.name {
+                        "; lines are in W/sr, as a light's `intensity = { lines = … }`"
+                    } else {
+                        ""
+                    };
+                    let conflict = format!(
+                        "`{}` cannot be in `{}`, which takes a number or a curve, such as \
+                         `{{ wavelengths = [400, 550, 700], values = [0.1, 0.5, 0.4] }}`{alone}",
+                        other.get_ref(),
+                        DENSITY.name,
+                    );
+                    self.reader
+                        .report(other.span().into(), Problem::Conflict(conflict));
+                    return None;
+                }
                 let mut fields = Fields::new(self.reader, table, node.span().into());
                 let notation = if table.contains_key(FILE.name) {
                     Notation::File

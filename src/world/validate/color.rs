@@ -31,7 +31,7 @@ pub(super) struct Emission {
 pub(super) struct Reflection {
     /// Under white light, in the working space.
     pub(super) rgb: [f64; 3],
-    /// Only where light is carried spectrally.
+    /// Of every curve, and of RGB values where light is carried spectrally.
     pub(super) shade: Option<Shade>,
 }
 
@@ -59,6 +59,10 @@ impl Reflection {
 
     pub(super) fn is_black(&self) -> bool {
         self.rgb == [0.0; 3] && self.shade.as_ref().is_none_or(Shade::is_black)
+    }
+
+    pub(super) fn is_gray(&self) -> bool {
+        self.rgb[0] == self.rgb[1] && self.rgb[1] == self.rgb[2]
     }
 }
 
@@ -174,15 +178,16 @@ impl Validator<'_> {
             value => match Literal::of(value) {
                 Some(literal) => self
                     .literal(key, written, &literal)
-                    .and_then(|rgb| self.literal_light(key, written, rgb)),
+                    .and_then(|rgb| self.literal_light(key, written, &literal, rgb)),
                 None => self
                     .light_spectrum(key, written, value)
                     .map(|spectrum| self.spectral_light(spectrum)),
             },
         };
         let emission = emission.unwrap_or(Emission::DARK);
-        let largest = emission.rgb.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        if largest > f64::from(f32::MAX) {
+        // As a range, which holds no NaN: sums that overflow in both directions are one.
+        let legal = |channel: &f64| (0.0..=f64::from(f32::MAX)).contains(&channel.abs());
+        if !emission.rgb.iter().all(legal) {
             let expected = "light of at most 3.4e38 in every channel";
             self.out_of_range(key, written.span, listed(&emission.rgb), expected);
             return Emission::DARK;
@@ -244,6 +249,7 @@ impl Validator<'_> {
         &mut self,
         key: &'static str,
         written: &Spanned<Value>,
+        literal: &Literal,
         rgb: [f64; 3],
     ) -> Result<Emission, Reported> {
         let Some(colorimetry) = self.colorimetry_of_spectra() else {
@@ -255,7 +261,7 @@ impl Validator<'_> {
         let shade = self.shades.of(rgb, None, || colorimetry.unbounded(rgb))?;
         let spectrum = shade.map(|shade| shade.of(colorimetry.white()));
         let Some(spectrum) = spectrum else {
-            return Err(self.out_of_reach(key, written, rgb, "light"));
+            return Err(self.out_of_reach(key, written, literal, "light"));
         };
         Ok(Emission {
             rgb,
@@ -288,7 +294,7 @@ impl Validator<'_> {
                 .or_else(|| colorimetry.unbounded(rgb)),
         })?;
         if shade.is_none() {
-            return Err(self.out_of_reach(key, written, rgb, "reflectance"));
+            return Err(self.out_of_reach(key, written, literal, "reflectance"));
         }
         Ok(Reflection { rgb, shade })
     }
@@ -300,34 +306,52 @@ impl Validator<'_> {
         spectrum: Spectrum,
         bound: Bound,
     ) -> Result<Reflection, Reported> {
-        let (peak, nm) = spectrum.peak();
-        if bound == Bound::Albedo && peak > 1.0 {
+        let (mut peak, mut nm) = spectrum.peak();
+        // Of a curve finer than the grid, the points say more than the means.
+        if let Value::Curve(curve) = &written.value
+            && let Some((value, place)) = curve.peak()
+            && value > peak
+        {
+            (peak, nm) = (value, place);
+        }
+        let (most, expected) = match bound {
+            Bound::Albedo => (1.0, "an albedo of at most 1 at every wavelength"),
+            Bound::None => (f64::from(f32::MAX), "at most 3.4e38 at every wavelength"),
+        };
+        if peak > most {
             let value = format!("{} at {nm} nm", as_written(peak));
-            let expected = "an albedo of at most 1 at every wavelength";
             self.out_of_range(key, written.span, value, expected);
             return Err(Reported);
         }
         Ok(Reflection {
             rgb: self.colorimetry.reflectance(&spectrum),
-            shade: self
-                .colorimetry_of_spectra()
-                .is_some()
-                .then(|| Shade::Spectrum(Arc::new(spectrum))),
+            shade: Some(Shade::Spectrum(Arc::new(spectrum))),
         })
+    }
+
+    /// What an albedo is at each wavelength; `None` if no smooth spectrum has its color.
+    pub(super) fn by_wavelength(&mut self, albedo: &Reflection) -> Option<Shade> {
+        if albedo.shade.is_some() {
+            return albedo.shade.clone();
+        }
+        let colorimetry = Arc::clone(&self.colorimetry);
+        let find = || colorimetry.reflectance_of(albedo.rgb);
+        let found = self.shades.of(albedo.rgb, Some(Bound::Albedo), find);
+        found.ok().flatten()
     }
 
     fn out_of_reach(
         &mut self,
         key: &'static str,
         written: &Spanned<Value>,
-        rgb: [f64; 3],
+        literal: &Literal,
         what: &str,
     ) -> Reported {
         let conflict = format!(
             "`{key}` is {value} in {space}, more saturated than any smooth {what}; expected a \
              color within reach, a curve of `wavelengths` and `values`, or `transport = \"rgb\"`",
-            value = listed(&rounded(rgb)),
-            space = self.scene.image.color_space.value.name(),
+            value = listed(&literal.rgb.map(six_digits)),
+            space = literal.space.name(),
         );
         self.report(written.span, Problem::Conflict(conflict));
         Reported
@@ -369,14 +393,14 @@ impl Validator<'_> {
                 } else {
                     of_color.map(|channel| channel * size)
                 };
-                self.literal_light(key, written, rgb)
+                self.literal_light(key, written, &literal, rgb)
             }
             (literal, _) => {
                 let spectrum = match literal {
                     Some(literal) => {
                         let rgb = self.literal(key, written, &literal)?;
                         let Some(shade) = self.colorimetry.unbounded(rgb) else {
-                            return Err(self.out_of_reach(key, written, rgb, "light"));
+                            return Err(self.out_of_reach(key, written, &literal, "light"));
                         };
                         shade.of(self.colorimetry.white())
                     }
@@ -399,11 +423,19 @@ impl Validator<'_> {
         wanted: f64,
         whole: f64,
     ) -> Result<f64, Reported> {
+        if wanted == 0.0 && whole == 0.0 {
+            // A lamp that is off, said twice.
+            return Ok(0.0);
+        }
         let share = wanted / whole;
-        if share.is_finite() {
+        if whole.is_finite() && share.is_finite() {
             return Ok(share);
         }
-        let conflict = "`color` is black, expected a color that light can have";
+        let conflict = if whole > 0.0 {
+            "`color` is too bright or too dark to compute with, expected values near 1"
+        } else {
+            "`color` is black, expected a color that light can have"
+        };
         self.report(written.span, Problem::Conflict(conflict.to_owned()));
         Err(Reported)
     }
@@ -437,6 +469,11 @@ impl Validator<'_> {
             }
         }
     }
+}
+
+/// To six digits, for messages: hexadecimal codes become long numbers.
+fn six_digits(number: f64) -> f64 {
+    format!("{number:.5e}").parse().unwrap_or(number)
 }
 
 /// To six decimals, for messages.

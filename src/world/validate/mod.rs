@@ -170,17 +170,18 @@ impl<'a> Validator<'a> {
         }
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
-            let spectra = Spectra {
-                colorimetry: Colorimetry::clone(&self.colorimetry),
-                lights: spectra,
-                materials: pigments,
-                background: background.spectrum.expect("spectral light has a spectrum"),
-            };
             let mut used = vec![false; world.materials.len()];
             for object in &world.objects {
                 used[object.material] = true;
             }
-            world.transport = spectra.transport(&world.lights, &used);
+            let spectra = Spectra {
+                colorimetry: Colorimetry::clone(&self.colorimetry),
+                lights: spectra,
+                materials: pigments,
+                used,
+                background: background.spectrum.expect("spectral light has a spectrum"),
+            };
+            world.transport = spectra.transport(&world.lights);
             world.spectra = Some(spectra);
             return world;
         }
@@ -375,8 +376,10 @@ impl<'a> Validator<'a> {
                 Material::normalized_phong(diffuse.rgb, specular.rgb, shininess)
             }
         };
+        let is_spectral = self.is_spectral;
         let pigments = diffuse
             .shade
+            .filter(|_| is_spectral)
             .zip(specular.shade)
             .map(|(diffuse, specular)| {
                 let factors = material.factors();
@@ -394,21 +397,33 @@ impl<'a> Validator<'a> {
         (material, pigments)
     }
 
-    /// ρ_d + ρ_s is at most 1, in every channel or at every wavelength.
+    /// ρ_d + ρ_s is at most 1, in every channel or, of spectra, at every wavelength: the channels of
+    /// saturated ones may be above 1 where no wavelength is.
+    ///
+    /// A curve with an RGB value where light is carried as RGB is legal in either way, as that value
+    /// has no wavelengths of its own.
     fn check_albedo(&mut self, lobes: &scene::Lobes, diffuse: &Reflection, specular: &Reflection) {
         let span = lobes.specular.span.max(lobes.diffuse.span);
-        if let (Some(diffuse), Some(specular)) = (&diffuse.shade, &specular.shade) {
-            let (albedo, nm) = diffuse.peak_with(specular);
+        let both = [diffuse, specular];
+        let albedo: [f64; 3] = std::array::from_fn(|i| diffuse.rgb[i] + specular.rgb[i]);
+        let in_channels = albedo.iter().all(|&albedo| albedo <= LARGEST_ALBEDO);
+        let has_spectrum = both.iter().any(|lobe| lobe.shade.is_some());
+        let has_triple = both
+            .iter()
+            .any(|lobe| lobe.shade.is_none() && !lobe.is_gray());
+        if has_spectrum
+            && !(has_triple && in_channels)
+            && let Some(diffuse) = self.by_wavelength(diffuse)
+            && let Some(specular) = self.by_wavelength(specular)
+        {
+            let (albedo, nm) = diffuse.peak_with(&specular);
             if albedo > LARGEST_ALBEDO {
                 let place = nm.map_or_else(String::new, |nm| format!(" at {nm} nm"));
                 let expected = "an albedo of at most 1 at every wavelength";
                 let value = format!("{}{place}", as_written(albedo));
                 self.out_of_range("diffuse + specular", span, value, expected);
             }
-            return;
-        }
-        let albedo: [f64; 3] = std::array::from_fn(|i| diffuse.rgb[i] + specular.rgb[i]);
-        if albedo.iter().any(|&albedo| albedo > LARGEST_ALBEDO) {
+        } else if !in_channels {
             let expected = "an albedo of at most 1 in every channel";
             self.out_of_range("diffuse + specular", span, listed(&albedo), expected);
         }
