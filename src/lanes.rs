@@ -194,13 +194,13 @@ impl<S: Simd> Ids<S> {
 
     /// Shifted towards the larger places.
     #[inline(always)]
-    pub fn shl(self, bits: u32) -> Self {
+    pub fn shifted_up(self, bits: u32) -> Self {
         Self([self.0[0] << bits, self.0[1] << bits])
     }
 
     /// Shifted towards the smaller places.
     #[inline(always)]
-    pub fn shr(self, bits: u32) -> Self {
+    pub fn shifted_down(self, bits: u32) -> Self {
         Self([self.0[0] >> bits, self.0[1] >> bits])
     }
 
@@ -486,12 +486,12 @@ impl Door {
         let level = Level::new();
         #[cfg(target_arch = "x86_64")]
         let levels = [
-            ("avx512", level.as_avx512().map(|token| token.level())),
-            ("avx2", level.as_avx2().map(|token| token.level())),
-            ("sse2", level.as_sse2().map(|token| token.level())),
+            ("avx512", level.as_avx512().map(Simd::level)),
+            ("avx2", level.as_avx2().map(Simd::level)),
+            ("sse2", level.as_sse2().map(Simd::level)),
         ];
         #[cfg(target_arch = "aarch64")]
-        let levels = [("neon", level.as_neon().map(|token| token.level()))];
+        let levels = [("neon", level.as_neon().map(Simd::level))];
         #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
         let levels = [("scalar", Some(level))];
         levels
@@ -559,7 +559,7 @@ mod tests {
             let x = Lanes::load(simd, &self.0);
             let y = (x * 3.7 - 1.0) / (x + 0.3);
             let z = y.abs().sqrt().max(x).min(Lanes::splat(simd, 2.5));
-            let exponent = z.to_bits().shr(52).and(0x7ff);
+            let exponent = z.to_bits().shifted_down(52).and(0x7ff);
             let is_small = exponent.lt(Ids::splat(simd, 1023));
             (is_small & !x.is_positive()).select(-z, z).to_array()
         }

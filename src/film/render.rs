@@ -258,7 +258,7 @@ impl Work<'_> {
             let is_hit = |slot: usize| points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
             match &mut spectral {
                 None => {
-                    shading::radiance(simd, world, self.visibility, points, tracing, shaded, None)
+                    shading::radiance(simd, world, self.visibility, points, tracing, shaded, None);
                 }
                 Some(spectral) => {
                     let places: Vec<Option<Place>> = batch

@@ -70,7 +70,8 @@ fn log2_lanes<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let bits = x.to_bits();
     // An integer below 2⁵² in the digits of 2⁵² is that much more.
     const INTEGERS: f64 = (1_u64 << 52) as f64;
-    let exponent = Lanes::from_bits(bits.shr(52).or(INTEGERS.to_bits())) - (INTEGERS + 1023.0);
+    let exponent =
+        Lanes::from_bits(bits.shifted_down(52).or(INTEGERS.to_bits())) - (INTEGERS + 1023.0);
     let mantissa = Lanes::from_bits(bits.and(MANTISSA).or(1.0_f64.to_bits()));
     let is_large = mantissa.gt(Lanes::splat(simd, SQRT_2));
     let exponent = is_large.select(exponent + 1.0, exponent);
@@ -86,7 +87,7 @@ fn exp2_lanes<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let rounded = x + ROUNDS;
     let rest = (x - (rounded - ROUNDS)) * LN_2;
     // The lowest digits of `rounded` are the integer.
-    let power = Lanes::from_bits(rounded.to_bits().plus(1023).shl(52));
+    let power = Lanes::from_bits(rounded.to_bits().plus(1023).shifted_up(52));
     let result = polynomial_lanes(simd, &EXPONENTIAL, rest) * power;
     is_tiny.select(Lanes::splat(simd, 0.0), result)
 }
