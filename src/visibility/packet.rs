@@ -187,9 +187,9 @@ const SMALLEST_COMPONENT: f32 = 1e-18;
 /// Farther from a tree than this, in its own size, no ray tells its boxes apart.
 const FARTHEST: f64 = 1e30;
 
-/// The components of a packet's directions along an axis may be this many times as large as the
-/// smallest; beyond, the rays are too unlike for a common shaft.
-const MOST_SPREAD: f64 = 4.0;
+/// Rays whose directions differ by more than this part of their length do not share a shaft: at a
+/// silhouette, points of the object and points far behind it would be enclosed in one.
+const MOST_SPREAD: f64 = 1.0 / 64.0;
 
 /// What some rays have in common in a tree's frame: for each axis a range of origins and of 1/ω.
 #[derive(Clone, Copy, Debug)]
@@ -215,23 +215,25 @@ fn range<S: Simd>(simd: S, column: Lanes<S>, asked: Mask<S>) -> [f64; 2] {
     ]
 }
 
-impl Shaft {
-    /// Around the rays with a bit; `None` if they are too unlike.
+/// How far apart some rays are.
+struct Spread {
+    origins: [[f64; 2]; 3],
+    directions: [[f64; 2]; 3],
+    /// One bit for each of those that should go without the others; 0 if all are alike.
+    parted: u32,
+}
+
+impl Spread {
+    /// Of the rays with a bit.
     #[inline(always)]
-    fn around<S: Simd, T>(simd: S, tree: &Tree<T>, rays: &Rays<S>, bits: u32) -> Option<Self> {
+    fn of<S: Simd>(simd: S, rays: &Rays<S>, bits: u32) -> Self {
         let asked = Mask::from_bits(simd, bits);
+        let d = rays.direction;
         let directions = [
-            range(simd, rays.direction.x, asked),
-            range(simd, rays.direction.y, asked),
-            range(simd, rays.direction.z, asked),
+            range(simd, d.x, asked),
+            range(simd, d.y, asked),
+            range(simd, d.z, asked),
         ];
-        let is_alike = directions.into_iter().any(|[least, most]| {
-            (least > 0.0 && most <= MOST_SPREAD * least)
-                || (most < 0.0 && least >= MOST_SPREAD * most)
-        });
-        if !is_alike {
-            return None;
-        }
         let origins = match rays.shared_origin {
             Some(origin) => origin.to_array().map(|o| [o, o]),
             None => [
@@ -240,28 +242,36 @@ impl Shaft {
                 range(simd, rays.origin.z, asked),
             ],
         };
-        Some(Self::new(tree, origins, directions))
+        let (mut widest, mut width, mut length) = (0, 0.0, 0.0);
+        for (axis, [least, most]) in directions.into_iter().enumerate() {
+            if most - least > width {
+                (widest, width) = (axis, most - least);
+            }
+            length = f64::max(length, f64::max(most.abs(), least.abs()));
+        }
+        let mut parted = 0;
+        if width > length * MOST_SPREAD {
+            let [least, most] = directions[widest];
+            let middle = Lanes::splat(simd, least * 0.5 + most * 0.5);
+            let column = if widest == 0 {
+                d.x
+            } else if widest == 1 {
+                d.y
+            } else {
+                d.z
+            };
+            parted = column.lt(middle).to_bits() & bits;
+        }
+        Self {
+            origins,
+            directions,
+            // Neither part is empty, unless rounding makes it so.
+            parted: if parted == bits { 0 } else { parted },
+        }
     }
+}
 
-    /// Of one ray.
-    #[inline(always)]
-    fn of_one<S: Simd, T>(tree: &Tree<T>, rays: &Rays<S>, lane: usize) -> Self {
-        let (o, d) = (rays.origin, rays.direction);
-        Self::new(
-            tree,
-            [
-                [o.x.to_array()[lane]; 2],
-                [o.y.to_array()[lane]; 2],
-                [o.z.to_array()[lane]; 2],
-            ],
-            [
-                [d.x.to_array()[lane]; 2],
-                [d.y.to_array()[lane]; 2],
-                [d.z.to_array()[lane]; 2],
-            ],
-        )
-    }
-
+impl Shaft {
     #[inline(always)]
     fn new<T>(tree: &Tree<T>, origins: [[f64; 2]; 3], directions: [[f64; 2]; 3]) -> Self {
         let center = tree.center.to_array();
@@ -365,26 +375,28 @@ pub(super) fn descend<S: Simd, T: Shape>(
     if question.asked() == 0 {
         return;
     }
-    let all = question.asked();
-    let common = Shaft::around(simd, tree, rays, all);
-    // Rays too unlike for one shaft go one by one.
+    // Rays too unlike for one shaft part into groups.
+    let mut groups = [0; LANES];
+    groups[0] = question.asked();
+    let mut waiting = 1;
     let mut left = 0;
-    for lane in 0..LANES {
-        let bit = 1 << lane;
-        if common.is_none() && all & bit == 0 {
-            continue;
-        }
-        let shaft = common.unwrap_or_else(
-            #[inline(always)]
-            || Shaft::of_one(tree, rays, lane),
-        );
-        if common.is_none() {
-            question.only(simd, bit);
-        }
-        descend_shaft(simd, tree, entries, &shaft, rays, question, stack);
-        left |= question.asked();
-        if common.is_some() {
-            return;
+    while waiting > 0 {
+        waiting -= 1;
+        let group = groups[waiting];
+        let Spread {
+            origins,
+            directions,
+            parted,
+        } = Spread::of(simd, rays, group);
+        if parted == 0 {
+            let shaft = Shaft::new(tree, origins, directions);
+            question.only(simd, group);
+            descend_shaft(simd, tree, entries, &shaft, rays, question, stack);
+            left |= question.asked();
+        } else {
+            groups[waiting] = group & parted;
+            groups[waiting + 1] = group & !parted;
+            waiting += 2;
         }
     }
     question.only(simd, left);
