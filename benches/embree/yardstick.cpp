@@ -39,8 +39,8 @@ constexpr int LANES = 16, PACKET_SIDE = 4, TILE = 16;
 constexpr float FAR = std::numeric_limits<float>::max();
 
 // How far shadow rays start from the surface, as a share of the magnitudes that its position was computed
-// from: some tens of roundings.
-constexpr float OFFSET = 1e-5f;
+// from: a few tens of roundings.
+constexpr float OFFSET = 1e-6f;
 
 struct Vec3 {
   float x, y, z;
@@ -281,6 +281,10 @@ class Renderer {
     alignas(64) int hit[LANES];
     for (int k = 0; k < LANES; k++) {
       hit[k] = valid[k] & (packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID ? -1 : 0);
+      const float missed = valid[k] & ~hit[k] ? 1 : 0;
+      sum.x[k] += missed * background.x;
+      sum.y[k] += missed * background.y;
+      sum.z[k] += missed * background.z;
       const float t = hit[k] ? ray.tfar[k] : 0;
       // Lanes without a hit compute something harmless.
       const float gx = hit[k] ? packet.hit.Ng_x[k] : 1, gy = hit[k] ? packet.hit.Ng_y[k] : 0,
@@ -298,8 +302,13 @@ class Renderer {
       point.z[k] = z + offset * geometric.z[k];
     }
     normal = geometric;
-    for (int k = 0; k < LANES; k++) {
-      const Material& material = parts[hit[k] ? packet.hit.geomID[k] : 0].material;
+    // Most packets hit one part only.
+    const int first = int(std::find(hit, hit + LANES, -1) - hit);
+    if (first == LANES) return;
+    const uint32_t part = packet.hit.geomID[first];
+    bool is_one_part = true;
+    for (int k = 0; k < LANES; k++) is_one_part &= !hit[k] || packet.hit.geomID[k] == part;
+    auto set_material = [&](int k, const Material& material) {
       diffuse.x[k] = material.diffuse.x;
       diffuse.y[k] = material.diffuse.y;
       diffuse.z[k] = material.diffuse.z;
@@ -307,12 +316,16 @@ class Renderer {
       specular.y[k] = material.specular.y;
       specular.z[k] = material.specular.z;
       shininess[k] = material.shininess;
-      if (TRACE && hit[k]) interpolate(packet, k, normal);
-      if (valid[k] && !hit[k]) {
-        sum.x[k] += background.x;
-        sum.y[k] += background.y;
-        sum.z[k] += background.z;
-      }
+    };
+    if (is_one_part) {
+      const Material material = parts[part].material;
+      for (int k = 0; k < LANES; k++) set_material(k, material);
+    } else {
+      for (int k = 0; k < LANES; k++) set_material(k, parts[hit[k] ? packet.hit.geomID[k] : part].material);
+    }
+    if (TRACE && !(is_one_part && parts[part].normals.empty())) {
+      for (int k = 0; k < LANES; k++)
+        if (hit[k]) interpolate(packet, k, normal);
     }
     for (int l = 0; l < light_count; l++) {
       const Light& light = lights[l];
@@ -321,7 +334,7 @@ class Renderer {
       Lanes matt, glossy;
       for (int k = 0; k < LANES; k++) {
         float x = light.position.x - point.x[k], y = light.position.y - point.y[k], z = light.position.z - point.z[k];
-        const float square = x * x + y * y + z * z, distance = std::sqrt(square), scale = 1 / distance;
+        const float square = x * x + y * y + z * z, scale = 1 / std::sqrt(square), distance = square * scale;
         x *= scale;
         y *= scale;
         z *= scale;
@@ -332,8 +345,8 @@ class Renderer {
         const float lobe = -(rx * ray.dir_x[k] + ry * ray.dir_y[k] + rz * ray.dir_z[k]);
         const float power = std::exp2(shininess[k] * std::log2(std::max(lobe, 1e-30f)));
         lit[k] = hit[k] & (above > 0 ? -1 : 0);
-        matt[k] = std::max(cosine, 0.f) / square;
-        glossy[k] = (lobe > 0 ? power : 0) / square;
+        matt[k] = std::max(cosine, 0.f) * scale * scale;
+        glossy[k] = (lobe > 0 ? power : 0) * scale * scale;
         shadow.org_x[k] = point.x[k];
         shadow.org_y[k] = point.y[k];
         shadow.org_z[k] = point.z[k];

@@ -203,9 +203,7 @@ impl Bench<'_> {
         let path = self.folder.join(format!("{}.bin", scene.name));
         yardstick::write_scene(&world, &path)?;
         drop(world);
-        let yardstick = Yardstick::start(program, &path, self.threads)?;
-        std::fs::remove_file(path)?;
-        Ok(Some(yardstick))
+        Ok(Some(Yardstick::start(program, &path, self.threads)?))
     }
 }
 

@@ -40,6 +40,11 @@ struct Arguments {
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
 
+    /// Only with these samples a pixel; nothing is archived then
+    #[arg(long, value_name = "N", conflicts_with_all = ["quick", "scaling"])]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=65536))]
+    samples: Vec<u32>,
+
     /// How often each time is measured
     #[arg(long, value_name = "N", default_value_t = 5)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -145,6 +150,8 @@ fn run(arguments: &Arguments) -> Result<()> {
         }
         let (lights, samples): (&[usize], &[u32]) = if arguments.quick {
             (&[3], &[4])
+        } else if !arguments.samples.is_empty() {
+            (&scene.lights, &arguments.samples)
         } else if scene.lights == [100] {
             (&scene.lights, &[1, 4])
         } else {
@@ -174,7 +181,7 @@ fn run(arguments: &Arguments) -> Result<()> {
 
 impl Arguments {
     fn may_archive(&self) -> bool {
-        !self.no_archive && self.only.is_empty()
+        !self.no_archive && self.only.is_empty() && self.samples.is_empty()
     }
 }
 
