@@ -145,6 +145,10 @@ impl Bench<'_> {
                 }
             };
             let exr = self.folder.join(format!("{}.exr", scene.name));
+            let (written, write) = timed(|| {
+                pool.install(|| film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new()))
+            });
+            written?;
             for &samples in samples {
                 let (mut ours, mut theirs, mut shading) = (Vec::new(), Vec::new(), Vec::new());
                 let mut counts = Counts::default();
@@ -157,12 +161,6 @@ impl Bench<'_> {
                         shading.push(yardstick.shade(samples, self.threads, lights)?);
                     }
                 }
-                let (written, write) = timed(|| {
-                    pool.install(|| {
-                        film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
-                    })
-                });
-                written?;
                 let ratios: Vec<f64> = ours
                     .iter()
                     .zip(&theirs)

@@ -83,6 +83,7 @@ struct Setting {
     machine: String,
     logical_processors: usize,
     threads: usize,
+    runs: u32,
     /// What was measured: the commit, with `-dirty` where the sources differ from it.
     candela: String,
     /// Its version, where it ran.
@@ -150,12 +151,10 @@ fn run(arguments: &Arguments) -> Result<()> {
         }
         let (lights, samples): (&[usize], &[u32]) = if arguments.quick {
             (&[3], &[4])
-        } else if !arguments.samples.is_empty() {
-            (&scene.lights, &arguments.samples)
-        } else if scene.lights == [100] {
-            (&scene.lights, &[1, 4])
+        } else if arguments.samples.is_empty() {
+            (&scene.lights, &scene.samples)
         } else {
-            (&scene.lights, &[1, 4, 16])
+            (&scene.lights, &arguments.samples)
         };
         eprintln!("{}: {} …", scene.name, scene.content);
         rows.extend(bench.scene(scene, lights, samples)?);
@@ -210,6 +209,7 @@ impl Setting {
             machine: machine.ok_or("the system does not name its processor; add --machine")?,
             logical_processors,
             threads: arguments.threads.map_or(logical_processors, usize::from),
+            runs: arguments.runs,
             candela: of_system("git", &["-C", root, "describe", "--always", "--dirty"])
                 .unwrap_or_else(|| env!("CARGO_PKG_VERSION").to_owned()),
             embree: None,
@@ -223,8 +223,8 @@ impl Setting {
             None => String::new(),
         };
         format!(
-            "{}, {}, {} logical processors; candela {}{embree}, {} threads.",
-            self.date, self.machine, self.logical_processors, self.candela, self.threads,
+            "{}, {}, {} logical processors; candela {}{embree}, {} threads, {} runs.",
+            self.date, self.machine, self.logical_processors, self.candela, self.threads, self.runs,
         )
     }
 

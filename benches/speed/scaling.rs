@@ -22,6 +22,15 @@ use super::{Result, Setting};
 /// A point that takes longer than this many seconds is measured once.
 const LONG: f64 = 20.0;
 
+const NAMES: [&str; 6] = [
+    "threads",
+    "threads-mesh",
+    "triangles",
+    "lights",
+    "samples",
+    "pixels",
+];
+
 /// One render.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Point {
@@ -123,29 +132,19 @@ pub(crate) fn measure(
     is_wanted: &dyn Fn(&str) -> bool,
 ) -> Result<Vec<Table>> {
     let mut tables = Vec::new();
-    for name in [
-        "threads",
-        "threads-mesh",
-        "triangles",
-        "lights",
-        "samples",
-        "pixels",
-    ] {
-        if is_wanted(name) {
-            let sweep = sweep(folder, setting.threads, name)?;
-            eprintln!("{}: {} …", sweep.name, sweep.title);
-            tables.push(sweep.measure(runs)?);
-        }
+    for name in NAMES.into_iter().filter(|name| is_wanted(name)) {
+        let sweep = sweep(folder, setting.threads, name)?;
+        eprintln!("{}: {} …", sweep.name, sweep.title);
+        tables.push(sweep.measure(runs)?);
+    }
+    if tables.is_empty() {
+        return Err(format!("no such table; there are {}", NAMES.join(", ")).into());
     }
     Ok(tables)
 }
 
 fn sweep(folder: &Path, threads: usize, name: &str) -> Result<Sweep> {
     const FULL_HD: [u32; 2] = [1920, 1080];
-    let spheres = || -> Result<Scene> {
-        let scenes = scenes::write_all(folder, None)?;
-        Ok(scenes[0].clone())
-    };
     let point = |scene: &Scene, samples: u32, threads: usize, resolution: [u32; 2]| Point {
         scene: scene.path.clone(),
         samples,
@@ -155,7 +154,11 @@ fn sweep(folder: &Path, threads: usize, name: &str) -> Result<Sweep> {
     Ok(match name {
         "threads" | "threads-mesh" => {
             let (name, title, scene) = if name == "threads" {
-                ("threads", "25 spheres, 3 lights, 4 samples", spheres()?)
+                (
+                    "threads",
+                    "25 spheres, 3 lights, 4 samples",
+                    scenes::write_spheres(folder)?,
+                )
             } else {
                 let scene = scenes::write_smooth(folder, 1_000_000)?;
                 ("threads-mesh", "1 M triangles, 3 lights, 4 samples", scene)
@@ -220,7 +223,7 @@ fn sweep(folder: &Path, threads: usize, name: &str) -> Result<Sweep> {
             }
         }
         "samples" => {
-            let scene = spheres()?;
+            let scene = scenes::write_spheres(folder)?;
             let counts = [1, 4, 16, 64, 256].into_iter();
             Sweep {
                 name: "samples",
@@ -238,7 +241,7 @@ fn sweep(folder: &Path, threads: usize, name: &str) -> Result<Sweep> {
             }
         }
         _ => {
-            let scene = spheres()?;
+            let scene = scenes::write_spheres(folder)?;
             let sizes = [
                 ([854, 480], "480p"),
                 ([1280, 720], "720p"),

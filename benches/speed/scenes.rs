@@ -17,6 +17,8 @@ pub(crate) struct Scene {
     pub(crate) content: String,
     /// The numbers of lights to render it with: the first of its lights.
     pub(crate) lights: Vec<usize>,
+    /// The numbers of samples a pixel to render it with.
+    pub(crate) samples: Vec<u32>,
     /// The scene file.
     pub(crate) path: PathBuf,
 }
@@ -83,17 +85,8 @@ const DRAGONS: [(&str, &str, &str); 4] = [
 /// Writes the scenes of the benchmark into `folder`, and the dragon's where its meshes are.
 pub(crate) fn write_all(folder: &Path, dragon: Option<&Path>) -> Result<Vec<Scene>> {
     let few = [1, 3];
-    let spheres = spheres();
     let mut scenes = vec![
-        write_scene(
-            folder,
-            "spheres",
-            "25 spheres",
-            CAMERA,
-            &spheres,
-            &THREE_LIGHTS,
-            &few,
-        )?,
+        write_spheres(folder)?,
         write_scene(
             folder,
             "spheres-10k",
@@ -185,14 +178,24 @@ pub(crate) fn write_lights(folder: &Path, count: usize) -> Result<Scene> {
         .collect();
     let name = format!("lights-{count}");
     let content = format!("25 spheres, {count} lights");
+    let objects = spheres();
+    let scene = write_scene(folder, &name, &content, CAMERA, &objects, &lights, &[count])?;
+    Ok(Scene {
+        samples: vec![1, 4],
+        ..scene
+    })
+}
+
+/// 25 spheres under three lights.
+pub(crate) fn write_spheres(folder: &Path) -> Result<Scene> {
     write_scene(
         folder,
-        &name,
-        &content,
+        "spheres",
+        "25 spheres",
         CAMERA,
         &spheres(),
-        &lights,
-        &[count],
+        &THREE_LIGHTS,
+        &[1, 3],
     )
 }
 
@@ -238,6 +241,7 @@ fn write_scene(
         name: name.to_owned(),
         content: content.to_owned(),
         lights: counts.to_vec(),
+        samples: vec![1, 4, 16],
         path,
     })
 }
