@@ -84,6 +84,8 @@ struct Setting {
     logical_processors: usize,
     threads: usize,
     runs: u32,
+    /// Processes that wanted to run in the minute before the benchmark did, where the system says it.
+    load_before: Option<f64>,
     /// What was measured: the commit, with `-dirty` where the sources differ from it.
     candela: String,
     /// Its version, where it ran.
@@ -210,6 +212,9 @@ impl Setting {
             logical_processors,
             threads: arguments.threads.map_or(logical_processors, usize::from),
             runs: arguments.runs,
+            load_before: fs::read_to_string("/proc/loadavg")
+                .ok()
+                .and_then(|text| text.split_whitespace().next()?.parse().ok()),
             candela: of_system("git", &["-C", root, "describe", "--always", "--dirty"])
                 .unwrap_or_else(|| env!("CARGO_PKG_VERSION").to_owned()),
             embree: None,
@@ -222,8 +227,12 @@ impl Setting {
             Some(version) => format!(" beside Embree {version}"),
             None => String::new(),
         };
+        let load = match self.load_before {
+            Some(load) => format!(" System load before: {load}."),
+            None => String::new(),
+        };
         format!(
-            "{}, {}, {} logical processors; candela {}{embree}, {} threads, {} runs.",
+            "{}, {}, {} logical processors. candela {}{embree}; threads: {}, runs: {}.{load}",
             self.date, self.machine, self.logical_processors, self.candela, self.threads, self.runs,
         )
     }
