@@ -46,8 +46,8 @@ fn or_dash<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
 
 /// Writes one table or picture of a run into the archive.
 pub(crate) fn keep(name: &str, text: &str) -> Result<()> {
-    fs::create_dir_all(FOLDER)?;
     let path = Path::new(FOLDER).join(name);
+    fs::create_dir_all(path.with_file_name(""))?;
     fs::write(&path, text)?;
     eprintln!("wrote {}", path.display());
     Ok(())
