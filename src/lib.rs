@@ -34,6 +34,7 @@
 //! | --- | --- |
 //! | [`units`] | photometric quantities as types: candela, lux, cd/m² |
 //! | [`math`] | points, directions, normals and rays in f64 |
+//! | [`lanes`] | sixteen numbers side by side, on any instruction set |
 //! | [`color`] | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
 //! | [`output`] | files that appear whole or not at all |
 //! | [`spectrum`] | functions of wavelength: the CIE's tables, curves, illuminants, smooth spectra of colors |

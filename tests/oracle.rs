@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use candela::film::exr::ExrOptions;
-use candela::film::{Film, Window};
+use candela::film::{Film, Options, Window, render};
+use candela::lanes::Door;
 use candela::oracle::{Oracle, Sample};
 use candela::output::Unfinished;
 use candela::scene::{Object, Scene};
@@ -381,6 +382,29 @@ fn any_number_of_threads_gives_the_same_bits() {
             if name == "lecture" {
                 assert!(idiff_agrees(&one_path, &path));
             }
+        }
+    }
+}
+
+#[test]
+fn any_instruction_set_gives_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scenes = generate::scenes(folder.path());
+    scenes.truncate(20);
+    scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 200)));
+    for (name, scene) in scenes {
+        let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let rendered = |door| {
+            let options = Options {
+                samples: 3,
+                door,
+                ..Options::default()
+            };
+            bits(&render(&world, &options))
+        };
+        let widest = rendered(Door::default());
+        for (instructions, door) in Door::available() {
+            assert!(rendered(door) == widest, "{name} on {instructions}");
         }
     }
 }
