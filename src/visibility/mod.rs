@@ -9,6 +9,7 @@
 //! Intersections are computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture does not depend on the tree.
 
+mod builder;
 mod bundle;
 mod bvh;
 mod descent;
