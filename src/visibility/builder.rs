@@ -107,7 +107,7 @@ enum Top {
 pub(super) fn build(mut items: Vec<Item>) -> (Vec<Node>, Vec<u32>) {
     let bounds = bounds_of(&items);
     let top = Top::new(&mut items, 0, bounds, 0);
-    let order = items.par_iter().map(|item| item.index()).collect();
+    let order = items.par_iter().map(Item::index).collect();
     drop(items);
     (top.into_nodes(), order)
 }
@@ -347,8 +347,7 @@ fn part_at_bins<const N: usize>(
     let mut place = 0;
     for next in 0..items.len() {
         let item = items[next];
-        items[next] = items[place];
-        items[place] = item;
+        items.swap(next, place);
         place += usize::from(grid.bins(&item)[border.axis] < border.bin);
     }
     debug_assert_eq!(place, count, "bins and sides agree");
@@ -451,10 +450,10 @@ impl<const N: usize> Bins<N> {
             }
             bins
         };
-        fold(items, some, Self::and)
+        fold(items, some, |a, b| a.and(&b))
     }
 
-    fn and(mut self, other: Self) -> Self {
+    fn and(mut self, other: &Self) -> Self {
         for axis in 0..3 {
             for bin in 0..N {
                 self.boxes[axis][bin] = self.boxes[axis][bin].union(&other.boxes[axis][bin]);

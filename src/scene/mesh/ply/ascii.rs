@@ -45,14 +45,14 @@ impl<'r> Text<'r> {
             }
             let position = scanner.position();
             if let Err(fault) = result {
-                return Err(self.error(fault, position, element, index));
+                return Err(self.error(*fault, position, element, index));
             }
             self.source.skip(position);
             if index == element.count {
                 return Ok(());
             }
             if !self.source.read_on()? {
-                let fault = Box::new(Fault::FileEnds { expected: NUMBER });
+                let fault = Fault::FileEnds { expected: NUMBER };
                 return Err(self.error(fault, 0, element, index));
             }
         }
@@ -62,7 +62,7 @@ impl<'r> Text<'r> {
     #[cold]
     fn error(
         &mut self,
-        fault: Box<Fault>,
+        fault: Fault,
         ahead: usize,
         element: &Element<'_>,
         index: u64,
