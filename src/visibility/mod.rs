@@ -21,6 +21,8 @@ mod triangle;
 
 pub use surface::{Primitive, SurfacePoint};
 
+use rayon::prelude::*;
+
 use crate::math::{DVec3, Point, Ray};
 use crate::world::{Plan, World};
 use bundle::Bundle;
@@ -133,8 +135,8 @@ impl<'w> Visibility<'w> {
         let balls = world.spheres().iter().enumerate();
         let balls = balls.map(|(index, sphere)| sphere::Ball::new(index as u32, sphere));
         let triangles = world.triangles();
-        let facets =
-            (0..triangles.len() as u32).map(|index| Facet::new(index, triangles.vertices(index)));
+        let facets = (0..triangles.len() as u32).into_par_iter();
+        let facets = facets.map(|index| Facet::new(index, triangles.vertices(index)));
         Self {
             world,
             spheres: Search::new(balls.collect(), plan.spheres()),

@@ -1,5 +1,7 @@
 //! All shapes of one kind: a list to go through, or a tree over it.
 
+use rayon::prelude::*;
+
 use super::bundle::Bundle;
 use super::bvh::{Bounds, Bvh, Member};
 use super::descent::LARGEST_BATCH;
@@ -11,7 +13,7 @@ use crate::world::plan::{Acceleration, LONGEST_LIST};
 const GIVES_WAY: f64 = 64.0 * f64::EPSILON;
 
 /// A shape that fits in a box.
-pub(super) trait Bounded: Sync {
+pub(super) trait Bounded: Send + Sync {
     /// The smallest box around it.
     fn bounds(&self) -> Bounds;
 }
@@ -53,7 +55,10 @@ impl<S: Bounded + Copy> Search<S> {
             Acceleration::Tree => {
                 let (listed, shapes) = without_outsized(shapes);
                 let (tree, order) = Bvh::new(&shapes);
-                let shapes = order.iter().map(|&index| shapes[index as usize]).collect();
+                let shapes = order
+                    .par_iter()
+                    .map(|&index| shapes[index as usize])
+                    .collect();
                 Self {
                     listed,
                     tree: Some(Tree { shapes, tree }),
@@ -87,14 +92,14 @@ fn without_outsized<S: Bounded + Copy>(shapes: Vec<S>) -> (Vec<S>, Vec<S>) {
         let Bounds { min, max } = shape.bounds();
         (max - min).max_element()
     };
-    let mut extents: Vec<f64> = shapes.iter().map(extent).collect();
+    let mut extents: Vec<f64> = shapes.par_iter().map(extent).collect();
     let middle = extents.len() / 2;
     let (_, &mut median, _) = extents.select_nth_unstable_by(middle, f64::total_cmp);
     let is_outsized = |shape: &S| extent(shape) > median * OUTSIZED;
-    if shapes.iter().filter(|shape| is_outsized(shape)).count() > LONGEST_LIST {
-        return (Vec::new(), shapes);
+    match shapes.par_iter().filter(|shape| is_outsized(shape)).count() {
+        1..=LONGEST_LIST => shapes.into_iter().partition(is_outsized),
+        _ => (Vec::new(), shapes),
     }
-    shapes.into_iter().partition(is_outsized)
 }
 
 impl<S> Candidates<'_, S> {
