@@ -10,6 +10,7 @@
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
 //! are asked together, nor on the instruction set.
 
+mod builder;
 mod bundle;
 mod bvh;
 mod nodes;

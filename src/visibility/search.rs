@@ -13,7 +13,7 @@ use crate::world::plan::{Acceleration, LONGEST_LIST};
 const GIVES_WAY: f64 = 64.0 * f64::EPSILON;
 
 /// A shape that fits in a box.
-pub(super) trait Shape: Copy {
+pub(super) trait Shape: Copy + Send + Sync {
     /// The smallest box around it.
     fn bounds(&self) -> Bounds;
 

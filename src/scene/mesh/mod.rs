@@ -1,12 +1,12 @@
 //! Mesh files as they are on disk: PLY and OBJ, before any transformation.
 //!
-//! A file is read whole, then scanned once. What makes the readers candela's own instead of a
+//! A file is read in blocks, each parsed while it is in the processor's cache. What makes the readers candela's own instead of a
 //! crate's: every error says where (line, or byte and element) and what was expected, no memory
 //! is allocated on the word of a count in the file, and text is scanned at hundreds of megabytes
 //! a second with every decimal number rounded to the nearest f64.
 //!
-//! Loading takes linear time, and at most ten times the file's size plus 64 MB of memory, the
-//! file's bytes among them, whatever the file says.
+//! Loading takes linear time, and at most ten times the file's size plus 64 MB of memory, whatever
+//! the file says; a usual mesh takes what it keeps and no more.
 
 mod error;
 mod memory;
@@ -14,13 +14,17 @@ mod normals;
 mod obj;
 mod ply;
 mod polygon;
+mod source;
 mod surface;
 mod text;
 
+use std::fs::File;
+use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
 pub use error::{ElementPlace, Fault, MeshError, Place, Position};
+use source::Source;
 
 /// A mesh as its file has it: positions in f64, polygons cut into triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,7 +94,8 @@ impl MeshFile {
     /// # Errors
     /// [`MeshError`] for anything that is not a whole and finite mesh with at least one triangle.
     pub fn load(path: &Path) -> Result<Self, MeshError> {
-        let kind = std::fs::metadata(path)?.file_type();
+        let metadata = std::fs::metadata(path)?;
+        let kind = metadata.file_type();
         if !kind.is_file() {
             let found = if kind.is_dir() {
                 "a directory"
@@ -99,7 +104,8 @@ impl MeshFile {
             };
             return Err(MeshError::NotAFile { found });
         }
-        Self::parse(&std::fs::read(path)?, path)
+        let size = usize::try_from(metadata.len()).unwrap_or(usize::MAX);
+        Self::read(Source::new(&mut File::open(path)?, size)?, path)
     }
 
     /// Reads a mesh from the bytes of a PLY or OBJ file of the name `name`.
@@ -107,19 +113,24 @@ impl MeshFile {
     /// # Errors
     /// As [`MeshFile::load`].
     pub fn parse(bytes: &[u8], name: &Path) -> Result<Self, MeshError> {
-        if bytes.is_empty() {
+        Self::read(Source::new(&mut Cursor::new(bytes), bytes.len())?, name)
+    }
+
+    fn read(source: Source<'_>, name: &Path) -> Result<Self, MeshError> {
+        let start = source.window();
+        if start.is_empty() {
             return Err(MeshError::Empty);
         }
         let extension = |expected: &str| {
             name.extension()
                 .is_some_and(|written| written.eq_ignore_ascii_case(expected))
         };
-        if ply::has_signature(bytes) {
-            ply::parse(bytes)
+        if ply::has_signature(start) {
+            ply::read(source)
         } else if extension("obj") {
-            obj::parse(bytes)
+            obj::read(source)
         } else if extension("ply") {
-            let first_line = text::Scanner::new(bytes, 0, text::Dialect::Ply).skip_line();
+            let first_line = text::Scanner::new(start, text::Dialect::Ply).skip_line();
             Err(Fault::unexpected(first_line, "`ply`, the first line of a PLY file").at_line(1))
         } else {
             Err(MeshError::UnknownFormat)

@@ -8,22 +8,20 @@
 use super::error::{Fault, MeshError};
 use super::normals::{self, UNSEEN, has_direction};
 use super::polygon::MAX_CORNERS;
+use super::source::Source;
 use super::surface::Surface;
 use super::text::{Dialect, Scanner};
 use super::{MeshFile, MeshGroup, MeshNormals, MeshRemarks};
 use std::ops::Range;
 
 /// Reads an OBJ file.
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+pub(super) fn read(mut source: Source<'_>) -> Result<MeshFile, MeshError> {
     const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
-    let start = if bytes.starts_with(BYTE_ORDER_MARK) {
-        BYTE_ORDER_MARK.len()
-    } else {
-        0
-    };
-    let mut scanner = Scanner::new(bytes, start, Dialect::Obj);
+    if source.window().starts_with(BYTE_ORDER_MARK) {
+        source.skip(BYTE_ORDER_MARK.len());
+    }
     let mut reader = Reader {
-        surface: Surface::for_file(bytes.len()),
+        surface: Surface::for_file(source.size()),
         normals: Vec::new(),
         normal_triangles: Vec::new(),
         flat: Vec::new(),
@@ -33,17 +31,28 @@ pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         corner_normals: Vec::new(),
         remarks: MeshRemarks::default(),
     };
-    while scanner.skip_empty_lines() {
-        reader
-            .statement(&mut scanner)
-            .map_err(|fault| fault.at_line(scanner.line()))?;
+    loop {
+        let mut scanner = Scanner::new(source.lines(Dialect::Obj)?, Dialect::Obj);
+        let mut result = Ok(());
+        while result.is_ok() && scanner.skip_empty_lines() {
+            result = reader.statement(&mut scanner);
+        }
+        let position = scanner.position();
+        if let Err(fault) = result {
+            return Err(fault.at_line(source.line(position)?));
+        }
+        source.skip(position);
+        if !source.read_on()? {
+            break;
+        }
     }
     if reader.surface.triangles.is_empty() {
         return Err(MeshError::NoFaces);
     }
-    reader
-        .finish()
-        .map_err(|fault| fault.at_line(scanner.line()))
+    match reader.finish() {
+        Ok(mesh) => Ok(mesh),
+        Err(fault) => Err(fault.at_line(source.line(0)?)),
+    }
 }
 
 /// What the statements so far have made.

@@ -1,6 +1,4 @@
 //! Lines and numbers of text, scanned byte by byte.
-//!
-//! Line numbers are counted when there is an error to report, not before.
 
 use super::error::Fault;
 
@@ -34,11 +32,11 @@ pub(super) enum Dialect {
 }
 
 impl<'a> Scanner<'a> {
-    /// The text from byte `position` on.
-    pub(super) const fn new(bytes: &'a [u8], position: usize, dialect: Dialect) -> Self {
+    /// From the start of a text.
+    pub(super) const fn new(bytes: &'a [u8], dialect: Dialect) -> Self {
         Self {
             bytes,
-            position,
+            position: 0,
             dialect,
         }
     }
@@ -51,12 +49,6 @@ impl<'a> Scanner<'a> {
     /// The bytes that are left.
     pub(super) fn rest(&self) -> &'a [u8] {
         &self.bytes[self.position..]
-    }
-
-    /// The line of the byte that is next, the first one 1.
-    pub(super) fn line(&self) -> usize {
-        let before = &self.bytes[..self.position];
-        1 + before.iter().filter(|&&byte| byte == b'\n').count()
     }
 
     #[inline]
@@ -340,7 +332,7 @@ mod tests {
     use super::*;
 
     fn float(text: &str) -> Result<f64, Box<Fault>> {
-        Scanner::new(text.as_bytes(), 0, Dialect::Ply).float("a number")
+        Scanner::new(text.as_bytes(), Dialect::Ply).float("a number")
     }
 
     /// A small generator with a full period, so that the tests are the same everywhere.
@@ -444,7 +436,7 @@ mod tests {
     #[test]
     fn integers() {
         let integer =
-            |text: &str| Scanner::new(text.as_bytes(), 0, Dialect::Ply).integer("an integer");
+            |text: &str| Scanner::new(text.as_bytes(), Dialect::Ply).integer("an integer");
         assert_eq!(integer(" 42 ").unwrap(), 42);
         assert_eq!(integer("-7\n").unwrap(), -7);
         assert_eq!(integer("+7").unwrap(), 7);
@@ -462,12 +454,11 @@ mod tests {
 
     #[test]
     fn lines() {
-        let mut scanner = Scanner::new(b"1 \\\r\n 2 # three\n4", 0, Dialect::Obj);
+        let mut scanner = Scanner::new(b"1 \\\r\n 2 # three\n4", Dialect::Obj);
         assert_eq!(scanner.float("").unwrap(), 1.0);
         assert_eq!(scanner.float("").unwrap(), 2.0);
-        assert_eq!(scanner.line(), 2);
         scanner.end_line("").unwrap();
-        assert_eq!(scanner.line(), 3);
+        assert_eq!(scanner.rest(), b"4");
         assert_eq!(scanner.integer("").unwrap(), 4);
         assert!(!scanner.skip_empty_lines());
     }

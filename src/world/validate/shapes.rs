@@ -1,6 +1,7 @@
 //! Objects: their shapes in world space, and their materials.
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use super::{LARGEST, Reported, Validator, listed};
 use crate::math::Normal;
@@ -160,61 +161,59 @@ impl Validator<'_> {
         }
         let positions = file
             .positions
-            .iter()
+            .par_iter()
             .map(|&position| placement.linear * DVec3::from_array(position) + placement.moved);
-        triangles.positions.extend(positions);
+        triangles.positions.par_extend(positions);
         let placed = &triangles.positions[first_vertex..];
-        if placed
-            .iter()
-            .any(|position| position.is_nan() || position.abs().max_element() > 2.0 * LARGEST)
-        {
+        let is_beyond =
+            |position: &DVec3| position.is_nan() || position.abs().max_element() > 2.0 * LARGEST;
+        if placed.par_iter().any(is_beyond) {
             let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
             self.report(span, Problem::Conflict(conflict.to_owned()));
             return Err(Reported);
         }
 
-        let has_area: Vec<bool> = file
-            .triangles
-            .iter()
-            .map(|corners| triangle_normal(corners.map(|corner| placed[corner as usize])).is_some())
-            .collect();
-        let kept = |corners: &[[u32; 3]], offset: u32| -> Vec<[u32; 3]> {
-            let kept = corners
-                .iter()
-                .zip(&has_area)
-                .filter(|&(_, &has_area)| has_area);
-            kept.map(|(corners, _)| corners.map(|corner| corner + offset))
-                .collect()
+        let has_area = |corners: &[u32; 3]| {
+            triangle_normal(corners.map(|corner| placed[corner as usize])).is_some()
         };
-        let corners = kept(&file.triangles, first_vertex as u32);
-        let degenerate = file.triangles.len() - corners.len();
-        if corners.is_empty() {
+        let has_area: Vec<bool> = file.triangles.par_iter().map(has_area).collect();
+        let count = has_area.iter().filter(|&&has_area| has_area).count();
+        if count == 0 {
             let conflict = "every triangle of the mesh is degenerate: none has an area";
             self.report(span, Problem::Conflict(conflict.to_owned()));
             return Err(Reported);
         }
+        // Appends the corners of the triangles with area.
+        let keep = |kept: &mut Vec<[u32; 3]>, corners: &[[u32; 3]], offset: u32| {
+            let with_area = corners.iter().zip(&has_area);
+            let with_area = with_area.filter(|&(_, &has_area)| has_area);
+            kept.reserve(count);
+            kept.extend(with_area.map(|(corners, _)| corners.map(|corner| corner + offset)));
+        };
+        keep(&mut triangles.corners, &file.triangles, first_vertex as u32);
         let normals = match &file.normals {
-            Some(normals) if smooth => Some(MeshNormals {
-                vectors: normals
-                    .vectors
-                    .iter()
-                    // A vector without a direction belongs to no triangle: the file's reader saw
-                    // to that.
-                    .map(|&normal| {
-                        Normal::new(placement.normals * DVec3::from_array(normal))
-                            .unwrap_or_else(any_normal)
-                    })
-                    .collect(),
-                corners: kept(normals.triangles.as_ref().unwrap_or(&file.triangles), 0),
-            }),
+            Some(normals) if smooth => {
+                // A vector without a direction belongs to no triangle: the file's reader saw to
+                // that.
+                let vectors = normals.vectors.par_iter().map(|&normal| {
+                    Normal::new(placement.normals * DVec3::from_array(normal))
+                        .unwrap_or_else(any_normal)
+                });
+                let mut corners = Vec::new();
+                let written = normals.triangles.as_ref().unwrap_or(&file.triangles);
+                keep(&mut corners, written, 0);
+                Some(MeshNormals {
+                    vectors: vectors.collect(),
+                    corners,
+                })
+            }
             Some(_) | None => None,
         };
-        triangles.corners.extend(corners);
         triangles.meshes.push(Mesh {
             object,
             triangles: start as u32..triangles.len() as u32,
             normals,
-            degenerate,
+            degenerate: file.triangles.len() - count,
             remarks: file.remarks,
         });
         Ok(())

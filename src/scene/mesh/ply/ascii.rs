@@ -1,6 +1,7 @@
 //! The body of an ASCII PLY file: an element a line.
 
 use super::super::error::{Fault, MeshError, Position};
+use super::super::source::Source;
 use super::super::surface::{Surface, corner_count};
 use super::super::text::{Dialect, Scanner};
 use super::{Body, Element, Kind, UNUSED, VertexLayout, VertexRecord, Vertices};
@@ -12,46 +13,70 @@ const INDEX: &str = "the index of a vertex";
 const LINE_END: &str = "the end of the line, after all properties of the element";
 
 /// The lines that are left.
-#[derive(Clone, Debug)]
-pub(super) struct Text<'a> {
-    scanner: Scanner<'a>,
+pub(super) struct Text<'r> {
+    source: Source<'r>,
 }
 
-impl<'a> Text<'a> {
-    /// The lines from byte `start` on.
-    pub(super) const fn new(bytes: &'a [u8], start: usize) -> Self {
-        Self {
-            scanner: Scanner::new(bytes, start, Dialect::Ply),
-        }
+impl<'r> Text<'r> {
+    /// The lines from the start of the source's window on.
+    pub(super) const fn new(source: Source<'r>) -> Self {
+        Self { source }
     }
 
     /// Calls `one` at the line of each of the elements, one after the other.
     fn each(
         &mut self,
         element: &Element<'_>,
-        mut one: impl FnMut(&mut Scanner<'a>) -> Result<(), Box<Fault>>,
+        mut one: impl FnMut(&mut Scanner<'_>) -> Result<(), Box<Fault>>,
     ) -> Result<(), MeshError> {
         if element.properties.is_empty() {
             return Ok(());
         }
-        for index in 0..element.count {
-            let read = if self.scanner.skip_empty_lines() {
-                one(&mut self.scanner).and_then(|()| self.scanner.end_line(LINE_END))
-            } else {
-                Err(Box::new(Fault::FileEnds { expected: NUMBER }))
-            };
-            if let Err(fault) = read {
-                let line = Position::Line(self.scanner.line());
-                return Err(fault.at(line, element.place(index)));
+        let mut index = 0;
+        loop {
+            let mut scanner = Scanner::new(self.source.lines(Dialect::Ply)?, Dialect::Ply);
+            let mut result = Ok(());
+            while index < element.count && scanner.skip_empty_lines() {
+                result = one(&mut scanner).and_then(|()| scanner.end_line(LINE_END));
+                if result.is_err() {
+                    break;
+                }
+                index += 1;
+            }
+            let position = scanner.position();
+            if let Err(fault) = result {
+                return Err(self.error(*fault, position, element, index));
+            }
+            self.source.skip(position);
+            if index == element.count {
+                return Ok(());
+            }
+            if !self.source.read_on()? {
+                let fault = Fault::FileEnds { expected: NUMBER };
+                return Err(self.error(fault, 0, element, index));
             }
         }
-        Ok(())
+    }
+
+    /// The error of a fault `ahead` of the window's start.
+    #[cold]
+    fn error(
+        &mut self,
+        fault: Fault,
+        ahead: usize,
+        element: &Element<'_>,
+        index: u64,
+    ) -> MeshError {
+        match self.source.line(ahead) {
+            Ok(line) => fault.at(Position::Line(line), element.place(index)),
+            Err(error) => error.into(),
+        }
     }
 
     /// How many of the elements can be there at most: each value takes a digit and a blank, but
     /// for the last.
     fn at_most(&self, element: &Element<'_>, least_values: usize) -> usize {
-        element.at_most(self.scanner.rest().len() + 1, 2 * least_values)
+        element.at_most(self.source.remaining() + 1, 2 * least_values)
     }
 }
 
@@ -71,6 +96,14 @@ fn skip(scanner: &mut Scanner<'_>, kind: Kind) -> Result<(), Box<Fault>> {
 }
 
 impl Body for Text<'_> {
+    fn position(&self) -> usize {
+        self.source.position()
+    }
+
+    fn return_to(&mut self, position: usize) -> Result<(), MeshError> {
+        Ok(self.source.go_to(position)?)
+    }
+
     fn vertices(
         &mut self,
         element: &Element<'_>,
@@ -127,13 +160,21 @@ impl Body for Text<'_> {
     }
 
     fn finish(&mut self) -> Result<(), MeshError> {
-        if !self.scanner.skip_empty_lines() {
-            return Ok(());
+        loop {
+            let mut scanner = Scanner::new(self.source.lines(Dialect::Ply)?, Dialect::Ply);
+            if scanner.skip_empty_lines() {
+                let fault = Fault::unexpected(
+                    scanner.token(),
+                    "the end of the file, after all elements that the header counts",
+                );
+                let position = scanner.position();
+                return Err(fault.at_line(self.source.line(position)?));
+            }
+            let position = scanner.position();
+            self.source.skip(position);
+            if !self.source.read_on()? {
+                return Ok(());
+            }
         }
-        let fault = Fault::unexpected(
-            self.scanner.token(),
-            "the end of the file, after all elements that the header counts",
-        );
-        Err(fault.at_line(self.scanner.line()))
     }
 }

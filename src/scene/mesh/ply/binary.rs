@@ -1,16 +1,35 @@
 //! The body of a binary PLY file.
 
 use super::super::error::{Fault, MeshError, Position};
+use super::super::source::Source;
 use super::super::surface::{Surface, corner_count};
 use super::{Body, Element, Endian, Kind, Property, Scalar, VertexLayout, VertexRecord, Vertices};
 use super::{LEAST_CORNERS, UNUSED, checked_index, list_length};
 
 /// The bytes that are left.
-#[derive(Clone, Debug)]
-pub(super) struct Bytes<'a> {
+pub(super) struct Bytes<'r> {
+    source: Source<'r>,
+    endian: Endian,
+}
+
+/// Some of them.
+struct Window<'a> {
     bytes: &'a [u8],
     position: usize,
     endian: Endian,
+}
+
+/// Why reading elements stopped.
+struct Stop {
+    fault: Box<Fault>,
+    /// How many elements were read before.
+    after: usize,
+}
+
+impl From<Box<Fault>> for Stop {
+    fn from(fault: Box<Fault>) -> Self {
+        Self { fault, after: 0 }
+    }
 }
 
 /// A list as its bytes.
@@ -23,16 +42,7 @@ struct List<'a> {
     items: &'a [u8],
 }
 
-impl<'a> Bytes<'a> {
-    /// The bytes from `start` on.
-    pub(super) const fn new(bytes: &'a [u8], start: usize, endian: Endian) -> Self {
-        Self {
-            bytes,
-            position: start,
-            endian,
-        }
-    }
-
+impl<'a> Window<'a> {
     fn rest(&self) -> &'a [u8] {
         &self.bytes[self.position..]
     }
@@ -76,62 +86,17 @@ impl<'a> Bytes<'a> {
         Ok(())
     }
 
-    /// Calls `one` at each of the elements, one after the other.
-    fn each(
-        &mut self,
-        element: &Element<'_>,
-        mut one: impl FnMut(&mut Self) -> Result<(), Box<Fault>>,
-    ) -> Result<(), MeshError> {
-        if element.properties.is_empty() {
-            return Ok(());
-        }
-        for index in 0..element.count {
-            one(self).map_err(|fault| self.error(*fault, element, index))?;
-        }
-        Ok(())
-    }
-
-    #[cold]
-    fn error(&self, fault: Fault, element: &Element<'_>, index: u64) -> MeshError {
-        fault.at(Position::Byte(self.position), element.place(index))
-    }
-
-    /// How many of the elements can be there at most.
-    fn at_most(&self, element: &Element<'_>) -> usize {
-        element.at_most(self.rest().len(), element.least_size())
-    }
-
-    /// The records of an element without lists that are there whole, and the end of file that
-    /// cuts the rest off, if any are missing.
-    fn records(
-        &mut self,
-        element: &Element<'_>,
-        stride: usize,
-    ) -> (&'a [u8], Result<(), MeshError>) {
-        let complete = self.at_most(element);
-        let records = &self.rest()[..complete * stride];
-        self.position += records.len();
-        let missing = if (complete as u64) < element.count {
-            let fault = Fault::FileEnds {
-                expected: "the values of all elements that the header counts",
-            };
-            Err(self.error(fault, element, complete as u64))
-        } else {
-            Ok(())
-        };
-        (records, missing)
-    }
-
-    /// Vertices of a fixed size, `fields` being where their values are in it.
+    /// Vertices of a fixed size, `fields` being where their values are in it: as many as are here
+    /// whole; how many.
     fn fixed_vertices(
         &mut self,
-        element: &Element<'_>,
         stride: usize,
+        left: usize,
         fields: &VertexFields,
         mesh: &mut Vertices,
-    ) -> Result<(), MeshError> {
+    ) -> Result<usize, Stop> {
         let start = self.position;
-        let (records, missing) = self.records(element, stride);
+        let (records, count) = self.records(stride, left)?;
         let endian = self.endian;
         let read = |place: usize| {
             let Field { offset, scalar } = fields.0[place];
@@ -148,11 +113,24 @@ impl<'a> Bytes<'a> {
             (false, 3) => push_all(records, stride, mesh, &[0, 1, 2].map(read)),
             (false, _) => push_all(records, stride, mesh, &[0, 1, 2, 3, 4, 5].map(read)),
         };
-        if let Err((fault, index)) = pushed {
-            self.position = start + index * stride;
-            return Err(self.error(*fault, element, index as u64));
+        if let Err(stop) = pushed {
+            self.position = start + stop.after * stride;
+            return Err(stop);
         }
-        missing
+        Ok(count)
+    }
+
+    /// The records of a fixed size that are here whole, at most `left`; how many. None is a fault.
+    fn records(&mut self, stride: usize, left: usize) -> Result<(&'a [u8], usize), Stop> {
+        let count = left.min(self.rest().len() / stride);
+        if count == 0 {
+            return Err(Stop::from(Box::new(Fault::FileEnds {
+                expected: "the values of all elements that the header counts",
+            })));
+        }
+        let records = &self.rest()[..count * stride];
+        self.position += records.len();
+        Ok((records, count))
     }
 
     /// Faces whose only property is a list of 32-bit indices with an 8-bit length, little
@@ -210,24 +188,91 @@ impl VertexFields {
     }
 }
 
-/// Reads vertices of three or six `fields`; for a fault, the number of its vertex.
+/// Reads vertices of three or six `fields`; up to the first fault.
 fn push_all<const N: usize>(
     records: &[u8],
     stride: usize,
     mesh: &mut Vertices,
     fields: &[impl Fn(&[u8]) -> f64; N],
-) -> Result<(), (Box<Fault>, usize)> {
+) -> Result<(), Stop> {
     let mut vertex: VertexRecord = [0.0; UNUSED + 1];
     for (index, record) in records.chunks_exact(stride).enumerate() {
         for (value, field) in vertex.iter_mut().zip(fields) {
             *value = field(record);
         }
-        mesh.push(&vertex, N > 3).map_err(|fault| (fault, index))?;
+        mesh.push(&vertex, N > 3).map_err(|fault| Stop {
+            fault,
+            after: index,
+        })?;
     }
     Ok(())
 }
 
+impl<'r> Bytes<'r> {
+    /// The bytes from the start of the source's window on.
+    pub(super) const fn new(source: Source<'r>, endian: Endian) -> Self {
+        Self { source, endian }
+    }
+
+    /// Calls `some` until it has read all of the elements; it is told how many are left, and says how
+    /// many it has read. What does not fit in the window is read again with more of the file.
+    fn each(
+        &mut self,
+        element: &Element<'_>,
+        mut some: impl FnMut(&mut Window<'_>, usize) -> Result<usize, Stop>,
+    ) -> Result<(), MeshError> {
+        if element.properties.is_empty() {
+            return Ok(());
+        }
+        let mut index = 0;
+        loop {
+            let mut window = Window {
+                bytes: self.source.window(),
+                position: 0,
+                endian: self.endian,
+            };
+            let mut done = 0;
+            let mut stop = None;
+            while stop.is_none() && index < element.count {
+                let left = usize::try_from(element.count - index).unwrap_or(usize::MAX);
+                match some(&mut window, left) {
+                    Ok(count) => {
+                        index += count as u64;
+                        done = window.position;
+                    }
+                    Err(at) => stop = Some(at),
+                }
+            }
+            let position = window.position;
+            let Some(Stop { fault, after }) = stop else {
+                self.source.skip(done);
+                return Ok(());
+            };
+            let is_cut_off = matches!(*fault, Fault::FileEnds { .. });
+            if !is_cut_off || self.source.has_ended() {
+                let position = Position::Byte(self.source.position() + position);
+                return Err(fault.at(position, element.place(index + after as u64)));
+            }
+            self.source.skip(done);
+            self.source.read_on()?;
+        }
+    }
+
+    /// How many of the elements can be there at most.
+    fn at_most(&self, element: &Element<'_>) -> usize {
+        element.at_most(self.source.remaining(), element.least_size())
+    }
+}
+
 impl Body for Bytes<'_> {
+    fn position(&self) -> usize {
+        self.source.position()
+    }
+
+    fn return_to(&mut self, position: usize) -> Result<(), MeshError> {
+        Ok(self.source.go_to(position)?)
+    }
+
     fn vertices(
         &mut self,
         element: &Element<'_>,
@@ -238,22 +283,25 @@ impl Body for Bytes<'_> {
             .map_err(|fault| fault.at_line(element.line))?;
         if let Some(stride) = element.stride() {
             let fields = VertexFields::new(element, layout);
-            return self.fixed_vertices(element, stride, &fields, mesh);
+            return self.each(element, |window, left| {
+                window.fixed_vertices(stride, left, &fields, mesh)
+            });
         }
         let mut vertex: VertexRecord = [0.0; UNUSED + 1];
-        self.each(element, |bytes| {
-            let start = bytes.position;
+        self.each(element, |window, _| {
+            let start = window.position;
             for (property, &place) in element.properties.iter().zip(&layout.places) {
                 match property.kind {
                     Kind::Scalar(scalar) => {
-                        let value = bytes.take(scalar.size(), "a value")?;
-                        vertex[place] = scalar.float(value, bytes.endian);
+                        let value = window.take(scalar.size(), "a value")?;
+                        vertex[place] = scalar.float(value, window.endian);
                     }
-                    list @ Kind::List { .. } => bytes.skip_property(list)?,
+                    list @ Kind::List { .. } => window.skip_property(list)?,
                 }
             }
             mesh.push(&vertex, layout.has_normals)
-                .inspect_err(|_| bytes.position = start)
+                .inspect_err(|_| window.position = start)?;
+            Ok(1)
         })
     }
 
@@ -269,7 +317,7 @@ impl Body for Bytes<'_> {
                 Kind::Scalar(_) => 0,
             };
         surface
-            .room_for_triangles(element.at_most(self.rest().len(), least))
+            .room_for_triangles(element.at_most(self.source.remaining(), least))
             .map_err(|fault| fault.at_line(element.line))?;
         let vertices = surface.positions.len();
         let usual = self.endian == Endian::Little
@@ -286,50 +334,59 @@ impl Body for Bytes<'_> {
                 }]
             );
         let mut corners = Vec::new();
-        let mut index = 0;
-        while index < element.count {
+        self.each(element, |window, left| {
             if usual {
-                let left = usize::try_from(element.count - index).unwrap_or(usize::MAX);
-                index += self.usual_triangles(left, surface) as u64;
-                if index == element.count {
-                    break;
+                let count = window.usual_triangles(left, surface);
+                if count > 0 {
+                    return Ok(count);
                 }
             }
-            self.face(element, indices, vertices, &mut corners)
-                .and_then(|start| {
-                    (surface.face(&corners, |_, _| Ok(()))).inspect_err(|_| self.position = start)
-                })
-                .map_err(|fault| self.error(*fault, element, index))?;
-            index += 1;
-        }
-        Ok(())
+            let start = window.face(element, indices, vertices, &mut corners)?;
+            surface
+                .face(&corners, |_, _| Ok(()))
+                .inspect_err(|_| window.position = start)?;
+            Ok(1)
+        })
     }
 
     fn skip(&mut self, element: &Element<'_>) -> Result<(), MeshError> {
         match element.stride() {
             Some(0) => Ok(()),
-            Some(stride) => self.records(element, stride).1,
-            None => self.each(element, |bytes| {
-                (element.properties.iter())
-                    .try_for_each(|property| bytes.skip_property(property.kind))
+            Some(stride) => self.each(element, |window, left| Ok(window.records(stride, left)?.1)),
+            None => self.each(element, |window, _| {
+                for property in &element.properties {
+                    window.skip_property(property.kind)?;
+                }
+                Ok(1)
             }),
         }
     }
 
     fn finish(&mut self) -> Result<(), MeshError> {
-        let rest = self.rest();
-        if rest.iter().all(u8::is_ascii_whitespace) {
-            return Ok(());
+        /// More than a message shows.
+        const SHOWN: usize = 100;
+        let position = Position::Byte(self.source.position());
+        let mut rest = Vec::new();
+        loop {
+            let window = self.source.window();
+            rest.extend(window.iter().take(SHOWN.saturating_sub(rest.len())));
+            if !window.iter().all(u8::is_ascii_whitespace) {
+                let fault = Fault::unexpected(
+                    &rest,
+                    "the end of the file, after all elements that the header counts",
+                );
+                return Err(fault.at(position, None));
+            }
+            let length = window.len();
+            self.source.skip(length);
+            if !self.source.read_on()? {
+                return Ok(());
+            }
         }
-        let fault = Fault::unexpected(
-            rest,
-            "the end of the file, after all elements that the header counts",
-        );
-        Err(fault.at(Position::Byte(self.position), None))
     }
 }
 
-impl Bytes<'_> {
+impl Window<'_> {
     /// Reads a face's corners; where it starts.
     fn face(
         &mut self,

@@ -10,6 +10,7 @@ mod binary;
 use super::error::{ElementPlace, Fault, MeshError};
 use super::memory::Memory;
 use super::normals;
+use super::source::Source;
 use super::surface::Surface;
 use super::text::{Dialect, Scanner};
 use super::{MeshFile, MeshNormals, MeshRemarks};
@@ -92,7 +93,13 @@ const VERTEX_PROPERTIES: [&[u8]; 6] = [b"x", b"y", b"z", b"nx", b"ny", b"nz"];
 const UNUSED: usize = VERTEX_PROPERTIES.len();
 
 /// What a body of either kind can do; it is read from the front.
-trait Body: Clone {
+trait Body {
+    /// The byte of the file that is next.
+    fn position(&self) -> usize;
+
+    /// Goes back to a byte of the file.
+    fn return_to(&mut self, position: usize) -> Result<(), MeshError>;
+
     /// Reads `element vertex`.
     fn vertices(
         &mut self,
@@ -125,19 +132,25 @@ struct Vertices {
 }
 
 /// Reads a PLY file.
-pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile, MeshError> {
-    let header = Header::parse(bytes)?;
-    match header.format {
-        Format::Ascii => read(ascii::Text::new(bytes, header.end), &header, bytes.len()),
-        Format::Binary(endian) => read(
-            binary::Bytes::new(bytes, header.end, endian),
-            &header,
-            bytes.len(),
-        ),
+pub(super) fn read(mut source: Source<'_>) -> Result<MeshFile, MeshError> {
+    let size = source.size();
+    loop {
+        // A copy, which stays while the source goes on.
+        let start = source.lines(Dialect::Ply)?.to_vec();
+        if let Some(header) = Header::parse(&start, source.has_ended())? {
+            source.skip(header.end);
+            return match header.format {
+                Format::Ascii => read_body(ascii::Text::new(source), &header, size),
+                Format::Binary(endian) => {
+                    read_body(binary::Bytes::new(source, endian), &header, size)
+                }
+            };
+        }
+        source.read_on()?;
     }
 }
 
-fn read(mut body: impl Body, header: &Header<'_>, size: usize) -> Result<MeshFile, MeshError> {
+fn read_body(mut body: impl Body, header: &Header<'_>, size: usize) -> Result<MeshFile, MeshError> {
     let [vertex, face] = [header.element(b"vertex")?, header.element(b"face")?];
     let missing =
         |what, expected| Box::new(Fault::Missing { what, expected }).at_line(header.last_line);
@@ -169,7 +182,7 @@ fn read(mut body: impl Body, header: &Header<'_>, size: usize) -> Result<MeshFil
             if vertices_read {
                 body.faces(element, indices, &mut mesh.surface)?;
             } else {
-                faces_before_vertices = Some(body.clone());
+                faces_before_vertices = Some(body.position());
                 body.skip(element)?;
             }
         } else {
@@ -177,7 +190,8 @@ fn read(mut body: impl Body, header: &Header<'_>, size: usize) -> Result<MeshFil
         }
     }
     body.finish()?;
-    if let Some(mut body) = faces_before_vertices {
+    if let Some(position) = faces_before_vertices {
+        body.return_to(position)?;
         body.faces(face, indices, &mut mesh.surface)?;
     }
     Ok(mesh.finish(layout.has_normals))
@@ -230,8 +244,10 @@ impl Vertices {
 }
 
 impl<'a> Header<'a> {
-    fn parse(bytes: &'a [u8]) -> Result<Self, MeshError> {
-        let mut scanner = Scanner::new(bytes, 0, Dialect::Ply);
+    /// Reads the header of a file that starts like this; `None` where it goes on beyond, unless
+    /// that is all of the file.
+    fn parse(bytes: &'a [u8], is_all: bool) -> Result<Option<Self>, MeshError> {
+        let mut scanner = Scanner::new(bytes, Dialect::Ply);
         scanner.word();
         scanner
             .end_line("nothing but `ply` on the first line")
@@ -243,6 +259,9 @@ impl<'a> Header<'a> {
             line += 1;
             let at_line = |fault: Box<Fault>| fault.at_line(line);
             if scanner.rest().is_empty() {
+                if !is_all {
+                    return Ok(None);
+                }
                 return Err(at_line(Box::new(Fault::FileEnds {
                     expected: "`end_header`",
                 })));
@@ -294,12 +313,12 @@ impl<'a> Header<'a> {
             })
             .at_line(line)
         })?;
-        Ok(Self {
+        Ok(Some(Self {
             format,
             elements,
             end: scanner.position(),
             last_line: line,
-        })
+        }))
     }
 
     /// The element of that name, if there is one.

@@ -1,0 +1,162 @@
+//! A mesh file that is read block by block.
+
+use std::io::{self, Read, Seek, SeekFrom};
+
+use super::text::Dialect;
+
+/// Bytes that are read at once: enough to hide what a call costs, few enough to stay in a
+/// processor's cache until they are parsed.
+const BLOCK: usize = 256 << 10;
+
+/// Bytes that are read at once where a file should have ended.
+const LEAST_BLOCK: usize = 4 << 10;
+
+/// Where a file's bytes come from.
+pub(super) trait Input: Read + Seek {}
+
+impl<T: Read + Seek> Input for T {}
+
+/// The part of a file that is looked at: it moves forwards, and grows where a line or an element
+/// is longer than a block.
+pub(super) struct Source<'r> {
+    input: &'r mut dyn Input,
+    /// Those of the file from `offset` on, the first `start` of them done with.
+    buffer: Vec<u8>,
+    start: usize,
+    offset: usize,
+    /// Whether the file ends with the buffer.
+    ended: bool,
+    size: usize,
+}
+
+impl<'r> Source<'r> {
+    /// The first block of a file of about `size` bytes.
+    pub(super) fn new(input: &'r mut dyn Input, size: usize) -> io::Result<Self> {
+        let mut source = Self {
+            input,
+            buffer: Vec::new(),
+            start: 0,
+            offset: 0,
+            ended: false,
+            size,
+        };
+        source.read_on()?;
+        Ok(source)
+    }
+
+    /// The size of the file in bytes, as it was told.
+    pub(super) const fn size(&self) -> usize {
+        self.size
+    }
+
+    /// The bytes that are looked at.
+    pub(super) fn window(&self) -> &[u8] {
+        &self.buffer[self.start..]
+    }
+
+    /// Where the window starts in the file, in bytes.
+    pub(super) const fn position(&self) -> usize {
+        self.offset + self.start
+    }
+
+    /// Whether nothing of the file comes after the window.
+    pub(super) const fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// How many bytes are left from the window's start on, if the file is as long as it was told.
+    pub(super) fn remaining(&self) -> usize {
+        let seen = self.offset + self.buffer.len();
+        self.window().len() + self.size.saturating_sub(seen)
+    }
+
+    /// Is done with the first `count` bytes of the window.
+    pub(super) fn skip(&mut self, count: usize) {
+        self.start = (self.start + count).min(self.buffer.len());
+    }
+
+    /// Adds to the window what comes next, as much again if it is long; whether there is
+    /// anything in it then.
+    pub(super) fn read_on(&mut self) -> io::Result<bool> {
+        if !self.ended {
+            self.offset += self.start;
+            self.buffer.drain(..self.start);
+            self.start = 0;
+            // One byte more than there should be shows that the file has ended.
+            let rest = self.remaining() - self.buffer.len() + 1;
+            let room = BLOCK.max(self.buffer.len()).min(LEAST_BLOCK.max(rest));
+            self.buffer.reserve_exact(room);
+            let mut block = Read::take(&mut *self.input, room as u64);
+            self.ended = block.read_to_end(&mut self.buffer)? < room;
+        }
+        Ok(!self.window().is_empty())
+    }
+
+    /// The whole lines, those that `\` joins together, that the window has; it grows until it has
+    /// one. Only the last line of a file may have no end.
+    pub(super) fn lines(&mut self, dialect: Dialect) -> io::Result<&[u8]> {
+        loop {
+            if self.ended {
+                return Ok(self.window());
+            }
+            if let Some(length) = whole_lines(self.window(), dialect) {
+                return Ok(&self.window()[..length]);
+            }
+            self.read_on()?;
+        }
+    }
+
+    /// Goes back or forth to a byte of the file.
+    pub(super) fn go_to(&mut self, position: usize) -> io::Result<()> {
+        self.input.seek(SeekFrom::Start(position as u64))?;
+        self.buffer.clear();
+        self.start = 0;
+        self.offset = position;
+        self.ended = false;
+        self.read_on()?;
+        Ok(())
+    }
+
+    /// The line of the byte that is `ahead` of the window's start, the first one 1. Read again
+    /// from the file's beginning, so that nobody counts lines before there is an error to report;
+    /// the window is lost.
+    pub(super) fn line(&mut self, ahead: usize) -> io::Result<usize> {
+        let mut before = self.position() + ahead;
+        let mut line = 1;
+        self.go_to(0)?;
+        while before > 0 {
+            let window = self.window();
+            let length = window.len().min(before);
+            let ends = window[..length].iter().filter(|&&byte| byte == b'\n');
+            line += ends.count();
+            before -= length;
+            self.skip(length);
+            if !self.read_on()? {
+                break;
+            }
+        }
+        Ok(line)
+    }
+}
+
+/// The length of the lines in `bytes` that end there and are not joined to one that does not.
+fn whole_lines(bytes: &[u8], dialect: Dialect) -> Option<usize> {
+    let mut end = bytes.len();
+    loop {
+        end = bytes[..end].iter().rposition(|&byte| byte == b'\n')?;
+        let joined = match dialect {
+            Dialect::Ply => false,
+            Dialect::Obj => {
+                let blank = |&&byte: &&u8| byte != b'\n' && byte.is_ascii_whitespace();
+                let last = bytes[..end].iter().rev().find(|byte| !blank(byte));
+                last == Some(&b'\\')
+            }
+        };
+        if !joined {
+            return Some(end + 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
