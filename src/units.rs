@@ -12,8 +12,6 @@
 //! | [`ReflectedIntensity`] | I · k: a light's intensity as one lobe reflects it | cd/sr |
 //! | [`Radiance`] | luminance towards the viewer (L9) | cd/m² |
 
-use std::ops::{Add, AddAssign};
-
 /// A linear RGB triple of no particular dimension: what the quantities below are made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rgb(pub [f64; 3]);
@@ -57,32 +55,5 @@ impl Reflectance {
     /// Whether nothing is reflected.
     pub fn is_black(self) -> bool {
         self.0 == Rgb::BLACK
-    }
-}
-
-impl ReflectedIntensity {
-    /// One term of L9: the radiance that this lobe sends to the viewer, where `geometry` (m⁻²)
-    /// is the lobe's cosine term over the distance squared.
-    pub fn radiance(self, geometry: f64) -> Radiance {
-        Radiance(Rgb(self.0.0.map(|intensity| intensity * geometry)))
-    }
-}
-
-impl Radiance {
-    /// No light.
-    pub const BLACK: Self = Self(Rgb::BLACK);
-}
-
-impl Add for Radiance {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self(self.0.zip(other.0, |a, b| a + b))
-    }
-}
-
-impl AddAssign for Radiance {
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
     }
 }

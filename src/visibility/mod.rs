@@ -78,8 +78,6 @@ pub struct Visibility<'w> {
 /// What a thread needs to trace batches, to be used again and again.
 #[derive(Debug)]
 pub struct Workspace {
-    /// The first `rays` of these are there.
-    rays: usize,
     /// Of a perspective camera where each ray goes, of an orthographic one where each starts.
     varying: [Column; 3],
     stack: Box<Stack>,
@@ -88,7 +86,6 @@ pub struct Workspace {
 impl Default for Workspace {
     fn default() -> Self {
         Self {
-            rays: 0,
             varying: [[0.0; BATCH]; 3],
             stack: Box::new(EMPTY_STACK),
         }
@@ -187,7 +184,6 @@ impl<'w> Visibility<'w> {
         points: &mut Points,
     ) {
         let camera = self.world.camera();
-        space.rays = count;
         for packet in 0..PACKETS {
             let x = Lanes::load(simd, &xs[packet * LANES..]);
             let y = Lanes::load(simd, &ys[packet * LANES..]);

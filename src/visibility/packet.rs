@@ -121,8 +121,8 @@ pub(super) trait Question<S: Simd> {
     /// Asks one shape.
     fn ask<T: Shape>(&mut self, simd: S, rays: &Rays<S>, shape: &T);
 
-    /// Asks only for some of the rays from now on; what was asked for before is given back.
-    fn only(&mut self, simd: S, bits: u32) -> u32;
+    /// Asks only for some of the rays from now on.
+    fn only(&mut self, simd: S, bits: u32);
 }
 
 impl<S: Simd> Question<S> for Nearest<S> {
@@ -143,11 +143,9 @@ impl<S: Simd> Question<S> for Nearest<S> {
     }
 
     #[inline(always)]
-    fn only(&mut self, simd: S, bits: u32) -> u32 {
-        let before = self.asked_bits;
+    fn only(&mut self, simd: S, bits: u32) {
         self.asked_bits = bits;
         self.asked = Mask::from_bits(simd, bits);
-        before
     }
 }
 
@@ -169,11 +167,9 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
     }
 
     #[inline(always)]
-    fn only(&mut self, simd: S, bits: u32) -> u32 {
-        let before = self.asked_bits;
+    fn only(&mut self, simd: S, bits: u32) {
         self.asked_bits = bits;
         self.asked = Mask::from_bits(simd, bits);
-        before
     }
 }
 

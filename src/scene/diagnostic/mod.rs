@@ -165,14 +165,6 @@ pub enum Problem {
         /// Where the first one is, if that is known.
         first: Option<Span>,
     },
-    /// Legal, but not rendered by this version.
-    #[error("{what} is not supported yet; {instead}")]
-    NotYet {
-        /// What was asked for.
-        what: String,
-        /// What can be written today.
-        instead: &'static str,
-    },
     /// A mesh file that cannot be used.
     #[error("cannot use the mesh file {}: {error}", path.display())]
     Mesh {
@@ -264,7 +256,6 @@ impl Problem {
             | Self::WrongType { .. }
             | Self::OutOfRange { .. }
             | Self::Duplicate { .. }
-            | Self::NotYet { .. }
             | Self::Mesh { .. }
             | Self::Curve { .. }
             | Self::Conflict(_) => None,
