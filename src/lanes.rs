@@ -11,7 +11,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use std::str::FromStr;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f64x8, mask64x8, u64x8};
+use fearless_simd::{Level, Simd, f32x16, f64x8, mask32x16, mask64x8, u32x16, u64x8};
 
 use crate::math::DVec3;
 
@@ -32,6 +32,19 @@ pub struct Mask<S: Simd>([mask64x8<S>; 2]);
 /// A u64 in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Ids<S: Simd>([u64x8<S>; 2]);
+
+/// An f32 in each lane: for what is decided with a margin, and asked again in f64 within it. Its
+/// products and sums may be fused, so that no pixel may depend on more than such a decision.
+#[derive(Clone, Copy, Debug)]
+pub struct Singles<S: Simd>(f32x16<S>);
+
+/// A truth value for each of [`Singles`].
+#[derive(Clone, Copy, Debug)]
+pub struct SingleMask<S: Simd>(mask32x16<S>);
+
+/// A u32 in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Slots<S: Simd>(u32x16<S>);
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +98,13 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn abs(self) -> Self {
         Self([self.0[0].abs(), self.0[1].abs()])
+    }
+
+    /// The smallest of all; none may be NaN.
+    #[inline(always)]
+    pub fn smallest(self) -> f64 {
+        let [low, high] = self.0;
+        low.simd_lt(high).select(low, high).reduce_min()
     }
 
     /// The smaller of two numbers; `other` where one of them is not a number.
@@ -152,6 +172,140 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn from_bits(bits: Ids<S>) -> Self {
         Self([f64x8::from_bits(bits.0[0]), f64x8::from_bits(bits.0[1])])
+    }
+}
+
+impl<S: Simd> Lanes<S> {
+    /// The nearest f32 of each.
+    #[inline(always)]
+    pub fn narrowed(self, simd: S) -> Singles<S> {
+        Singles(simd.narrow_f64x8(self.0[0], self.0[1]))
+    }
+}
+
+impl<S: Simd> Singles<S> {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(simd: S, value: f32) -> Self {
+        Self(f32x16::splat(simd, value))
+    }
+
+    /// The first [`LANES`] numbers of a slice.
+    #[inline(always)]
+    pub fn load(simd: S, numbers: &[f32]) -> Self {
+        Self(f32x16::from_slice(simd, &numbers[..LANES]))
+    }
+
+    /// Into the first [`LANES`] places of a slice.
+    #[inline(always)]
+    pub fn store(self, numbers: &mut [f32]) {
+        self.0.store_slice(&mut numbers[..LANES]);
+    }
+
+    /// self · factor + term, rounded once or twice.
+    #[inline(always)]
+    pub fn times_plus(self, factor: Self, term: Self) -> Self {
+        Self(self.0.mul_add(factor.0, term.0))
+    }
+
+    /// √
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    /// The smaller of two numbers, neither NaN.
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+
+    /// The larger of two numbers, neither NaN.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+
+    /// The smallest of all; none may be NaN.
+    #[inline(always)]
+    pub fn smallest(self) -> f32 {
+        self.0.reduce_min()
+    }
+
+    /// The largest of all; none may be NaN.
+    #[inline(always)]
+    pub fn largest(self) -> f32 {
+        self.0.reduce_max()
+    }
+
+    /// Where it is below or equal.
+    #[inline(always)]
+    pub fn le(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_le(other.0))
+    }
+
+    /// Where it is above.
+    #[inline(always)]
+    pub fn gt(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_gt(other.0))
+    }
+
+    /// Where it is above or equal.
+    #[inline(always)]
+    pub fn ge(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_ge(other.0))
+    }
+}
+
+impl<S: Simd> Slots<S> {
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat(simd: S, value: u32) -> Self {
+        Self(u32x16::splat(simd, value))
+    }
+
+    /// The first [`LANES`] of a slice.
+    #[inline(always)]
+    pub fn load(simd: S, slots: &[u32]) -> Self {
+        Self(u32x16::from_slice(simd, &slots[..LANES]))
+    }
+
+    /// Into the first [`LANES`] places of a slice.
+    #[inline(always)]
+    pub fn store(self, slots: &mut [u32]) {
+        self.0.store_slice(&mut slots[..LANES]);
+    }
+
+    /// Where it is equal.
+    #[inline(always)]
+    pub fn eq(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_eq(other.0))
+    }
+}
+
+impl<S: Simd> SingleMask<S> {
+    /// From one bit for each lane, the first lane lowest.
+    #[inline(always)]
+    pub fn from_bits(simd: S, bits: u32) -> Self {
+        Self(mask32x16::from_bitmask(simd, u64::from(bits)))
+    }
+
+    /// One bit for each lane, the first lane lowest.
+    #[inline(always)]
+    pub fn to_bits(self) -> u32 {
+        self.0.to_bitmask() as u32
+    }
+
+    /// `yes` where it is true, else `no`.
+    #[inline(always)]
+    pub fn select(self, yes: Singles<S>, no: Singles<S>) -> Singles<S> {
+        Singles(self.0.select(yes.0, no.0))
+    }
+
+    /// `yes` where it is true, else `no`.
+    #[inline(always)]
+    pub fn select_slots(self, yes: Slots<S>, no: Slots<S>) -> Slots<S> {
+        Slots(self.0.select(yes.0, no.0))
     }
 }
 
@@ -276,6 +430,36 @@ impl<S: Simd> Mask<S> {
     }
 }
 
+macro_rules! of_registers {
+    ($($type:ident: $trait:ident $method:ident $operator:tt)*) => {$(
+        impl<S: Simd> $trait for $type<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0 $operator other.0)
+            }
+        }
+    )*};
+}
+
+of_registers! {
+    Singles: Add add +
+    Singles: Sub sub -
+    Singles: Mul mul *
+    SingleMask: BitAnd bitand &
+    SingleMask: BitOr bitor |
+}
+
+impl<S: Simd> Not for SingleMask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
 macro_rules! arithmetic {
     ($($trait:ident $method:ident $operator:tt)*) => {$(
         impl<S: Simd> $trait for Lanes<S> {
@@ -375,6 +559,32 @@ impl<S: Simd> Vectors<S> {
     #[inline(always)]
     pub fn dot_with(self, other: DVec3) -> Lanes<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// x, y or z.
+    #[inline(always)]
+    pub fn component(self, axis: usize) -> Lanes<S> {
+        match axis {
+            0 => self.x,
+            1 => self.y,
+            _ => self.z,
+        }
+    }
+
+    /// a × b
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+
+    /// The sum of the components' magnitudes: at least the length, at most √3 times as much.
+    #[inline(always)]
+    pub fn taxicab(self) -> Lanes<S> {
+        self.x.abs() + self.y.abs() + self.z.abs()
     }
 
     /// The component of the largest magnitude, as a magnitude.

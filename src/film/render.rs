@@ -182,7 +182,7 @@ struct Space {
 impl Default for Space {
     fn default() -> Self {
         Self {
-            positions: [[0.0; BATCH]; 2],
+            positions: [Column::ZERO; 2],
             tracing: Workspace::default(),
             points: Points::default(),
             shaded: Shaded::default(),

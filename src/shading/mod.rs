@@ -10,7 +10,7 @@ use reflectance::{Surfaces, geometry};
 
 use crate::lanes::{LANES, Lanes};
 use crate::units::ReflectedIntensity;
-use crate::visibility::{BATCH, Column, PACKETS, Points, Visibility, Workspace};
+use crate::visibility::{Column, PACKETS, Points, Visibility, Workspace};
 use crate::world::{Lobes, World};
 
 /// The light of a batch of points, and what it took.
@@ -27,7 +27,7 @@ pub struct Shaded {
 impl Default for Shaded {
     fn default() -> Self {
         Self {
-            radiance: [[0.0; BATCH]; 3],
+            radiance: [Column::ZERO; 3],
             shadow_rays: 0,
             singular: 0,
         }

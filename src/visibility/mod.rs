@@ -11,9 +11,10 @@
 //! are asked together, nor on the instruction set.
 
 mod builder;
-mod bundle;
 mod bvh;
+mod canvas;
 mod nodes;
+mod outline;
 mod packet;
 mod plane;
 mod search;
@@ -30,8 +31,9 @@ pub(crate) use surface::{Column, columns};
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
 use crate::world::{Plan, Projection, World};
-use bundle::Bundle;
-use packet::{EMPTY_STACK, Ends, Nearest, Rays, Shadow, Stack};
+use canvas::{Canvas, First, Reached};
+use outline::Outlines;
+use packet::{EMPTY_STACK, Ends, Nearest, Packet, Rays, Shadow, Stack};
 use search::Search;
 use triangle::Facet;
 
@@ -39,6 +41,18 @@ use triangle::Facet;
 /// them, and as much again for room. Times a length, it is the bound below which "on the surface"
 /// and "beside it" are the same.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// The slots of the shapes: what the kinds have beside the place among their kind.
+const TRIANGLES: u32 = 0;
+const SPHERES: u32 = 1 << 30;
+const PLANES: u32 = 2 << 30;
+
+/// Rays whose directions differ by more than this part of their length do not share a canvas: at a
+/// silhouette, points of the object and points far behind it would be enclosed in one shaft.
+const MOST_SPREAD: f64 = 1.0 / 16.0;
+
+/// Fewer rays than this are not worth a canvas.
+const FEW: u32 = 8;
 
 /// One shape that a ray can hit: its object, and of a mesh its triangle, in the order of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -73,6 +87,8 @@ pub struct Visibility<'w> {
     spheres: Search<sphere::Ball>,
     triangles: Search<Facet>,
     is_smooth: bool,
+    /// A point amid the shapes.
+    somewhere: DVec3,
 }
 
 /// What a thread needs to trace batches, to be used again and again.
@@ -80,14 +96,21 @@ pub struct Visibility<'w> {
 pub struct Workspace {
     /// Of a perspective camera where each ray goes, of an orthographic one where each starts.
     varying: [Column; 3],
+    canvas: Canvas,
+    outlines: Outlines,
     stack: Box<Stack>,
+    /// Groups of points that are still to be asked for a light.
+    groups: Vec<[u32; PACKETS]>,
 }
 
 impl Default for Workspace {
     fn default() -> Self {
         Self {
-            varying: [[0.0; BATCH]; 3],
+            varying: [Column::ZERO; 3],
+            canvas: Canvas::default(),
+            outlines: Outlines::default(),
             stack: Box::new(EMPTY_STACK),
+            groups: Vec::new(),
         }
     }
 }
@@ -147,14 +170,19 @@ impl<'w> Visibility<'w> {
                 Facet::new(primitive, triangles.vertices(index))
             })
         });
+        let is_smooth = triangles.meshes().iter().any(|mesh| mesh.normals.is_some());
+        let triangles = Search::new(facets.collect(), plan.triangles());
+        let balls = world.spheres().iter();
+        let balls = balls.map(|sphere| sphere::Ball::new(sphere, world.camera()));
+        let spheres = Search::new(balls.collect(), plan.spheres());
+        let plane = world.planes().first().map(|plane| plane.point.0);
+        let somewhere = triangles.somewhere().or(spheres.somewhere()).or(plane);
         Self {
             world,
-            spheres: Search::new(
-                world.spheres().iter().map(sphere::Ball::new).collect(),
-                plan.spheres(),
-            ),
-            triangles: Search::new(facets.collect(), plan.triangles()),
-            is_smooth: triangles.meshes().iter().any(|mesh| mesh.normals.is_some()),
+            somewhere: somewhere.unwrap_or(DVec3::ZERO),
+            spheres,
+            triangles,
+            is_smooth,
         }
     }
 
@@ -192,49 +220,60 @@ impl<'w> Visibility<'w> {
             let lanes = packet * LANES..(packet + 1) * LANES;
             varying.store([&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]]);
         }
-        let varying = &space.varying;
-        let range = ranges(
-            simd,
-            #[inline(always)]
-            |packet| first_lanes(count, packet),
-            #[inline(always)]
-            |packet| Vectors::load(simd, columns(varying, packet)),
-        );
-        let Some(range) = range else {
-            points.hit = [0; PACKETS];
-            return;
-        };
-        let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
+        let Workspace {
+            varying,
+            canvas,
+            outlines,
+            stack,
+            ..
+        } = space;
+        let varying = &*varying;
         let (eye, forward) = (camera.eye(), camera.forward().get());
-        let bundle = if is_perspective {
-            Bundle::new([eye.0; 2], range, f64::INFINITY)
-        } else {
-            Bundle::new(range, [forward; 2], f64::INFINITY)
+        let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
+        let asked: [u32; PACKETS] = std::array::from_fn(|packet| first_lanes(count, packet));
+        let has_canvas = is_perspective && {
+            let middle = varying_at(varying, count / 2);
+            let distance = (self.somewhere - eye.0).length();
+            canvas.unit = if distance > 0.0 { distance } else { 1.0 };
+            canvas.error = 0.0;
+            canvas.stretch(
+                simd,
+                eye.0,
+                DVec3::from_array(middle),
+                &asked,
+                #[inline(always)]
+                |packet| Vectors::load(simd, columns(varying, packet)),
+                false,
+            )
         };
-        let spheres = self.spheres.within(&bundle);
-        let triangles = self.triangles.within(&bundle);
-        for packet in 0..PACKETS {
-            let bits = first_lanes(count, packet);
+        if has_canvas {
+            self.cast(simd, canvas, outlines, stack, First);
+        }
+        points.largest_error = 0.0;
+        for (packet, bits) in asked.into_iter().enumerate() {
             if bits == 0 {
                 points.hit[packet] = 0;
                 continue;
             }
-            let varying = Vectors::load(simd, columns(varying, packet));
+            let varying_lanes = Vectors::load(simd, columns(varying, packet));
             let rays = if is_perspective {
-                Rays::from_point(simd, eye, varying)
+                Rays::from_point(simd, eye, varying_lanes)
             } else {
-                Rays::new(simd, varying, Vectors::splat(simd, forward), None)
+                Rays::new(varying_lanes, Vectors::splat(simd, forward), None)
             };
-            let mut nearest = Nearest::new(simd, bits);
-            for plane in self.world.planes() {
-                plane::intersect(simd, plane, &rays, &mut nearest);
+            let again = if has_canvas {
+                canvas.asked_again(packet) & bits
+            } else {
+                bits
+            };
+            let mut nearest = Nearest::new(simd, again);
+            if again != 0 {
+                self.ask_nearest(simd, &rays, &mut nearest, stack);
             }
-            spheres.ask(simd, &rays, &mut nearest, &mut space.stack);
-            triangles.ask(simd, &rays, &mut nearest, &mut space.stack);
-            points.fill(simd, self.world, packet, &rays, &nearest);
+            points.fill(simd, self, packet, &rays, &nearest, canvas.first_met(packet), bits & !again);
             if self.is_smooth {
                 let ray = |slot: usize| {
-                    let varying = DVec3::from_array(varying_at(&space.varying, slot));
+                    let varying = DVec3::from_array(varying_at(varying, slot));
                     if is_perspective {
                         (eye.0, varying)
                     } else {
@@ -244,6 +283,105 @@ impl<'w> Visibility<'w> {
                 points.interpolate(self.world, packet, ray);
             }
         }
+    }
+
+    /// Puts all shapes that the rays on a canvas may meet on it.
+    #[inline(always)]
+    fn cast<S: Simd>(
+        &self,
+        simd: S,
+        canvas: &mut Canvas,
+        outlines: &mut Outlines,
+        stack: &mut Stack,
+        verdict: impl canvas::Verdict,
+    ) {
+        for (index, plane) in self.world.planes().iter().enumerate() {
+            let (point, normal) = (plane.point.0, plane.normal.get());
+            let slot = PLANES | index as u32;
+            outline::cast_plane(simd, point, normal, slot, canvas, verdict);
+        }
+        self.spheres.cast(simd, canvas, outlines, stack, verdict);
+        self.triangles.cast(simd, canvas, outlines, stack, verdict);
+    }
+
+    /// L2 in f64: where rays meet the shape in a slot that they are known to meet first.
+    #[inline(always)]
+    fn met<S: Simd>(&self, simd: S, slot: u32, rays: &Rays<S>, bits: u32) -> (Primitive, Lanes<S>) {
+        let asked = Mask::from_bits(simd, bits);
+        if slot >= PLANES {
+            let plane = &self.world.planes()[(slot - PLANES) as usize];
+            (Primitive::whole(plane.object), plane::met(plane, rays))
+        } else if slot >= SPHERES {
+            let ball = self.spheres.get(slot - SPHERES);
+            let met = ball.first_met(simd, rays, asked);
+            let (_, t) = met.expect("a ray that surely meets a sphere meets it");
+            (ball.primitive(), t)
+        } else {
+            let facet = self.triangles.get(slot);
+            let corners = facet.vertices().map(|vertex| Vectors::splat(simd, vertex));
+            let (_, t) = triangle::met(corners, rays, asked);
+            (facet.primitive(), t)
+        }
+    }
+
+    /// L2 for the rays of a packet, in f64.
+    #[inline(never)]
+    fn ask_nearest<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        nearest: &mut Nearest<S>,
+        stack: &mut Stack,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for plane in self.world.planes() {
+                    plane::intersect(simd, plane, rays, nearest);
+                }
+                let packet = Packet::new(*rays);
+                self.spheres.ask(simd, &packet, nearest, stack);
+                self.triangles.ask(simd, &packet, nearest, stack);
+            },
+        );
+    }
+
+    /// L4 for the points of a packet, `asked` of them, in f64: one bit for each that the light reaches.
+    #[inline(never)]
+    fn ask_reached<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        packet: usize,
+        asked: u32,
+        stack: &mut Stack,
+    ) -> u32 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let lanes = packet * LANES;
+                let ends = Ends {
+                    position: Vectors::load(simd, columns(&points.position, packet)),
+                    error: Lanes::load(simd, &points.error[lanes..]),
+                    primitive: Ids::load(simd, &points.primitive[lanes..]),
+                };
+                let mut shadow = Shadow {
+                    light,
+                    points: &ends,
+                    asked: Mask::from_bits(simd, asked),
+                    asked_bits: asked,
+                };
+                for plane in self.world.planes() {
+                    plane::occlude(simd, plane, &mut shadow);
+                }
+                let rays = Rays::from_point(simd, light, way(simd, points, packet, light));
+                let packet = Packet::new(rays);
+                self.spheres.ask(simd, &packet, &mut shadow, stack);
+                self.triangles.ask(simd, &packet, &mut shadow, stack);
+                shadow.asked_bits
+            },
+        )
     }
 
     /// L4: which of the points with a bit in `facing` the light reaches. Asked only of points whose
@@ -272,49 +410,83 @@ impl<'w> Visibility<'w> {
         facing: &[u32; PACKETS],
         space: &mut Workspace,
     ) -> [u32; PACKETS] {
-        let range = ranges(
-            simd,
-            #[inline(always)]
-            |packet| facing[packet],
-            #[inline(always)]
-            |packet| way(simd, points, packet, light),
-        );
-        let Some(range) = range else {
-            return [0; PACKETS];
-        };
-        let bundle = Bundle::new([light.0; 2], range, 1.0);
-        let spheres = self.spheres.within(&bundle);
-        let triangles = self.triangles.within(&bundle);
-        let planes = self.world.planes();
-        if planes.is_empty() && spheres.is_empty() && triangles.is_empty() {
-            return *facing;
-        }
+        let Workspace {
+            canvas,
+            outlines,
+            stack,
+            groups,
+            ..
+        } = space;
         let mut lit = [0; PACKETS];
-        for packet in 0..PACKETS {
-            if facing[packet] == 0 {
+        groups.clear();
+        groups.push(*facing);
+        while let Some(group) = groups.pop() {
+            let range = ranges(
+                simd,
+                #[inline(always)]
+                |packet| group[packet],
+                #[inline(always)]
+                |packet| way(simd, points, packet, light),
+            );
+            let Some([least, most]) = range else {
                 continue;
-            }
-            let lanes = packet * LANES;
-            let ends = Ends {
-                position: Vectors::load(simd, columns(&points.position, packet)),
-                error: Lanes::load(simd, &points.error[lanes..]),
-                primitive: Ids::load(simd, &points.primitive[lanes..]),
             };
-            let mut shadow = Shadow {
-                light,
-                points: &ends,
-                asked: Mask::from_bits(simd, facing[packet]),
-                asked_bits: facing[packet],
-            };
-            for plane in planes {
-                plane::occlude(simd, plane, &mut shadow);
+            let size = least.abs().max(most.abs()).max_element();
+            let spread = most - least;
+            let widest = spread.max_position();
+            let mut members = 0;
+            for bits in group {
+                members += bits.count_ones();
             }
-            if !(spheres.is_empty() && triangles.is_empty()) {
-                let rays = Rays::from_point(simd, light, way(simd, points, packet, light));
-                spheres.ask(simd, &rays, &mut shadow, &mut space.stack);
-                triangles.ask(simd, &rays, &mut shadow, &mut space.stack);
+            let is_worth = members >= FEW;
+            if is_worth && spread[widest] > size * MOST_SPREAD {
+                // Points too far apart for one shaft part into groups.
+                let middle = Lanes::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
+                let mut lower = group;
+                for (packet, bits) in lower.iter_mut().enumerate() {
+                    if *bits != 0 {
+                        let way = way(simd, points, packet, light);
+                        *bits &= way.component(widest).lt(middle).to_bits();
+                    }
+                }
+                // Neither part is empty, unless rounding makes it so.
+                if lower != group && lower != [0; PACKETS] {
+                    let upper = std::array::from_fn(|packet| group[packet] & !lower[packet]);
+                    groups.push(lower);
+                    groups.push(upper);
+                    continue;
+                }
             }
-            lit[packet] = shadow.asked_bits;
+            canvas.unit = size;
+            canvas.error = points.largest_error + light.0.length() * (2.0 * ROUNDING);
+            let has_canvas = is_worth
+                && canvas.stretch(
+                    simd,
+                    light.0,
+                    least * 0.5 + most * 0.5,
+                    &group,
+                    #[inline(always)]
+                    |packet| way(simd, points, packet, light),
+                    true,
+                );
+            if has_canvas {
+                self.cast(simd, canvas, outlines, stack, Reached(&points.slots));
+            }
+            for (packet, bits) in group.into_iter().enumerate() {
+                if bits == 0 {
+                    continue;
+                }
+                let (reached, again) = if has_canvas {
+                    let reached = canvas.reached(simd, packet) & bits;
+                    (reached, canvas.asked_again(packet) & reached)
+                } else {
+                    (bits, bits)
+                };
+                lit[packet] |= reached & !again;
+                if again != 0 {
+                    lit[packet] |= self.ask_reached(simd, light, points, packet, again, stack);
+                }
+            }
         }
         lit
     }
@@ -332,5 +504,5 @@ fn way<S: Simd>(simd: S, points: &Points, packet: usize, light: Point) -> Vector
 }
 
 fn varying_at(columns: &[Column; 3], slot: usize) -> [f64; 3] {
-    columns.each_ref().map(|column| column[slot])
+    columns.each_ref().map(|column| column.0[slot])
 }

@@ -2,14 +2,9 @@
 
 use glam::DVec3;
 
-use super::bundle::Bundle;
 pub(super) use super::bvh::{BOX_GIVES_WAY, WIDTH};
-use super::bvh::{Bounds, Bvh, Child, Member};
+use super::bvh::{Bvh, Child, Member};
 use super::search::Shape;
-
-/// Nodes that a batch of rays starts with, about: more leave fewer steps to each packet, but every
-/// packet has to look at all.
-const ENTRIES: usize = 2;
 
 /// Up to eight boxes and what is in them.
 #[derive(Clone, Debug)]
@@ -59,27 +54,6 @@ impl<T: Shape> Tree<T> {
         }
     }
 
-    /// Nodes that together have every shape that a ray of the bundle could meet, near ones first.
-    pub(super) fn entries(&self, bundle: &Bundle) -> Vec<Node> {
-        let bundle = bundle.in_frame(self.center, self.scale);
-        let margin = (bundle.reach() + 1.0) * f64::from(BOX_GIVES_WAY);
-        let may_meet = |member: &Member| bundle.may_meet(&member.bounds().grown(margin));
-        let mut pieces: Vec<Member> = Vec::with_capacity((ENTRIES + 1) * WIDTH);
-        let mut queue: std::collections::VecDeque<Member> = self.nodes[0].members().collect();
-        queue.retain(may_meet);
-        while let Some(member) = queue.pop_front() {
-            match member.child {
-                Child::Node(index) if pieces.len() + queue.len() < ENTRIES * WIDTH => {
-                    queue.extend(self.nodes[index as usize].members().filter(may_meet));
-                }
-                Child::Node(_) | Child::Leaf { .. } => pieces.push(member),
-            }
-        }
-        let distance = |member: &Member| bundle.distance_along(&member.bounds());
-        pieces.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        pieces.chunks(WIDTH).map(Node::of).collect()
-    }
-
     /// Bytes of shapes and nodes.
     pub(super) fn memory(&self) -> usize {
         size_of_val(self.shapes.as_slice()) + size_of_val(self.nodes.as_slice())
@@ -107,34 +81,5 @@ impl Node {
             node.present |= 1 << place;
         }
         node
-    }
-
-    fn members(&self) -> impl Iterator<Item = Member> + '_ {
-        (0..WIDTH)
-            .filter(|place| self.present >> place & 1 == 1)
-            .map(|place| {
-                let corner = |end: usize| {
-                    glam::Vec3::from_array(
-                        [0, 1, 2].map(|axis: usize| self.planes[axis][end][place]),
-                    )
-                };
-                Member {
-                    min: corner(0),
-                    max: corner(1),
-                    child: match (self.children[place], self.counts[place]) {
-                        (index, 0) => Child::Node(index),
-                        (first, count) => Child::Leaf { first, count },
-                    },
-                }
-            })
-    }
-}
-
-impl Member {
-    fn bounds(&self) -> Bounds {
-        Bounds {
-            min: self.min.as_dvec3(),
-            max: self.max.as_dvec3(),
-        }
     }
 }

@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::Primitive;
+use super::canvas::Canvas;
 use super::nodes::{Entry, Node, Tree, WIDTH};
 use super::search::Shape;
 use super::triangle::{Shears, shears};
@@ -19,9 +20,23 @@ pub(super) struct Rays<S: Simd> {
     pub(super) shared_origin: Option<DVec3>,
     /// |ω|²
     pub(super) square: Lanes<S>,
-    /// 1/|ω|²
-    pub(super) inverse_square: Lanes<S>,
+}
+
+/// Rays that are asked together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Packet<S: Simd> {
+    pub(super) rays: Rays<S>,
     pub(super) shears: Shears<S>,
+}
+
+impl<S: Simd> Packet<S> {
+    #[inline(always)]
+    pub(super) fn new(rays: Rays<S>) -> Self {
+        Self {
+            rays,
+            shears: shears(rays.direction),
+        }
+    }
 }
 
 impl<S: Simd> Rays<S> {
@@ -29,24 +44,20 @@ impl<S: Simd> Rays<S> {
     #[inline(always)]
     pub(super) fn from_point(simd: S, origin: Point, direction: Vectors<S>) -> Self {
         let origins = Vectors::splat(simd, origin.0);
-        Self::new(simd, origins, direction, Some(origin.0))
+        Self::new(origins, direction, Some(origin.0))
     }
 
     #[inline(always)]
     pub(super) fn new(
-        simd: S,
         origin: Vectors<S>,
         direction: Vectors<S>,
         shared_origin: Option<DVec3>,
     ) -> Self {
-        let square = direction.dot(direction);
         Self {
             origin,
             direction,
             shared_origin,
-            square,
-            inverse_square: Lanes::splat(simd, 1.0) / square,
-            shears: shears(direction),
+            square: direction.dot(direction),
         }
     }
 }
@@ -119,7 +130,7 @@ pub(super) trait Question<S: Simd> {
     fn limit(&self, simd: S) -> f64;
 
     /// Asks one shape.
-    fn ask<T: Shape>(&mut self, simd: S, rays: &Rays<S>, shape: &T);
+    fn ask<T: Shape>(&mut self, simd: S, packet: &Packet<S>, shape: &T);
 
     /// Asks only for some of the rays from now on.
     fn only(&mut self, simd: S, bits: u32);
@@ -138,8 +149,8 @@ impl<S: Simd> Question<S> for Nearest<S> {
     }
 
     #[inline(always)]
-    fn ask<T: Shape>(&mut self, simd: S, rays: &Rays<S>, shape: &T) {
-        shape.intersect(simd, rays, self);
+    fn ask<T: Shape>(&mut self, simd: S, packet: &Packet<S>, shape: &T) {
+        shape.intersect(simd, packet, self);
     }
 
     #[inline(always)]
@@ -162,8 +173,8 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
     }
 
     #[inline(always)]
-    fn ask<T: Shape>(&mut self, simd: S, rays: &Rays<S>, shape: &T) {
-        shape.occlude(simd, rays, self);
+    fn ask<T: Shape>(&mut self, simd: S, packet: &Packet<S>, shape: &T) {
+        shape.occlude(simd, packet, self);
     }
 
     #[inline(always)]
@@ -316,6 +327,12 @@ impl Shaft {
         shaft
     }
 
+    /// t of the world in the tree's frame, at least.
+    #[inline(always)]
+    fn limit(&self, t: f64) -> f32 {
+        (t * self.stretch) as f32 * SLAB_GIVES_WAY
+    }
+
     /// One bit for each child of a node whose box a ray might meet up to `limit`, and where it
     /// enters at the earliest.
     #[inline(always)]
@@ -358,13 +375,12 @@ pub(super) const EMPTY_STACK: Stack = [Entry {
     at: 0.0,
 }; STACK];
 
-/// Shows a packet's question the shapes below `entries` that its rays might meet, near ones first.
+/// Shows a packet's question the shapes of a tree that its rays might meet, near ones first.
 #[inline(always)]
 pub(super) fn descend<S: Simd, T: Shape>(
     simd: S,
     tree: &Tree<T>,
-    entries: &[Node],
-    rays: &Rays<S>,
+    packet: &Packet<S>,
     question: &mut impl Question<S>,
     stack: &mut Stack,
 ) {
@@ -383,11 +399,11 @@ pub(super) fn descend<S: Simd, T: Shape>(
             origins,
             directions,
             parted,
-        } = Spread::of(simd, rays, group);
+        } = Spread::of(simd, &packet.rays, group);
         if parted == 0 {
             let shaft = Shaft::new(tree, origins, directions);
             question.only(simd, group);
-            descend_shaft(simd, tree, entries, &shaft, rays, question, stack);
+            descend_shaft(simd, tree, &shaft, packet, question, stack);
             left |= question.asked();
         } else {
             groups[waiting] = group & parted;
@@ -402,41 +418,74 @@ pub(super) fn descend<S: Simd, T: Shape>(
 fn descend_shaft<S: Simd, T: Shape>(
     simd: S,
     tree: &Tree<T>,
-    entries: &[Node],
     shaft: &Shaft,
-    rays: &Rays<S>,
+    packet: &Packet<S>,
     question: &mut impl Question<S>,
     stack: &mut Stack,
 ) {
-    let limit_of = |limit: f64| (limit * shaft.stretch) as f32 * SLAB_GIVES_WAY;
-    let mut limit = limit_of(question.limit(simd));
-    for entry in entries {
-        let mut height = open(simd, entry, shaft, limit, stack, 0);
-        while height > 0 {
-            height -= 1;
-            let Entry { child, count, at } = stack[height];
-            if at > limit {
-                continue;
-            }
-            if count == 0 {
-                height = open(
-                    simd,
-                    &tree.nodes[child as usize],
-                    shaft,
-                    limit,
-                    stack,
-                    height,
-                );
-                continue;
-            }
-            for shape in &tree.shapes[child as usize..(child + count) as usize] {
-                question.ask(simd, rays, shape);
-            }
-            if question.asked() == 0 {
-                return;
-            }
-            limit = limit_of(question.limit(simd));
+    let mut limit = shaft.limit(question.limit(simd));
+    let mut height = open(simd, &tree.nodes[0], shaft, limit, stack, 0);
+    while height > 0 {
+        height -= 1;
+        let Entry { child, count, at } = stack[height];
+        if at > limit {
+            continue;
         }
+        if count == 0 {
+            let node = &tree.nodes[child as usize];
+            height = open(simd, node, shaft, limit, stack, height);
+            continue;
+        }
+        for shape in &tree.shapes[child as usize..(child + count) as usize] {
+            question.ask(simd, packet, shape);
+        }
+        if question.asked() == 0 {
+            return;
+        }
+        limit = shaft.limit(question.limit(simd));
+    }
+}
+
+/// Shows the shapes of a tree that the rays on a canvas might meet, near ones first, by their places
+/// and sixteen at most at a time. The first of the tree has the place `offset`.
+#[inline(always)]
+pub(super) fn sweep<S: Simd, T>(
+    simd: S,
+    tree: &Tree<T>,
+    offset: u32,
+    canvas: &mut Canvas,
+    stack: &mut Stack,
+    mut show: impl FnMut(&[u32], &mut Canvas),
+) {
+    let origins = canvas.origin.to_array().map(|o| [o, o]);
+    let shaft = Shaft::new(tree, origins, canvas.directions(simd));
+    let mut limit = shaft.limit(canvas.depth(simd));
+    let mut waiting = [0; LANES];
+    let mut count_waiting = 0;
+    let mut height = open(simd, &tree.nodes[0], &shaft, limit, stack, 0);
+    while height > 0 {
+        height -= 1;
+        let Entry { child, count, at } = stack[height];
+        if at > limit {
+            continue;
+        }
+        if count == 0 {
+            let node = &tree.nodes[child as usize];
+            height = open(simd, node, &shaft, limit, stack, height);
+            continue;
+        }
+        for place in offset + child..offset + child + count {
+            waiting[count_waiting] = place;
+            count_waiting += 1;
+            if count_waiting == LANES {
+                show(&waiting, canvas);
+                count_waiting = 0;
+                limit = shaft.limit(canvas.depth(simd));
+            }
+        }
+    }
+    if count_waiting > 0 {
+        show(&waiting[..count_waiting], canvas);
     }
 }
 

@@ -10,12 +10,18 @@ use crate::world::Plane;
 /// L2: where the rays meet the plane, if they do so at t above 0.
 #[inline(always)]
 pub(super) fn intersect<S: Simd>(simd: S, plane: &Plane, rays: &Rays<S>, nearest: &mut Nearest<S>) {
-    let normal = plane.normal.get();
-    let height = -rays.origin.minus(plane.point.0).dot_with(normal);
-    let t = height / rays.direction.dot_with(normal);
+    let t = met(plane, rays);
     // A ray along the plane gives an infinite or NaN t.
     let found = t.is_positive() & t.lt(Lanes::splat(simd, f64::INFINITY));
     nearest.offer(simd, found, t, Primitive::whole(plane.object));
+}
+
+/// L2: where the lines of rays meet the plane.
+#[inline(always)]
+pub(super) fn met<S: Simd>(plane: &Plane, rays: &Rays<S>) -> Lanes<S> {
+    let normal = plane.normal.get();
+    let height = -rays.origin.minus(plane.point.0).dot_with(normal);
+    height / rays.direction.dot_with(normal)
 }
 
 /// L4: whether the plane stands strictly between the start of the ray, a light, and the point at

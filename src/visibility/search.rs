@@ -2,15 +2,14 @@
 
 use fearless_simd::Simd;
 
-use super::bundle::Bundle;
 use super::bvh::Bounds;
-use super::nodes::{Node, Tree};
-use super::packet::{Nearest, Question, Rays, Shadow, Stack, descend};
+use super::canvas::{Canvas, Verdict};
+use super::nodes::Tree;
+use super::outline::Outlines;
+use super::packet::{Nearest, Packet, Question, Shadow, Stack, descend, sweep};
+use crate::lanes::LANES;
+use crate::math::DVec3;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
-
-/// How much the box of a shape gives way to a bundle, per unit of distance: the rounding in f64 of
-/// a few operations, with room.
-const GIVES_WAY: f64 = 64.0 * f64::EPSILON;
 
 /// A shape that fits in a box.
 pub(super) trait Shape: Copy + Send + Sync {
@@ -18,10 +17,24 @@ pub(super) trait Shape: Copy + Send + Sync {
     fn bounds(&self) -> Bounds;
 
     /// L2: offers where the rays hit it at t above 0.
-    fn intersect<S: Simd>(&self, simd: S, rays: &Rays<S>, nearest: &mut Nearest<S>);
+    fn intersect<S: Simd>(&self, simd: S, packet: &Packet<S>, nearest: &mut Nearest<S>);
 
     /// L4: hides the points that it stands strictly before.
-    fn occlude<S: Simd>(&self, simd: S, rays: &Rays<S>, shadow: &mut Shadow<'_, S>);
+    fn occlude<S: Simd>(&self, simd: S, packet: &Packet<S>, shadow: &mut Shadow<'_, S>);
+
+    /// What the slots of this kind of shape have in common.
+    const SLOTS: u32;
+
+    /// Puts shapes on a canvas, sixteen at most, by their places.
+    fn cast<'s, S: Simd>(
+        simd: S,
+        places: &[u32],
+        shape: impl Fn(u32) -> &'s Self,
+        outlines: &mut Outlines,
+        canvas: &mut Canvas,
+        verdict: impl Verdict,
+    ) where
+        Self: 's;
 }
 
 /// A shape that is this many times larger than the middle one is kept out of the tree: its boxes
@@ -34,14 +47,6 @@ pub(super) struct Search<T> {
     /// Those that are gone through one by one.
     listed: Vec<T>,
     tree: Option<Tree<T>>,
-}
-
-/// The shapes of one kind that a batch of rays could meet.
-#[derive(Debug)]
-pub(super) struct Candidates<'s, T> {
-    listed: Vec<T>,
-    /// The tree, and the nodes that the batch enters it by.
-    tree: Option<(&'s Tree<T>, Vec<Node>)>,
 }
 
 impl<T: Shape> Search<T> {
@@ -61,16 +66,106 @@ impl<T: Shape> Search<T> {
         }
     }
 
-    /// The shapes that a ray of the bundle could meet.
-    pub(super) fn within(&self, bundle: &Bundle) -> Candidates<'_, T> {
-        let may_meet = |shape: &T| {
-            let bounds = shape.bounds();
-            bundle.may_meet(&bounds.grown((bundle.reach() + bounds.reach()) * GIVES_WAY))
-        };
-        let entered = self.tree.as_ref().map(|tree| (tree, tree.entries(bundle)));
-        Candidates {
-            listed: self.listed.iter().copied().filter(may_meet).collect(),
-            tree: entered.filter(|(_, entries)| !entries.is_empty()),
+    /// The shape in a place: first the listed ones, then those of the tree.
+    #[inline(always)]
+    pub(super) fn get(&self, place: u32) -> &T {
+        let place = place as usize;
+        match &self.tree {
+            Some(tree) if place >= self.listed.len() => &tree.shapes[place - self.listed.len()],
+            _ => &self.listed[place],
+        }
+    }
+
+    /// A point amid the shapes, if there are any.
+    pub(super) fn somewhere(&self) -> Option<DVec3> {
+        let listed = self.listed.first().map(|shape| {
+            let Bounds { min, max } = shape.bounds();
+            min * 0.5 + max * 0.5
+        });
+        self.tree.as_ref().map(|tree| tree.center).or(listed)
+    }
+
+    /// Puts every shape that the rays on a canvas may meet on it.
+    #[inline(never)]
+    pub(super) fn cast<S: Simd>(
+        &self,
+        simd: S,
+        canvas: &mut Canvas,
+        outlines: &mut Outlines,
+        stack: &mut Stack,
+        verdict: impl Verdict,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.cast_all(simd, canvas, outlines, stack, verdict),
+        );
+    }
+
+    #[inline(always)]
+    fn cast_all<S: Simd>(
+        &self,
+        simd: S,
+        canvas: &mut Canvas,
+        outlines: &mut Outlines,
+        stack: &mut Stack,
+        verdict: impl Verdict,
+    ) {
+        let listed = self.listed.len() as u32;
+        let mut places = [0; LANES];
+        for first in (0..listed).step_by(LANES) {
+            let count = (listed - first).min(LANES as u32);
+            for (place, offset) in places.iter_mut().zip(0..count) {
+                *place = first + offset;
+            }
+            let places = &places[..count as usize];
+            T::cast(simd, places, #[inline(always)] |place| self.get(place), outlines, canvas, verdict);
+        }
+        if let Some(tree) = &self.tree {
+            sweep(
+                simd,
+                tree,
+                listed,
+                canvas,
+                stack,
+                #[inline(always)]
+                |places, canvas| {
+                    T::cast(simd, places, #[inline(always)] |place| self.get(place), outlines, canvas, verdict);
+                },
+            );
+        }
+    }
+
+    /// Puts a packet's question to every shape that its rays may meet.
+    #[inline(never)]
+    pub(super) fn ask<S: Simd>(
+        &self,
+        simd: S,
+        packet: &Packet<S>,
+        question: &mut impl Question<S>,
+        stack: &mut Stack,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.ask_all(simd, packet, question, stack),
+        );
+    }
+
+    #[inline(always)]
+    fn ask_all<S: Simd>(
+        &self,
+        simd: S,
+        packet: &Packet<S>,
+        question: &mut impl Question<S>,
+        stack: &mut Stack,
+    ) {
+        for shape in &self.listed {
+            if question.asked() == 0 {
+                return;
+            }
+            question.ask(simd, packet, shape);
+        }
+        if let Some(tree) = &self.tree {
+            descend(simd, tree, packet, question, stack);
         }
     }
 
@@ -95,48 +190,4 @@ fn without_outsized<T: Shape>(shapes: Vec<T>) -> (Vec<T>, Vec<T>) {
         return (Vec::new(), shapes);
     }
     shapes.into_iter().partition(is_outsized)
-}
-
-impl<T: Shape> Candidates<'_, T> {
-    /// Whether no ray of the batch can meet anything.
-    pub(super) fn is_empty(&self) -> bool {
-        self.listed.is_empty() && self.tree.is_none()
-    }
-
-    /// Puts a packet's question to every shape that its rays may meet.
-    #[inline(never)]
-    pub(super) fn ask<S: Simd>(
-        &self,
-        simd: S,
-        rays: &Rays<S>,
-        question: &mut impl Question<S>,
-        stack: &mut Stack,
-    ) {
-        if self.is_empty() {
-            return;
-        }
-        simd.vectorize(
-            #[inline(always)]
-            || self.ask_all(simd, rays, question, stack),
-        );
-    }
-
-    #[inline(always)]
-    fn ask_all<S: Simd>(
-        &self,
-        simd: S,
-        rays: &Rays<S>,
-        question: &mut impl Question<S>,
-        stack: &mut Stack,
-    ) {
-        for shape in &self.listed {
-            if question.asked() == 0 {
-                return;
-            }
-            question.ask(simd, rays, shape);
-        }
-        if let Some((tree, entries)) = &self.tree {
-            descend(simd, tree, entries, rays, question, stack);
-        }
-    }
 }

@@ -3,12 +3,14 @@
 use fearless_simd::Simd;
 
 use super::bvh::Bounds;
-use super::packet::{Nearest, Rays, Shadow};
+use super::canvas::{Canvas, NEGLIGIBLE, Verdict};
+use super::outline::{Outlines, cast_sphere};
+use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::Shape;
 use super::{Primitive, ROUNDING};
 use crate::lanes::{Lanes, Mask};
 use crate::math::{DVec3, Point};
-use crate::world::Sphere;
+use crate::world::{Camera, Projection, Sphere};
 
 /// A sphere with its index in the world.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +18,8 @@ pub(super) struct Ball {
     center: Point,
     radius: f64,
     object: u32,
+    /// Whether the camera is outside.
+    shows_outside: bool,
 }
 
 /// Both parameters at which a line meets a sphere, the nearer first.
@@ -26,12 +30,22 @@ struct Crossings<S: Simd> {
 }
 
 impl Ball {
-    pub(super) fn new(sphere: &Sphere) -> Self {
+    pub(super) fn new(sphere: &Sphere, camera: &Camera) -> Self {
+        let from_eye = sphere.center.from(camera.eye());
+        let distance = match camera.projection() {
+            Projection::Perspective { .. } => from_eye.length(),
+            Projection::Orthographic { .. } => from_eye.dot(camera.forward().get()),
+        };
         Self {
             center: sphere.center,
             radius: sphere.radius,
             object: sphere.object,
+            shows_outside: distance - sphere.radius > distance * NEGLIGIBLE,
         }
+    }
+
+    pub(super) fn primitive(&self) -> Primitive {
+        Primitive::whole(self.object)
     }
 
     /// L2 with the whole lines; `None` if none of the rays in `asked` meets the sphere. The
@@ -42,7 +56,8 @@ impl Ball {
         let zero = Lanes::splat(simd, 0.0);
         let oc = -rays.origin.minus(self.center.0);
         let along = oc.dot(rays.direction);
-        let across = oc - rays.direction.times(along * rays.inverse_square);
+        let inverse_square = Lanes::splat(simd, 1.0) / rays.square;
+        let across = oc - rays.direction.times(along * inverse_square);
         let discriminant = -across.dot(across) + self.radius * self.radius;
         let exist = discriminant.ge(zero) & asked;
         if !exist.any() {
@@ -63,7 +78,7 @@ impl Ball {
         };
         // q is 0 only for a ray that starts on the sphere and touches it there.
         let touches = q.eq(zero);
-        let a = touches.select(zero, q * rays.inverse_square);
+        let a = touches.select(zero, q * inverse_square);
         let b = touches.select(zero, c / q);
         Some(Crossings {
             exist,
@@ -71,9 +86,29 @@ impl Ball {
             second: b.max(a),
         })
     }
+
+    /// L2: where the rays in `asked` first meet the sphere at t above 0, from outside or inside, and
+    /// which of them do.
+    #[inline(always)]
+    pub(super) fn first_met<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        asked: Mask<S>,
+    ) -> Option<(Mask<S>, Lanes<S>)> {
+        let Crossings {
+            exist,
+            first,
+            second,
+        } = self.crossings(simd, rays, asked)?;
+        let t = first.is_positive().select(first, second);
+        Some((exist & t.is_positive(), t))
+    }
 }
 
 impl Shape for Ball {
+    const SLOTS: u32 = super::SPHERES;
+
     fn bounds(&self) -> Bounds {
         Bounds {
             min: self.center.0 - DVec3::splat(self.radius),
@@ -81,25 +116,41 @@ impl Shape for Ball {
         }
     }
 
-    /// L2: where the rays first meet the sphere at t above 0, from outside or inside.
     #[inline(always)]
-    fn intersect<S: Simd>(&self, simd: S, rays: &Rays<S>, nearest: &mut Nearest<S>) {
-        if let Some(Crossings {
-            exist,
-            first,
-            second,
-        }) = self.crossings(simd, rays, nearest.asked)
-        {
-            let t = first.is_positive().select(first, second);
-            let found = exist & t.is_positive();
-            nearest.offer(simd, found, t, Primitive::whole(self.object));
+    fn intersect<S: Simd>(&self, simd: S, packet: &Packet<S>, nearest: &mut Nearest<S>) {
+        if let Some((found, t)) = self.first_met(simd, &packet.rays, nearest.asked) {
+            nearest.offer(simd, found, t, self.primitive());
+        }
+    }
+
+    #[inline(always)]
+    fn cast<'s, S: Simd>(
+        simd: S,
+        places: &[u32],
+        shape: impl Fn(u32) -> &'s Self,
+        _: &mut Outlines,
+        canvas: &mut Canvas,
+        verdict: impl Verdict,
+    ) {
+        for &place in places {
+            let ball = shape(place);
+            cast_sphere(
+                simd,
+                ball.center.0,
+                ball.radius,
+                ball.shows_outside,
+                Self::SLOTS | place,
+                canvas,
+                verdict,
+            );
         }
     }
 
     /// L4: whether the sphere stands strictly between the start of the ray, a light, and the
     /// point at its end.
     #[inline(always)]
-    fn occlude<S: Simd>(&self, simd: S, rays: &Rays<S>, shadow: &mut Shadow<'_, S>) {
+    fn occlude<S: Simd>(&self, simd: S, packet: &Packet<S>, shadow: &mut Shadow<'_, S>) {
+        let rays = &packet.rays;
         let light = shadow.light;
         let points = shadow.points;
         let outwards = points.position.minus(self.center.0);

@@ -2,9 +2,10 @@
 
 use fearless_simd::Simd;
 
+use super::canvas::NOTHING;
 use super::packet::{Nearest, Rays};
-use super::{Primitive, ROUNDING, triangle};
-use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
+use super::{Primitive, ROUNDING, SPHERES, Visibility, outline, triangle};
+use crate::lanes::{LANES, Lanes, Mask, Slots, Vectors};
 use crate::math::{DVec3, Direction, Point};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 use crate::world::{Shape, World};
@@ -16,7 +17,29 @@ pub const BATCH: usize = 256;
 pub const PACKETS: usize = BATCH / LANES;
 
 /// One number for each ray of a batch.
-pub(crate) type Column = [f64; BATCH];
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Column(pub(crate) [f64; BATCH]);
+
+impl Column {
+    pub(crate) const ZERO: Self = Self([0.0; BATCH]);
+}
+
+impl std::ops::Deref for Column {
+    type Target = [f64; BATCH];
+
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl std::ops::DerefMut for Column {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
 
 /// p of the lecture for every ray of a batch, with all that L3 to L8 need there, number by number in
 /// columns. Where a ray hits nothing the numbers mean nothing.
@@ -43,6 +66,10 @@ pub struct Points {
     pub(crate) shading_normal: [Column; 3],
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
+    /// The slot of what is hit, where it is known.
+    pub(super) slots: [u32; BATCH],
+    /// The largest of `error`.
+    pub(super) largest_error: f64,
     /// Its material, an index into [`World::materials`].
     pub(crate) material: [u32; BATCH],
     /// For each packet, whether all its points have one material.
@@ -51,7 +78,7 @@ pub struct Points {
 
 impl Default for Points {
     fn default() -> Self {
-        const NONE: Column = [0.0; BATCH];
+        const NONE: Column = Column::ZERO;
         Self {
             hit: [0; PACKETS],
             position: [NONE; 3],
@@ -62,6 +89,8 @@ impl Default for Points {
             geometric_normal: [NONE; 3],
             shading_normal: [NONE; 3],
             primitive: [0; BATCH],
+            slots: [NOTHING; BATCH],
+            largest_error: 0.0,
             material: [0; BATCH],
             is_uniform: [true; PACKETS],
         }
@@ -95,66 +124,74 @@ struct Source {
 }
 
 impl Points {
-    /// Makes the points of a packet from its nearest hits.
+    /// Makes the points of a packet from the nearest hits of some rays, and for the others, `met`, from
+    /// what they are known to hit first.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(
         &mut self,
         simd: S,
-        world: &World,
+        visibility: &Visibility<'_>,
         packet: usize,
         rays: &Rays<S>,
         nearest: &Nearest<S>,
+        slots: &[u32],
+        met: u32,
     ) {
+        let world = visibility.world;
+        let first_lane = packet * LANES;
         let infinite = Lanes::splat(simd, f64::INFINITY);
-        let hit = nearest.t.lt(infinite) & nearest.asked;
-        let bits = hit.to_bits();
+        let asked = (nearest.t.lt(infinite) & nearest.asked).to_bits();
+        let mut found = 0;
+        for (lane, &slot) in slots.iter().enumerate() {
+            found |= u32::from(slot != NOTHING) << lane;
+        }
+        let bits = asked | found & met;
         self.hit[packet] = bits;
         if bits == 0 {
             return;
         }
-        let first_lane = packet * LANES;
-        let ids = nearest.primitive.to_array();
-        self.primitive[first_lane..first_lane + LANES].copy_from_slice(&ids);
         let first = bits.trailing_zeros() as usize;
-        let one = Ids::splat(simd, ids[first]);
-        let source = source(world, Primitive(ids[first]));
-        let (reference, tangent, is_curved);
-        if nearest.primitive.eq(one).to_bits() & bits == bits {
+        let is_one = asked == 0 && {
+            let one = Slots::splat(simd, slots[first]);
+            Slots::load(simd, slots).eq(one).to_bits() & bits == bits
+        };
+        let (reference, tangent, is_curved, t);
+        if is_one {
+            let (primitive, distance) = visibility.met(simd, slots[first], rays, bits);
+            let source = source(world, primitive);
+            t = distance;
             reference = Vectors::splat(simd, source.reference);
             tangent = Vectors::splat(simd, source.tangent);
             is_curved = Mask::from_bits(simd, if source.is_curved { bits } else { 0 });
-            self.material[first_lane..first_lane + LANES].fill(source.material);
+            let lanes = first_lane..first_lane + LANES;
+            self.primitive[lanes.clone()].fill(primitive.0);
+            self.slots[lanes.clone()].fill(slots[first]);
+            self.material[lanes].fill(source.material);
             self.is_uniform[packet] = true;
         } else {
-            let mut references = [[0.0; LANES]; 3];
-            let mut tangents = [[0.0; LANES]; 3];
-            let mut curved = 0;
-            let mut is_uniform = true;
-            let (mut known, mut of_known) = (ids[first], source);
-            for lane in 0..LANES {
-                if bits >> lane & 1 == 0 {
-                    continue;
-                }
-                if ids[lane] != known {
-                    (known, of_known) = (ids[lane], self::source(world, Primitive(ids[lane])));
-                }
-                for axis in 0..3 {
-                    references[axis][lane] = of_known.reference[axis];
-                    tangents[axis][lane] = of_known.tangent[axis];
-                }
-                curved |= u32::from(of_known.is_curved) << lane;
-                self.material[first_lane + lane] = of_known.material;
-                is_uniform &= of_known.material == source.material;
+            let mut sources = Sources::new(simd, nearest);
+            sources.ask_triangles(simd, visibility, rays, slots, found & met);
+            sources.ask_others(simd, visibility, rays, slots, found & met);
+            sources.take(world, asked);
+            let lanes = first_lane..first_lane + LANES;
+            self.primitive[lanes.clone()].copy_from_slice(&sources.primitive);
+            self.slots[lanes.clone()].copy_from_slice(slots);
+            for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
+                self.slots[first_lane + lane] = NOTHING;
             }
-            let [x, y, z] = &references;
+            self.material[lanes].copy_from_slice(&sources.material);
+            let material = sources.material[first];
+            let others = |lane: usize| bits >> lane & 1 == 1 && sources.material[lane] != material;
+            self.is_uniform[packet] = !(0..LANES).any(others);
+            let [x, y, z] = &sources.reference;
             reference = Vectors::load(simd, [x, y, z]);
-            let [x, y, z] = &tangents;
+            let [x, y, z] = &sources.tangent;
             tangent = Vectors::load(simd, [x, y, z]);
-            is_curved = Mask::from_bits(simd, curved);
-            self.is_uniform[packet] = is_uniform;
+            is_curved = Mask::from_bits(simd, sources.curved);
+            t = Lanes::load(simd, &sources.t);
         }
 
-        let way = rays.direction.times(nearest.t);
+        let way = rays.direction.times(t);
         let position = rays.origin + way;
         let to_viewer = unit(simd, -rays.direction, bits);
         let outwards = unit(simd, position - reference, bits & is_curved.to_bits());
@@ -174,6 +211,9 @@ impl Points {
         let magnitude = origin_length + length(way) + length(tangent - rays.origin);
         let error = magnitude * ROUNDING;
 
+        let is_hit = Mask::from_bits(simd, bits);
+        let largest = is_hit.select(error, Lanes::splat(simd, 0.0)).largest();
+        self.largest_error = self.largest_error.max(largest);
         position.store(columns_mut(&mut self.position, packet));
         error.store(&mut self.error[first_lane..]);
         tangent.store(columns_mut(&mut self.tangent, packet));
@@ -256,6 +296,135 @@ pub(crate) struct Facing {
     pub(crate) above: u32,
     /// At the point itself.
     pub(crate) at: u32,
+}
+
+/// What the primitives of a packet's rays say about the points, ray by ray.
+struct Sources {
+    t: [f64; LANES],
+    primitive: [u64; LANES],
+    material: [u32; LANES],
+    reference: [[f64; LANES]; 3],
+    tangent: [[f64; LANES]; 3],
+    curved: u32,
+}
+
+impl Sources {
+    /// Those of the nearest hits, as far as they are known.
+    #[inline(always)]
+    fn new<S: Simd>(_: S, nearest: &Nearest<S>) -> Self {
+        Self {
+            t: nearest.t.to_array(),
+            primitive: nearest.primitive.to_array(),
+            material: [0; LANES],
+            reference: [[0.0; LANES]; 3],
+            tangent: [[0.0; LANES]; 3],
+            curved: 0,
+        }
+    }
+
+    /// Takes what the world says of the primitives of some rays.
+    fn take(&mut self, world: &World, bits: u32) {
+        let mut known = None;
+        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            let primitive = Primitive(self.primitive[lane]);
+            let source = match known {
+                Some((of, source)) if of == primitive => source,
+                _ => source(world, primitive),
+            };
+            known = Some((primitive, source));
+            self.put(lane, source);
+        }
+    }
+
+    fn put(&mut self, lane: usize, source: Source) {
+        for axis in 0..3 {
+            self.reference[axis][lane] = source.reference[axis];
+            self.tangent[axis][lane] = source.tangent[axis];
+        }
+        self.curved |= u32::from(source.is_curved) << lane;
+        self.material[lane] = source.material;
+    }
+
+    /// Where the rays that meet triangles do so, each its own.
+    #[inline(always)]
+    fn ask_triangles<S: Simd>(
+        &mut self,
+        simd: S,
+        visibility: &Visibility<'_>,
+        rays: &Rays<S>,
+        slots: &[u32],
+        met: u32,
+    ) {
+        let mut bits = 0;
+        for (lane, &slot) in slots.iter().enumerate() {
+            bits |= u32::from(slot < SPHERES) << lane;
+        }
+        let bits = bits & met;
+        if bits == 0 {
+            return;
+        }
+        let corners = outline::side_by_side(
+            simd,
+            bits,
+            #[inline(always)]
+            |lane| visibility.triangles.get(slots[lane]).vertices(),
+        );
+        let [a, b, c] = corners;
+        let is_asked = Mask::from_bits(simd, bits);
+        let (_, t) = triangle::met(corners, rays, is_asked);
+        let t = t.to_array();
+        let normal = unit(simd, (b - a).cross(c - a), bits);
+        let normal = [normal.x.to_array(), normal.y.to_array(), normal.z.to_array()];
+        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            let facet = visibility.triangles.get(slots[lane]);
+            let (object, _) = facet.primitive().parts();
+            self.t[lane] = t[lane];
+            self.primitive[lane] = facet.primitive().0;
+            self.put(
+                lane,
+                Source {
+                    reference: DVec3::from_array(normal.map(|column| column[lane])),
+                    tangent: facet.vertices()[0],
+                    is_curved: false,
+                    material: visibility.world.objects()[object as usize].material as u32,
+                },
+            );
+        }
+    }
+
+    /// Where the rays that meet other shapes do so, shape by shape.
+    #[inline(always)]
+    fn ask_others<S: Simd>(
+        &mut self,
+        simd: S,
+        visibility: &Visibility<'_>,
+        rays: &Rays<S>,
+        slots: &[u32],
+        met: u32,
+    ) {
+        let mut left = 0;
+        for (lane, &slot) in slots.iter().enumerate() {
+            left |= u32::from(slot >= SPHERES) << lane;
+        }
+        left &= met;
+        while left != 0 {
+            let slot = slots[left.trailing_zeros() as usize];
+            let mut bits = 0;
+            for (lane, &other) in slots.iter().enumerate() {
+                bits |= u32::from(other == slot) << lane;
+            }
+            bits &= left;
+            left &= !bits;
+            let (primitive, t) = visibility.met(simd, slot, rays, bits);
+            let t = t.to_array();
+            let source = source(visibility.world, primitive);
+            for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+                self.t[lane] = t[lane];
+                self.primitive[lane] = primitive.0;
+                self.put(lane, source);
+            }
+        }
+    }
 }
 
 fn source(world: &World, primitive: Primitive) -> Source {

@@ -10,7 +10,9 @@
 use fearless_simd::Simd;
 
 use super::bvh::Bounds;
-use super::packet::{Nearest, Rays, Shadow};
+use super::canvas::{Canvas, Verdict};
+use super::outline::{self, Outlines};
+use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::Shape;
 use super::{Primitive, ROUNDING};
 use crate::lanes::{Lanes, Mask, Vectors};
@@ -75,14 +77,19 @@ fn shear<S: Simd>(d: [Lanes<S>; 3], rays: Mask<S>, [u, v, w]: [usize; 3]) -> She
 /// Which rays pass through a triangle: all edge functions have one sign. The i-th edge function is
 /// twice the area that the ray makes with the edge opposite of the i-th corner.
 #[inline(always)]
-fn passes_through<S: Simd>(simd: S, vertices: [DVec3; 3], rays: &Rays<S>, asked: u32) -> Mask<S> {
+fn passes_through<S: Simd>(
+    simd: S,
+    vertices: [DVec3; 3],
+    packet: &Packet<S>,
+    asked: u32,
+) -> Mask<S> {
     let mut passes = Mask::from_bits(simd, 0);
     for axis in 0..3 {
-        let shear = &rays.shears[axis];
+        let shear = &packet.shears[axis];
         if shear.bits & asked == 0 {
             continue;
         }
-        let [u, v, w] = edge_functions(vertices, rays, shear, axis);
+        let [u, v, w] = edge_functions(vertices, &packet.rays, shear, axis);
         let zero = Lanes::splat(simd, 0.0);
         let positive = u.ge(zero) & v.ge(zero) & w.ge(zero);
         let negative = u.le(zero) & v.le(zero) & w.le(zero);
@@ -149,7 +156,54 @@ pub(super) fn weights(vertices: [DVec3; 3], origin: DVec3, direction: DVec3) -> 
     functions.map(|function| function / sum)
 }
 
+/// L2: where rays that pass through triangles, `asked`, meet them, the corners of each lane's triangle
+/// from the one between the shorter edges on; and whether that is at t above 0 and seen at all.
+#[inline(always)]
+pub(super) fn met<S: Simd>(
+    corners: [Vectors<S>; 3],
+    rays: &Rays<S>,
+    asked: Mask<S>,
+) -> (Mask<S>, Lanes<S>) {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a);
+    let speed = rays.direction.dot(normal);
+    // Seen edge-on, as far as can be told, a triangle has no extent.
+    let tilt = rays.square * (normal.dot(normal) * (ROUNDING * ROUNDING));
+    let is_seen = (speed * speed).gt(tilt);
+    let t = (a - rays.origin).dot(normal) / speed;
+    // The hit is between the corners, also where the normal of a sliver is not worth much.
+    let d = rays.direction;
+    let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
+    let is_x = x.ge(y) & x.ge(z);
+    let is_y = y.ge(z);
+    let along = |v: Vectors<S>| is_x.select(v.x, is_y.select(v.y, v.z));
+    let (origin, direction) = (along(rays.origin), along(d));
+    let [a, b, c] = [along(a), along(b), along(c)];
+    let to_least = a.min(b).min(c) - origin;
+    let to_most = a.max(b).max(c) - origin;
+    let way = direction * t;
+    let is_between = way.ge(to_least) & way.le(to_most);
+    let t = if (asked & !is_between).any() {
+        let (to_least, to_most) = (to_least / direction, to_most / direction);
+        let near = to_least.min(to_most);
+        let far = to_most.max(to_least);
+        is_between.select(t, t.max(near).min(far))
+    } else {
+        t
+    };
+    (is_seen & t.is_positive(), t)
+}
+
 impl Facet {
+    /// The corners, from the one between the shorter edges on.
+    pub(super) fn vertices(&self) -> [DVec3; 3] {
+        self.vertices
+    }
+
+    pub(super) fn primitive(&self) -> Primitive {
+        self.primitive
+    }
+
     pub(super) fn new(primitive: Primitive, vertices: [DVec3; 3]) -> Self {
         Self {
             vertices: from_shorter_edges(vertices),
@@ -159,6 +213,8 @@ impl Facet {
 }
 
 impl Shape for Facet {
+    const SLOTS: u32 = super::TRIANGLES;
+
     fn bounds(&self) -> Bounds {
         let [a, b, c] = self.vertices;
         Bounds {
@@ -167,52 +223,50 @@ impl Shape for Facet {
         }
     }
 
-    /// L2: where the rays meet the triangle at t above 0.
     #[inline(always)]
-    fn intersect<S: Simd>(&self, simd: S, rays: &Rays<S>, nearest: &mut Nearest<S>) {
-        let passes = passes_through(simd, self.vertices, rays, nearest.asked_bits) & nearest.asked;
+    fn intersect<S: Simd>(&self, simd: S, packet: &Packet<S>, nearest: &mut Nearest<S>) {
+        let passes =
+            passes_through(simd, self.vertices, packet, nearest.asked_bits) & nearest.asked;
         if !passes.any() {
             return;
         }
-        let normal = area_vector(self.vertices);
-        let speed = rays.direction.dot_with(normal);
-        // Seen edge-on, as far as can be told, a triangle has no extent.
-        let tilt = rays.square * (ROUNDING * ROUNDING * normal.length_squared());
-        let is_seen = (speed * speed).gt(tilt);
-        let t = -rays.origin.minus(self.vertices[0]).dot_with(normal) / speed;
-        // The hit is between the corners, also where the normal of a sliver is not worth much.
-        let mut nearest_corner = t;
-        let mut farthest_corner = t;
-        let (origin, direction) = (rays.origin, rays.direction);
-        let axes = [
-            (origin.x, direction.x),
-            (origin.y, direction.y),
-            (origin.z, direction.z),
-        ];
-        for (axis, (origin, direction)) in axes.into_iter().enumerate() {
-            let shear = &rays.shears[axis];
-            if shear.bits & nearest.asked_bits == 0 {
-                continue;
-            }
-            let [a, b, c] = self.vertices.map(|vertex| vertex[axis]);
-            let (least, most) = (a.min(b).min(c), a.max(b).max(c));
-            let to_least = -(origin - least) / direction;
-            let to_most = -(origin - most) / direction;
-            let (near, far) = (to_least.min(to_most), to_most.max(to_least));
-            nearest_corner = shear.rays.select(near, nearest_corner);
-            farthest_corner = shear.rays.select(far, farthest_corner);
+        let corners = self.vertices.map(|vertex| Vectors::splat(simd, vertex));
+        let (is_met, t) = met(corners, &packet.rays, passes);
+        nearest.offer(simd, passes & is_met, t, self.primitive);
+    }
+
+    #[inline(always)]
+    fn cast<'s, S: Simd>(
+        simd: S,
+        places: &[u32],
+        shape: impl Fn(u32) -> &'s Self,
+        outlines: &mut Outlines,
+        canvas: &mut Canvas,
+        verdict: impl Verdict,
+    ) {
+        let bits = outline::first(places.len());
+        let corners = outline::side_by_side(
+            simd,
+            bits,
+            #[inline(always)]
+            |lane| shape(places[lane]).vertices,
+        );
+        outlines.draw(simd, canvas, corners, bits);
+        let mut left = outlines.of_interest;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let slot = Self::SLOTS | places[lane];
+            outlines.cast(simd, lane, slot, canvas, verdict);
         }
-        let t = t.max(nearest_corner).min(farthest_corner);
-        let found = passes & is_seen & t.is_positive();
-        nearest.offer(simd, found, t, self.primitive);
     }
 
     /// L4: whether the triangle stands strictly between the start of the ray, a light, and the
     /// point at its end: they are on different sides of its plane, each further from it than its
     /// rounding error, and the ray passes through it. A triangle does not occlude itself.
     #[inline(always)]
-    fn occlude<S: Simd>(&self, simd: S, rays: &Rays<S>, shadow: &mut Shadow<'_, S>) {
-        let passes = passes_through(simd, self.vertices, rays, shadow.asked_bits) & shadow.asked;
+    fn occlude<S: Simd>(&self, simd: S, packet: &Packet<S>, shadow: &mut Shadow<'_, S>) {
+        let passes = passes_through(simd, self.vertices, packet, shadow.asked_bits) & shadow.asked;
         if !passes.any() {
             return;
         }

@@ -1,0 +1,380 @@
+//! Rays of a batch that start at one point, as dots on a canvas before it.
+//!
+//! Seen from the point that they share, every shape has an outline, and whether a ray meets the shape
+//! is whether its dot is within the outline. On the canvas d = x u + y v + w the edges of a triangle
+//! are three affine functions of x and y, the reciprocal of the depth of a plane is another, and a
+//! sphere has a quadratic one. They are set up once for all rays of the batch, in f64, and evaluated in
+//! f32, two fused multiply-adds each.
+//!
+//! The f32 decides only what is certain: every number comes with a bound on its error, and a ray for
+//! which the bound does not tell is *doubtful*. It is asked again in f64, alone with its packet, in
+//! the way of [`super::packet`]. So the canvas decides how long an image takes, and not one of its bits.
+
+use fearless_simd::Simd;
+
+use super::surface::{BATCH, PACKETS};
+use crate::lanes::{LANES, Lanes, SingleMask, Singles, Slots, Vectors};
+use crate::math::DVec3;
+
+/// The bound on the error of an affine or quadratic function of x and y, over the sum of the magnitudes
+/// of its terms: the rounding of coefficients, of x and y, and of the operations to f32, 2⁻²⁴ each, at
+/// most ten, and what the set-up in f64 leaves.
+pub(super) const GIVES_WAY: f32 = 1.0 / (1 << 20) as f32;
+
+/// What an f64 may be off, relative to what it is compared with, to be as good as exact in f32.
+pub(super) const NEGLIGIBLE: f64 = 1.0 / (1 << 25) as f64;
+
+/// Rays further from the middle than this, as a tangent, do not go on one canvas.
+const WIDEST: f32 = 2.0;
+
+/// Shapes whose closeness is beyond this, or its reciprocal, are not told from f32; ends may be.
+pub(super) const CLOSENESS: f64 = 1e30;
+const CLOSEST: f32 = 1e37;
+
+/// No shape.
+pub(super) const NOTHING: u32 = u32::MAX;
+
+/// An f32 for each of sixteen.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Row(pub(super) [f32; LANES]);
+
+/// An f32 for each ray of a batch.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Floats([f32; BATCH]);
+
+/// The canvas of a batch and what is on it.
+#[derive(Debug)]
+pub(super) struct Canvas {
+    /// What all rays share.
+    pub(super) origin: DVec3,
+    /// u, v and w, orthonormal; w is the middle of the rays.
+    pub(super) axes: [DVec3; 3],
+    /// The largest |x| and the largest |y| of any ray.
+    pub(super) extent: [f64; 2],
+    /// Closeness is this over the depth along w.
+    pub(super) unit: f64,
+    /// How far the origin or the ends of the rays may be from where they should be.
+    pub(super) error: f64,
+    x: Floats,
+    y: Floats,
+    /// The range of the closeness of what is known of a ray: of a primary ray its nearest hit, 0 where
+    /// there is none; of a shadow ray its end, infinite where that is known to be dark.
+    least: Floats,
+    most: Floats,
+    /// What a primary ray meets first.
+    slots: [u32; BATCH],
+    /// For each packet a bit for each ray that f32 cannot decide: unless something nearer hides it, or
+    /// in any case.
+    doubtful: [u32; PACKETS],
+    undecided: [u32; PACKETS],
+    /// The least and the largest x and y of each packet.
+    boxes: [Row; 4],
+    /// The least closeness that is of interest to any ray of each packet.
+    far: Row,
+}
+
+/// What a shape says of the rays of a packet.
+#[derive(Clone, Copy)]
+pub(super) struct Claim<S: Simd> {
+    /// Those that may meet it.
+    pub(super) maybe: SingleMask<S>,
+    /// Those that do, certainly.
+    pub(super) surely: SingleMask<S>,
+    /// Between which closenesses they do.
+    pub(super) least: Singles<S>,
+    pub(super) most: Singles<S>,
+}
+
+/// The box of a shape on the canvas, and the largest closeness of any of its points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub(super) x: [f32; 2],
+    pub(super) y: [f32; 2],
+    pub(super) most: f32,
+}
+
+impl Extent {
+    /// Anywhere.
+    pub(super) const EVERYTHING: Self = Self {
+        x: [f32::NEG_INFINITY, f32::INFINITY],
+        y: [f32::NEG_INFINITY, f32::INFINITY],
+        most: f32::INFINITY,
+    };
+}
+
+/// What is made of the claims.
+pub(super) trait Verdict: Copy {
+    /// Takes note of a claim of the shape in a slot.
+    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32, claim: Claim<S>);
+
+    /// The shape in a slot cannot be told from f32: all rays of a packet that may meet it are asked again.
+    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32);
+
+    /// A shape that the end of a ray is on may hide it all the same: those are asked again.
+    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32);
+}
+
+/// What is the first that a primary ray meets?
+#[derive(Clone, Copy)]
+pub(super) struct First;
+
+/// Which points does the light reach? With the slot of the shape that each is on.
+#[derive(Clone, Copy)]
+pub(super) struct Reached<'p>(pub(super) &'p [u32; BATCH]);
+
+impl Default for Canvas {
+    fn default() -> Self {
+        let floats = Floats([0.0; BATCH]);
+        let row = Row([0.0; LANES]);
+        Self {
+            origin: DVec3::ZERO,
+            axes: [DVec3::X, DVec3::Y, DVec3::Z],
+            extent: [0.0; 2],
+            unit: 1.0,
+            error: 0.0,
+            x: floats,
+            y: floats,
+            least: floats,
+            most: floats,
+            slots: [NOTHING; BATCH],
+            doubtful: [0; PACKETS],
+            undecided: [0; PACKETS],
+            boxes: [row; 4],
+            far: row,
+        }
+    }
+}
+
+impl Canvas {
+    /// Stretches the canvas before the rays with a bit: o + t ω, around the direction `middle`. Primary
+    /// rays have no end, shadow rays end at t = 1. Whether the rays are close enough together for it.
+    #[inline(always)]
+    pub(super) fn stretch<S: Simd>(
+        &mut self,
+        simd: S,
+        origin: DVec3,
+        middle: DVec3,
+        asked: &[u32; PACKETS],
+        direction: impl Fn(usize) -> Vectors<S>,
+        have_ends: bool,
+    ) -> bool {
+        let Some(w) = middle.try_normalize() else {
+            return false;
+        };
+        let (u, v) = w.any_orthonormal_pair();
+        (self.origin, self.axes) = (origin, [u, v, w]);
+        let infinite = Singles::splat(simd, f32::INFINITY);
+        let opposite = Singles::splat(simd, f32::NEG_INFINITY);
+        let zero = Singles::splat(simd, 0.0);
+        let mut shallowest = Lanes::splat(simd, f64::INFINITY);
+        for packet in 0..PACKETS {
+            let first = packet * LANES;
+            let bits = asked[packet];
+            (self.doubtful[packet], self.undecided[packet]) = (0, 0);
+            if bits == 0 {
+                for (row, side) in self.boxes.iter_mut().zip([1.0, -1.0, 1.0, -1.0]) {
+                    row.0[packet] = side * f32::INFINITY;
+                }
+                self.far.0[packet] = f32::INFINITY;
+                continue;
+            }
+            let direction = direction(packet);
+            let depth = direction.dot_with(w);
+            let is_asked = crate::lanes::Mask::from_bits(simd, bits);
+            shallowest = is_asked.select(depth, shallowest).min(shallowest);
+            let inverse = Lanes::splat(simd, 1.0) / depth;
+            let x = (direction.dot_with(u) * inverse).narrowed(simd);
+            let y = (direction.dot_with(v) * inverse).narrowed(simd);
+            x.store(&mut self.x.0[first..]);
+            y.store(&mut self.y.0[first..]);
+            let is_asked = SingleMask::from_bits(simd, bits);
+            self.boxes[0].0[packet] = is_asked.select(x, infinite).smallest();
+            self.boxes[1].0[packet] = is_asked.select(x, opposite).largest();
+            self.boxes[2].0[packet] = is_asked.select(y, infinite).smallest();
+            self.boxes[3].0[packet] = is_asked.select(y, opposite).largest();
+            let (least, most) = if have_ends {
+                let closeness = (inverse * self.unit).narrowed(simd);
+                let closeness = closeness.min(Singles::splat(simd, CLOSEST));
+                (
+                    closeness * Singles::splat(simd, 1.0 - GIVES_WAY),
+                    closeness * Singles::splat(simd, 1.0 + GIVES_WAY),
+                )
+            } else {
+                Slots::splat(simd, NOTHING).store(&mut self.slots[first..]);
+                (zero, zero)
+            };
+            let least = is_asked.select(least, infinite);
+            least.store(&mut self.least.0[first..]);
+            is_asked.select(most, infinite).store(&mut self.most.0[first..]);
+            self.far.0[packet] = if have_ends { least.smallest() } else { 0.0 };
+        }
+        let [left, right, bottom, top] = self.bounds(simd);
+        self.extent = [
+            f64::from(right.max(-left)),
+            f64::from(top.max(-bottom)),
+        ];
+        shallowest.smallest() > 0.0 && right.max(-left) <= WIDEST && top.max(-bottom) <= WIDEST
+    }
+
+    /// The least and the largest x and y of all rays that still ask.
+    #[inline(always)]
+    pub(super) fn bounds<S: Simd>(&self, simd: S) -> [f32; 4] {
+        [
+            Singles::load(simd, &self.boxes[0].0).smallest(),
+            Singles::load(simd, &self.boxes[1].0).largest(),
+            Singles::load(simd, &self.boxes[2].0).smallest(),
+            Singles::load(simd, &self.boxes[3].0).largest(),
+        ]
+    }
+
+    /// For each axis the range of d of all rays that still ask.
+    #[inline(always)]
+    pub(super) fn directions<S: Simd>(&self, simd: S) -> [[f64; 2]; 3] {
+        let [left, right, bottom, top] = self.bounds(simd).map(f64::from);
+        let [u, v, w] = self.axes;
+        let give = f64::from(GIVES_WAY) * (self.extent[0] + self.extent[1]);
+        std::array::from_fn(|axis| {
+            let (x0, x1) = (u[axis] * left, u[axis] * right);
+            let (y0, y1) = (v[axis] * bottom, v[axis] * top);
+            [
+                w[axis] + x0.min(x1) + y0.min(y1) - give,
+                w[axis] + x0.max(x1) + y0.max(y1) + give,
+            ]
+        })
+    }
+
+    /// The largest depth along w that is of interest to any ray.
+    #[inline(always)]
+    pub(super) fn depth<S: Simd>(&self, simd: S) -> f64 {
+        self.unit / f64::from(self.farthest(simd))
+    }
+
+    /// The least closeness that is of interest to any ray.
+    #[inline(always)]
+    pub(super) fn farthest<S: Simd>(&self, simd: S) -> f32 {
+        Singles::load(simd, &self.far.0).smallest()
+    }
+
+    /// One bit for each packet that a shape of this extent may be of interest to.
+    #[inline(always)]
+    pub(super) fn meets<S: Simd>(&self, simd: S, extent: &Extent) -> u32 {
+        let load = |row: &Row| Singles::load(simd, &row.0);
+        let splat = |value: f32| Singles::splat(simd, value);
+        let [left, right, bottom, top] = &self.boxes;
+        let meets = load(left).le(splat(extent.x[1]))
+            & load(right).ge(splat(extent.x[0]))
+            & load(bottom).le(splat(extent.y[1]))
+            & load(top).ge(splat(extent.y[0]))
+            & load(&self.far).le(splat(extent.most));
+        meets.to_bits()
+    }
+
+    /// x and y of the rays of a packet.
+    #[inline(always)]
+    pub(super) fn dots<S: Simd>(&self, simd: S, packet: usize) -> [Singles<S>; 2] {
+        let first = packet * LANES;
+        [
+            Singles::load(simd, &self.x.0[first..]),
+            Singles::load(simd, &self.y.0[first..]),
+        ]
+    }
+
+    /// For each packet a bit for each ray that has to be asked again.
+    pub(super) fn asked_again(&self, packet: usize) -> u32 {
+        self.doubtful[packet] | self.undecided[packet]
+    }
+
+    /// What the primary rays of a packet meet first, [`NOTHING`] where they meet nothing; except for
+    /// those that have to be asked again.
+    pub(super) fn first_met(&self, packet: usize) -> &[u32] {
+        &self.slots[packet * LANES..(packet + 1) * LANES]
+    }
+
+    /// One bit for each shadow ray of a packet whose end is not known to be dark.
+    #[inline(always)]
+    pub(super) fn reached<S: Simd>(&self, simd: S, packet: usize) -> u32 {
+        let least = Singles::load(simd, &self.least.0[packet * LANES..]);
+        (!least.ge(Singles::splat(simd, f32::INFINITY))).to_bits()
+    }
+
+    /// The rays of a packet that still ask for something.
+    #[inline(always)]
+    fn asking<S: Simd>(&self, simd: S, packet: usize) -> SingleMask<S> {
+        let least = Singles::load(simd, &self.least.0[packet * LANES..]);
+        !least.ge(Singles::splat(simd, f32::INFINITY))
+    }
+}
+
+impl Verdict for First {
+    #[inline(always)]
+    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32, claim: Claim<S>) {
+        let first = packet * LANES;
+        let least = Singles::load(simd, &canvas.least.0[first..]);
+        let maybe = claim.maybe & claim.most.ge(least);
+        let bits = maybe.to_bits();
+        if bits == 0 {
+            return;
+        }
+        let most = Singles::load(simd, &canvas.most.0[first..]);
+        let is_nearer = maybe & claim.surely & claim.least.gt(most);
+        let nearer = is_nearer.to_bits();
+        let least = is_nearer.select(claim.least, least);
+        least.store(&mut canvas.least.0[first..]);
+        let doubt = bits & !nearer;
+        let most_of_both = most.max(claim.most);
+        let most = SingleMask::from_bits(simd, doubt).select(most_of_both, most);
+        is_nearer.select(claim.most, most).store(&mut canvas.most.0[first..]);
+        let slots = Slots::load(simd, &canvas.slots[first..]);
+        let slots = is_nearer.select_slots(Slots::splat(simd, slot), slots);
+        slots.store(&mut canvas.slots[first..]);
+        canvas.doubtful[packet] = canvas.doubtful[packet] & !nearer | doubt;
+        canvas.far.0[packet] = least.smallest();
+    }
+
+    #[inline(always)]
+    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, _: u32) {
+        canvas.undecided[packet] |= canvas.asking(simd, packet).to_bits();
+    }
+
+    #[inline(always)]
+    fn doubt_own<S: Simd>(self, _: S, _: &mut Canvas, _: usize, _: u32) {}
+}
+
+impl Verdict for Reached<'_> {
+    #[inline(always)]
+    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32, claim: Claim<S>) {
+        let first = packet * LANES;
+        let own = Slots::load(simd, &self.0[first..]).eq(Slots::splat(simd, slot));
+        let least = Singles::load(simd, &canvas.least.0[first..]);
+        let maybe = claim.maybe & claim.most.ge(least) & !own;
+        let bits = maybe.to_bits();
+        if bits == 0 {
+            return;
+        }
+        let most = Singles::load(simd, &canvas.most.0[first..]);
+        let is_dark = maybe & claim.surely & claim.least.gt(most);
+        let dark = is_dark.to_bits();
+        canvas.doubtful[packet] = (canvas.doubtful[packet] | bits) & !dark;
+        canvas.undecided[packet] &= !dark;
+        if dark != 0 {
+            let infinite = Singles::splat(simd, f32::INFINITY);
+            let least = is_dark.select(infinite, least);
+            least.store(&mut canvas.least.0[first..]);
+            canvas.far.0[packet] = least.smallest();
+        }
+    }
+
+    #[inline(always)]
+    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32) {
+        let own = Slots::load(simd, &self.0[packet * LANES..]).eq(Slots::splat(simd, slot));
+        canvas.undecided[packet] |= (canvas.asking(simd, packet) & !own).to_bits();
+    }
+
+    #[inline(always)]
+    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32) {
+        let own = Slots::load(simd, &self.0[packet * LANES..]).eq(Slots::splat(simd, slot));
+        canvas.undecided[packet] |= (canvas.asking(simd, packet) & own).to_bits();
+    }
+}
