@@ -7,7 +7,7 @@
 //! A kernel is written once, generic over the instruction set; [`Door::run`] is the only place that
 //! chooses one.
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 use std::str::FromStr;
 
 use fearless_simd::prelude::*;
@@ -42,9 +42,9 @@ pub struct Singles<S: Simd>(f32x16<S>);
 #[derive(Clone, Copy, Debug)]
 pub struct SingleMask<S: Simd>(mask32x16<S>);
 
-/// A u32 in each lane.
+/// A u32 in each lane; sums and products are modulo 2³².
 #[derive(Clone, Copy, Debug)]
-pub struct Slots<S: Simd>(u32x16<S>);
+pub struct Words<S: Simd>(u32x16<S>);
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -92,6 +92,18 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         Self([self.0[0].sqrt(), self.0[1].sqrt()])
+    }
+
+    /// [`inverse_root`](crate::math::inverse_root) of each, to the same bits.
+    #[inline(always)]
+    pub fn inverse_root(self, simd: S) -> Self {
+        let one = f32x16::splat(simd, 1.0);
+        let near = one / self.narrowed(simd).0.sqrt();
+        let (low, high) = simd.widen_f32x16(near);
+        let one = Self::splat(simd, 1.0);
+        let y = Self([low, high]);
+        let y = y + y * ((one - self * y * y) * 0.5);
+        y + y * ((one - self * y * y) * 0.5)
     }
 
     /// The magnitude.
@@ -257,7 +269,23 @@ impl<S: Simd> Singles<S> {
     }
 }
 
-impl<S: Simd> Slots<S> {
+/// The smallest of each of sixteen, none NaN; side by side.
+#[inline(always)]
+pub fn smallest_of_each<S: Simd>(mut rows: [Singles<S>; LANES]) -> Singles<S> {
+    // Two rows become one with half as many of each, in turn; the last one has them in order.
+    let mut half = LANES / 2;
+    while half > 0 {
+        for row in 0..half {
+            let (first, second) = (rows[row].0, rows[row + half].0);
+            let (low, high) = first.interleave(second);
+            rows[row] = Singles(low.min(high));
+        }
+        half /= 2;
+    }
+    rows[0]
+}
+
+impl<S: Simd> Words<S> {
     /// The same in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: u32) -> Self {
@@ -266,20 +294,45 @@ impl<S: Simd> Slots<S> {
 
     /// The first [`LANES`] of a slice.
     #[inline(always)]
-    pub fn load(simd: S, slots: &[u32]) -> Self {
-        Self(u32x16::from_slice(simd, &slots[..LANES]))
+    pub fn load(simd: S, words: &[u32]) -> Self {
+        Self(u32x16::from_slice(simd, &words[..LANES]))
     }
 
     /// Into the first [`LANES`] places of a slice.
     #[inline(always)]
-    pub fn store(self, slots: &mut [u32]) {
-        self.0.store_slice(&mut slots[..LANES]);
+    pub fn store(self, words: &mut [u32]) {
+        self.0.store_slice(&mut words[..LANES]);
     }
 
     /// Where it is equal.
     #[inline(always)]
     pub fn eq(self, other: Self) -> SingleMask<S> {
         SingleMask(self.0.simd_eq(other.0))
+    }
+
+    /// Where it is below.
+    #[inline(always)]
+    pub fn lt(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_lt(other.0))
+    }
+
+    /// Shifted towards the larger places.
+    #[inline(always)]
+    pub fn shifted_up(self, bits: u32) -> Self {
+        Self(self.0 << bits)
+    }
+
+    /// Shifted towards the smaller places.
+    #[inline(always)]
+    pub fn shifted_down(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
+    }
+
+    /// As f64, exactly.
+    #[inline(always)]
+    pub fn widened(self, simd: S) -> Lanes<S> {
+        let (low, high) = simd.widen_u32x16(self.0);
+        Lanes([simd.cvt_f64_u64x8(low), simd.cvt_f64_u64x8(high)])
     }
 }
 
@@ -304,8 +357,8 @@ impl<S: Simd> SingleMask<S> {
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select_slots(self, yes: Slots<S>, no: Slots<S>) -> Slots<S> {
-        Slots(self.0.select(yes.0, no.0))
+    pub fn select_words(self, yes: Words<S>, no: Words<S>) -> Words<S> {
+        Words(self.0.select(yes.0, no.0))
     }
 }
 
@@ -447,6 +500,12 @@ of_registers! {
     Singles: Add add +
     Singles: Sub sub -
     Singles: Mul mul *
+    Singles: Div div /
+    Words: Add add +
+    Words: Mul mul *
+    Words: BitAnd bitand &
+    Words: BitOr bitor |
+    Words: BitXor bitxor ^
     SingleMask: BitAnd bitand &
     SingleMask: BitOr bitor |
 }

@@ -41,8 +41,19 @@ impl From<[f64; 3]> for Point {
     }
 }
 
-/// Squared lengths in this range have all their digits, and so have their square roots.
-const SAFE_SQUARES: std::ops::Range<f64> = 1e-200..1e200;
+/// Numbers in this range, and their roots, have all their digits as f32 too.
+pub(crate) const SAFE_SQUARES: std::ops::Range<f64> = 1e-30..1e30;
+
+/// 1/√x for x within [`SAFE_SQUARES`], to 4e-16 of it: an f32 root, and two of Newton's steps. Each
+/// operation is exact to the last bit everywhere, and it takes a fraction of the time of a root and a
+/// division in f64.
+pub(crate) fn inverse_root(x: f64) -> f64 {
+    let mut y = f64::from(1.0 / (x as f32).sqrt());
+    for _ in 0..2 {
+        y += y * ((1.0 - x * y * y) * 0.5);
+    }
+    y
+}
 
 /// `vector` at unit length, or `None` where it has no direction (zero, infinite or NaN).
 ///
@@ -51,7 +62,7 @@ const SAFE_SQUARES: std::ops::Range<f64> = 1e-200..1e200;
 fn unit(vector: DVec3) -> Option<DVec3> {
     let square = vector.length_squared();
     if SAFE_SQUARES.contains(&square) {
-        return Some(vector * (1.0 / square.sqrt()));
+        return Some(vector * inverse_root(square));
     }
     let largest = vector.abs().max_element();
     if !(largest > 0.0 && vector.is_finite()) {
@@ -106,6 +117,16 @@ impl Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn inverse_root_is_as_exact_as_it_says() {
+        for exponent in -299..300 {
+            let x = 10_f64.powf(f64::from(exponent) / 10.0);
+            // The exact quotient is 1, up to the rounding of the product.
+            let error = (inverse_root(x) * x.sqrt() - 1.0).abs();
+            assert!(error < 4e-16 + f64::EPSILON, "{x}: {error}");
+        }
+    }
 
     #[test]
     fn unit_vectors_at_every_magnitude() {

@@ -1,12 +1,14 @@
 //! Radiance to pixels: the tiles of an image, their samples, and the box filter.
 
+use std::ops::Range;
+
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use super::bands::{self, Geometry, Place};
 use super::sampling::Sampler;
 use super::{Film, Layers, Metadata, Window};
-use crate::lanes::{Door, Kernel, LANES};
+use crate::lanes::{Door, Kernel, LANES, Words};
 use crate::shading::{self, Shaded, Term};
 use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
@@ -169,24 +171,102 @@ struct Work<'w> {
 }
 
 /// What a thread needs for a tile, to be used for the next as well.
+#[derive(Default)]
 struct Space {
-    /// The samples' places in the image.
-    positions: [Column; 2],
+    /// Column and row of the tile's pixels.
+    pixels: Vec<[u32; 2]>,
+    sums: Vec<PixelSum>,
+    batch: Batch,
     tracing: Workspace,
     points: Points,
     shaded: Shaded,
-    /// The pixel and the number of each sample of a batch.
-    batch: Vec<(usize, u32)>,
 }
 
-impl Default for Space {
+/// The next sample of a tile.
+#[derive(Clone, Copy, Default)]
+struct Next {
+    pixel: usize,
+    sample: u32,
+}
+
+/// Samples of one pixel.
+struct Run {
+    /// The pixel, by its place among the pixels of the tile.
+    pixel: usize,
+    /// Their places in the batch.
+    slots: Range<usize>,
+}
+
+/// Samples that are traced and shaded together.
+struct Batch {
+    len: usize,
+    /// The samples of pixel after pixel.
+    runs: Vec<Run>,
+    /// The place in the image of each sample's pixel.
+    corners: [[u32; BATCH]; 2],
+    /// What scrambles each sample, and what is scrambled.
+    seeds: [[u32; BATCH]; 2],
+    sequence: [[u32; BATCH]; 2],
+    /// Each sample's place in the image.
+    positions: [Column; 2],
+}
+
+impl Default for Batch {
     fn default() -> Self {
         Self {
+            len: 0,
+            runs: Vec::with_capacity(BATCH),
+            corners: [[0; BATCH]; 2],
+            seeds: [[0; BATCH]; 2],
+            sequence: [[0; BATCH]; 2],
             positions: [Column::ZERO; 2],
-            tracing: Workspace::default(),
-            points: Points::default(),
-            shaded: Shaded::default(),
-            batch: Vec::with_capacity(BATCH),
+        }
+    }
+}
+
+impl Batch {
+    /// Takes the next samples of a tile at `corner`, pixel by pixel.
+    fn gather(&mut self, next: &mut Next, sampler: &Sampler, pixels: &[[u32; 2]], corner: [u32; 2]) {
+        self.len = 0;
+        self.runs.clear();
+        while self.len < BATCH && next.pixel < pixels.len() {
+            let samples = sampler.samples() - next.sample;
+            let samples = samples.min((BATCH - self.len) as u32);
+            let slots = self.len..self.len + samples as usize;
+            let [column, row] = pixels[next.pixel];
+            let place = [corner[0] + column, corner[1] + row];
+            let seeds = Sampler::seeds(place);
+            self.runs.push(Run {
+                pixel: next.pixel,
+                slots: slots.clone(),
+            });
+            for dimension in 0..2 {
+                self.corners[dimension][slots.clone()].fill(place[dimension]);
+                self.seeds[dimension][slots.clone()].fill(seeds[dimension]);
+            }
+            for (slot, sample) in slots.zip(next.sample..) {
+                let [first, second] = sampler.sequence(sample);
+                (self.sequence[0][slot], self.sequence[1][slot]) = (first, second);
+            }
+            self.len += samples as usize;
+            next.sample += samples;
+            if next.sample == sampler.samples() {
+                (next.pixel, next.sample) = (next.pixel + 1, 0);
+            }
+        }
+    }
+
+    /// Places the samples in the image.
+    #[inline(always)]
+    fn place<S: Simd>(&mut self, simd: S, sampler: &Sampler) {
+        for first in (0..self.len).step_by(LANES) {
+            for dimension in 0..2 {
+                let sequence = &self.sequence[dimension][first..];
+                let seeds = &self.seeds[dimension][first..];
+                let corner = Words::load(simd, &self.corners[dimension][first..]);
+                let place = corner.widened(simd) + sampler.offsets(simd, sequence, seeds);
+                place.store(&mut self.positions[dimension][first..]);
+            }
         }
     }
 }
@@ -220,11 +300,12 @@ impl Work<'_> {
             ..
         } = self;
         let Space {
-            positions,
+            pixels,
+            sums,
+            batch,
             tracing,
             points,
             shaded,
-            batch,
         } = space;
         let Window {
             x,
@@ -232,41 +313,32 @@ impl Work<'_> {
             width,
             height,
         } = tile.window;
-        let inside = |[column, row]: &[u32; 2]| *column < width && *row < height;
-        let pixels: Vec<[u32; 2]> = (0..TILE * TILE).map(z_order).filter(inside).collect();
-        let mut sums = vec![PixelSum::default(); pixels.len()];
+        pixels.clear();
+        let inside = |[column, row]: &&[u32; 2]| *column < width && *row < height;
+        pixels.extend(Z_ORDER.iter().filter(inside));
+        sums.clear();
+        sums.resize(pixels.len(), PixelSum::default());
         let mut spectral = self
             .bands
             .map(|bands| SpectralSums::new(bands, pixels.len()));
         let mut counts = Counts::default();
-        let mut samples_left =
-            (0..pixels.len()).flat_map(|pixel| (0..samples).map(move |n| (pixel, n)));
-        loop {
-            batch.clear();
-            batch.extend(samples_left.by_ref().take(BATCH));
-            if batch.is_empty() {
-                break;
-            }
-            for (slot, &(pixel, sample)) in batch.iter().enumerate() {
-                let [column, row] = pixels[pixel];
-                let [px, py] = sampler.position([x + column, y + row], sample);
-                (positions[0][slot], positions[1][slot]) = (px, py);
-            }
-            let [xs, ys] = &*positions;
+        let mut next = Next::default();
+        while next.pixel < pixels.len() {
+            batch.gather(&mut next, sampler, pixels, [x, y]);
+            batch.place(simd, sampler);
+            let [xs, ys] = &batch.positions;
             self.visibility
-                .see(simd, [xs, ys], batch.len(), tracing, points);
-            let is_hit = |slot: usize| points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
+                .see(simd, [xs, ys], batch.len, tracing, points);
             match &mut spectral {
                 None => {
                     shading::radiance(simd, world, self.visibility, points, tracing, shaded, None);
                 }
                 Some(spectral) => {
-                    let places: Vec<Option<Place>> = batch
-                        .iter()
-                        .enumerate()
-                        .map(|(slot, &(pixel, _))| {
+                    let places: Vec<Option<Place>> = (batch.runs.iter())
+                        .flat_map(|run| run.slots.clone().map(|slot| (run.pixel, slot)))
+                        .map(|(pixel, slot)| {
                             let material = points.material[slot] as usize;
-                            is_hit(slot).then(|| spectral.geometry.place(pixel, material))
+                            points.is_hit(slot).then(|| spectral.geometry.place(pixel, material))
                         })
                         .collect();
                     let mut add = |term: Term| {
@@ -284,24 +356,24 @@ impl Work<'_> {
                     );
                 }
             }
-            for (slot, &(pixel, _)) in batch.iter().enumerate() {
-                let hit = is_hit(slot);
-                let seen = shaded.radiance.each_ref().map(|column| column[slot]);
-                sums[pixel].hits += u32::from(hit);
-                sums[pixel].add(if hit { seen } else { world.background().0.0 });
+            let background = world.background().0.0;
+            for run in &batch.runs {
+                sums[run.pixel].add(run.slots.clone(), points, &shaded.radiance, background);
             }
             if let Some(spectral) = &mut spectral {
                 // The last pixel may have samples in the next batch.
-                spectral.finish(batch[batch.len() - 1].0);
+                if let Some(run) = batch.runs.last() {
+                    spectral.finish(run.pixel);
+                }
             }
             counts = counts.and(Counts {
-                primary_rays: batch.len() as u64,
+                primary_rays: batch.len as u64,
                 shadow_rays: shaded.shadow_rays,
                 singular: shaded.singular,
                 clamped: 0,
             });
         }
-        for (&[column, row], sum) in pixels.iter().zip(&sums) {
+        for (&[column, row], sum) in pixels.iter().zip(&*sums) {
             let (rgba, clamped) = sum.mean(samples);
             tile.rows[row as usize][column as usize] = rgba;
             counts.clamped += clamped;
@@ -357,12 +429,22 @@ impl<'b> SpectralSums<'b> {
     }
 }
 
-/// Column and row of the n-th pixel of a tile along a Z-order curve: the even and the odd bits of
-/// n. Four in a row are a square, and so are four of these.
-fn z_order(n: u32) -> [u32; 2] {
-    let every_other_bit = |n: u32| (0..16).fold(0, |bits, bit| bits | (n >> (2 * bit) & 1) << bit);
-    [every_other_bit(n), every_other_bit(n >> 1)]
-}
+/// Column and row of the pixels of a tile along a Z-order curve: the even and the odd bits of the
+/// number. Four in a row are a square, and so are four of these.
+const Z_ORDER: [[u32; 2]; (TILE * TILE) as usize] = {
+    let mut order = [[0; 2]; (TILE * TILE) as usize];
+    let mut n = 0;
+    while n < order.len() {
+        let mut bit = 0;
+        while 1 << (2 * bit) < order.len() {
+            order[n][0] |= ((n >> (2 * bit) & 1) << bit) as u32;
+            order[n][1] |= ((n >> (2 * bit + 1) & 1) << bit) as u32;
+            bit += 1;
+        }
+        n += 1;
+    }
+    order
+};
 
 /// The box filter of one pixel: the mean over its samples, summed in f64.
 #[derive(Clone, Copy, Default)]
@@ -372,20 +454,41 @@ struct PixelSum {
 }
 
 impl PixelSum {
-    fn add(&mut self, radiance: [f64; 3]) {
-        for (sum, channel) in self.radiance.iter_mut().zip(radiance) {
-            *sum += channel;
+    /// Adds some samples of the pixel, in their order.
+    fn add(
+        &mut self,
+        slots: Range<usize>,
+        points: &Points,
+        radiance: &[Column; 3],
+        background: [f64; 3],
+    ) {
+        let [mut red, mut green, mut blue] = self.radiance;
+        let [reds, greens, blues] = radiance;
+        for slot in slots {
+            let [r, g, b] = if points.is_hit(slot) {
+                self.hits += 1;
+                [reds[slot], greens[slot], blues[slot]]
+            } else {
+                background
+            };
+            red += r;
+            green += g;
+            blue += b;
         }
+        self.radiance = [red, green, blue];
     }
 
     /// R, G, B, A, and how many channels are beyond the largest f32.
     fn mean(&self, samples: u32) -> ([f32; 4], u64) {
         let samples = f64::from(samples);
-        let mean = self.radiance.map(|sum| narrowed(sum / samples));
-        let clamped = mean.iter().filter(|(_, is_clamped)| *is_clamped).count();
-        let [r, g, b] = mean.map(|(channel, _)| channel);
+        let [red, green, blue] = self.radiance;
+        let (red, is_red_clamped) = narrowed(red / samples);
+        let (green, is_green_clamped) = narrowed(green / samples);
+        let (blue, is_blue_clamped) = narrowed(blue / samples);
         let alpha = (f64::from(self.hits) / samples) as f32;
-        ([r, g, b, alpha], clamped as u64)
+        let clamped = [is_red_clamped, is_green_clamped, is_blue_clamped];
+        let clamped = clamped.into_iter().map(u64::from).sum();
+        ([red, green, blue, alpha], clamped)
     }
 }
 

@@ -1,5 +1,9 @@
 //! Where the samples of a pixel are.
 
+use fearless_simd::Simd;
+
+use crate::lanes::{Lanes, Words};
+
 /// The sample positions of pixels: the same on every machine and in every run.
 ///
 /// One sample is the pixel's center. More are the first points of the two-dimensional Sobol'
@@ -20,19 +24,33 @@ impl Sampler {
         }
     }
 
-    /// Position of a sample within the image, in pixels, for the pixel at column x and row y.
-    pub(super) fn position(&self, [x, y]: [u32; 2], sample: u32) -> [f64; 2] {
-        let offset = if self.sequence.len() == 1 {
-            [0.5, 0.5]
-        } else {
-            let [first, second] = self.sequence[sample as usize];
-            let seed = hash(hash(x) ^ y);
-            [
-                unit_interval(scrambled(first, hash(seed ^ 1))),
-                unit_interval(scrambled(second, hash(seed ^ 2))),
-            ]
-        };
-        [f64::from(x) + offset[0], f64::from(y) + offset[1]]
+    /// How many samples a pixel has.
+    pub(super) fn samples(&self) -> u32 {
+        self.sequence.len() as u32
+    }
+
+    /// What scrambles the two dimensions for the pixel at column x and row y.
+    pub(super) fn seeds([x, y]: [u32; 2]) -> [u32; 2] {
+        let seed = hash(hash(x) ^ y);
+        [hash(seed ^ 1), hash(seed ^ 2)]
+    }
+
+    /// The sequence before it is scrambled.
+    pub(super) fn sequence(&self, sample: u32) -> [u32; 2] {
+        self.sequence[sample as usize]
+    }
+
+    /// Positions of samples within their pixels, from 0 to 1, dimension by dimension: from the sequence
+    /// and the pixels' seeds.
+    #[inline(always)]
+    pub(super) fn offsets<S: Simd>(&self, simd: S, sequence: &[u32], seeds: &[u32]) -> Lanes<S> {
+        if self.sequence.len() == 1 {
+            return Lanes::splat(simd, 0.5);
+        }
+        let sequence = Words::load(simd, sequence);
+        let scrambled = scrambled(simd, sequence, Words::load(simd, seeds));
+        // A fraction of 2³² as a number from 0 to below 1, exactly.
+        scrambled.widened(simd) * (1.0 / 4_294_967_296.0)
     }
 }
 
@@ -50,16 +68,34 @@ fn sobol(index: u32) -> u32 {
     result
 }
 
-/// Nested uniform (Owen) scrambling of a fraction of 2³²: each bit is flipped by a hash of the
-/// bits above it.
-fn scrambled(fraction: u32, seed: u32) -> u32 {
-    let mut bits = fraction.reverse_bits();
-    bits ^= bits.wrapping_mul(0x3d20_adea);
-    bits = bits.wrapping_add(seed);
-    bits = bits.wrapping_mul((seed >> 16) | 1);
-    bits ^= bits.wrapping_mul(0x0552_6c56);
-    bits ^= bits.wrapping_mul(0x53a2_2864);
-    bits.reverse_bits()
+/// Nested uniform (Owen) scrambling of fractions of 2³²: each bit is flipped by a hash of the bits
+/// above it.
+#[inline(always)]
+fn scrambled<S: Simd>(simd: S, fraction: Words<S>, seed: Words<S>) -> Words<S> {
+    let odd = seed.shifted_down(16) | Words::splat(simd, 1);
+    let bits = reversed(simd, fraction);
+    let bits = bits ^ bits * Words::splat(simd, 0x3d20_adea);
+    let bits = (bits + seed) * odd;
+    let bits = bits ^ bits * Words::splat(simd, 0x0552_6c56);
+    let bits = bits ^ bits * Words::splat(simd, 0x53a2_2864);
+    reversed(simd, bits)
+}
+
+/// The bits of each in the opposite order: neighbors change places, then pairs, and so on.
+#[inline(always)]
+fn reversed<S: Simd>(simd: S, bits: Words<S>) -> Words<S> {
+    let bits = swapped(simd, bits, 1, 0x5555_5555);
+    let bits = swapped(simd, bits, 2, 0x3333_3333);
+    let bits = swapped(simd, bits, 4, 0x0f0f_0f0f);
+    let bits = swapped(simd, bits, 8, 0x00ff_00ff);
+    bits.shifted_up(16) | bits.shifted_down(16)
+}
+
+/// Groups of `width` bits change places with their neighbors; `mask` has every other group.
+#[inline(always)]
+fn swapped<S: Simd>(simd: S, bits: Words<S>, width: u32, mask: u32) -> Words<S> {
+    let mask = Words::splat(simd, mask);
+    (bits & mask).shifted_up(width) | (bits.shifted_down(width) & mask)
 }
 
 /// A hash of 32 bits with full avalanche (Wellons 2018, "Prospecting for Hash Functions":
@@ -72,23 +108,33 @@ fn hash(mut bits: u32) -> u32 {
     bits ^ bits >> 16
 }
 
-/// A fraction of 2³² as a number from 0 to below 1, exactly.
-fn unit_interval(fraction: u32) -> f64 {
-    f64::from(fraction) / 4_294_967_296.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Door, Kernel, LANES};
+
+    struct Offsets<'s>(&'s Sampler, [u32; 2]);
+
+    impl Kernel for Offsets<'_> {
+        type Output = Vec<[f64; 2]>;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Self::Output {
+            let Self(sampler, pixel) = self;
+            let seeds = Sampler::seeds(pixel).map(|seed| [seed; LANES]);
+            (0..sampler.samples())
+                .map(|sample| {
+                    let sequence = sampler.sequence(sample).map(|number| [number; LANES]);
+                    [0, 1].map(|dimension: usize| {
+                        sampler.offsets(simd, &sequence[dimension], &seeds[dimension]).to_array()[7]
+                    })
+                })
+                .collect()
+        }
+    }
 
     fn offsets(pixel: [u32; 2], samples: u32) -> Vec<[f64; 2]> {
-        let sampler = Sampler::new(samples);
-        let [x, y] = pixel.map(f64::from);
-        let position = |sample| sampler.position(pixel, sample);
-        (0..samples)
-            .map(position)
-            .map(|p| [p[0] - x, p[1] - y])
-            .collect()
+        Door::default().run(Offsets(&Sampler::new(samples), pixel))
     }
 
     #[test]

@@ -7,9 +7,9 @@ use fearless_simd::Simd;
 use crate::lanes::Lanes;
 
 /// 1/(2k + 1), the coefficients of artanh(s)/s in s². s² is at most (3 − 2√2)² ≈ 0.0295, so the
-/// first term left out is below 0.0295¹¹ / 23 ≈ 6e-19 of the sum.
-const ARTANH: [f64; 11] = {
-    let mut coefficients = [0.0; 11];
+/// first term left out is below 0.0295⁷ / 15 ≈ 1.3e-12 of the sum.
+const ARTANH: [f64; 7] = {
+    let mut coefficients = [0.0; 7];
     let mut k = 0;
     while k < coefficients.len() {
         coefficients[k] = 1.0 / (2 * k + 1) as f64;
@@ -19,9 +19,9 @@ const ARTANH: [f64; 11] = {
 };
 
 /// 1/k!, the coefficients of eˣ. |x| is at most ½ ln 2 ≈ 0.3466, so the first term left out is
-/// below 0.3466¹⁴ / 14! ≈ 4e-18.
-const EXPONENTIAL: [f64; 14] = {
-    let mut coefficients = [1.0; 14];
+/// below 0.3466¹⁰ / 10! ≈ 7e-12.
+const EXPONENTIAL: [f64; 10] = {
+    let mut coefficients = [1.0; 10];
     let mut k = 1;
     while k < coefficients.len() {
         coefficients[k] = coefficients[k - 1] / k as f64;
@@ -40,8 +40,9 @@ const ROUNDS: f64 = 1.5 * (1_u64 << 52) as f64;
 /// The digits of an f64, without sign and exponent.
 const MANTISSA: u64 = (1 << 52) - 1;
 
-/// baseⁿ for a base from 0 to 1 and n above 0. Relative error: below 1e-12 where the result is
-/// above 1e-300, and 0 below that.
+/// baseⁿ for a base from 0 to 1 and n above 0. Relative error: below 2e-9 where the result is above
+/// 1e-300, and below 1e-10 where it is above 1e-30: far less than the rounding of a pixel to f32. The
+/// result is 0 below 2⁻¹⁰²².
 ///
 /// A base above 1, as a cosine may be by rounding, counts as 1.
 pub fn power(base: f64, exponent: f64) -> f64 {
@@ -151,7 +152,7 @@ mod tests {
     use super::*;
 
     /// What the doc comment of [`power`] promises.
-    const RELATIVE_ERROR: f64 = 1e-12;
+    const RELATIVE_ERROR: f64 = 2e-9;
 
     #[test]
     fn agrees_with_the_standard_library() {

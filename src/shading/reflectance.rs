@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::power::powers;
 use crate::lanes::{LANES, Lanes, Mask, Vectors};
-use crate::math::Point;
+use crate::math::{Point, SAFE_SQUARES};
 use crate::visibility::{Points, columns};
 use crate::world::material::Model;
 use crate::world::{Lobes, Material};
@@ -75,7 +75,17 @@ pub(super) fn geometry<S: Simd>(
     let zero = Lanes::splat(simd, 0.0);
     let to_light = -Vectors::load(simd, columns(&points.position, packet)).minus(light.0);
     let square = to_light.dot(to_light);
-    let incident = to_light.times(Lanes::splat(simd, 1.0) / square.sqrt());
+    let least = Lanes::splat(simd, SAFE_SQUARES.start);
+    let most = Lanes::splat(simd, SAFE_SQUARES.end);
+    let is_safe = square.ge(least) & square.lt(most);
+    let mut inverse = square.inverse_root(simd);
+    let mut inverse_square = inverse * inverse;
+    if (!is_safe).any() {
+        let one = Lanes::splat(simd, 1.0);
+        inverse = is_safe.select(inverse, one / square.sqrt());
+        inverse_square = is_safe.select(inverse_square, one / square);
+    }
+    let incident = to_light.times(inverse);
     let normal = Vectors::load(simd, columns(&points.shading_normal, packet));
     let cos_incident = normal.dot(incident).max(zero);
     let specular = if surfaces.any_specular {
@@ -91,7 +101,7 @@ pub(super) fn geometry<S: Simd>(
     // Closer than 1e-154 to a light the quotient is beyond f64, and would make a black channel NaN.
     let largest = Lanes::splat(simd, f64::MAX);
     Lobes {
-        diffuse: (cos_incident / square).min(largest),
-        specular: (specular / square).min(largest),
+        diffuse: (cos_incident * inverse_square).min(largest),
+        specular: (specular * inverse_square).min(largest),
     }
 }

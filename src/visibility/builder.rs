@@ -313,7 +313,7 @@ fn leaf(first: usize, count: usize) -> Child {
 
 impl Part {
     fn may_part(&self) -> bool {
-        !self.is_whole && self.end - self.start > LEAF_SIZE
+        !self.is_whole && self.end - self.start > crate::tune("LEAF", LEAF_SIZE as f64) as usize
     }
 }
 

@@ -13,7 +13,7 @@
 use fearless_simd::Simd;
 
 use super::surface::{BATCH, PACKETS};
-use crate::lanes::{LANES, Lanes, SingleMask, Singles, Slots, Vectors};
+use crate::lanes::{LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
 use crate::math::DVec3;
 
 /// The bound on the error of an affine or quadratic function of x and y, over the sum of the magnitudes
@@ -23,6 +23,9 @@ pub(super) const GIVES_WAY: f32 = 1.0 / (1 << 20) as f32;
 
 /// What an f64 may be off, relative to what it is compared with, to be as good as exact in f32.
 pub(super) const NEGLIGIBLE: f64 = 1.0 / (1 << 25) as f64;
+
+/// Rays whose depth is less than this part of the largest do not go on one canvas: f32 would end.
+const SHALLOWEST: f32 = 1e-30;
 
 /// Rays further from the middle than this, as a tangent, do not go on one canvas.
 const WIDEST: f32 = 2.0;
@@ -164,58 +167,63 @@ impl Canvas {
             return false;
         };
         let (u, v) = w.any_orthonormal_pair();
+        let scale = 1.0 / if have_ends { self.unit } else { middle.length() };
         (self.origin, self.axes) = (origin, [u, v, w]);
         let infinite = Singles::splat(simd, f32::INFINITY);
-        let opposite = Singles::splat(simd, f32::NEG_INFINITY);
+        let one = Singles::splat(simd, 1.0);
         let zero = Singles::splat(simd, 0.0);
-        let mut shallowest = Lanes::splat(simd, f64::INFINITY);
+        let mut shallowest = infinite;
+        let mut sides = [[infinite; PACKETS]; 4];
+        let mut far = [infinite; PACKETS];
         for packet in 0..PACKETS {
             let first = packet * LANES;
             let bits = asked[packet];
             (self.doubtful[packet], self.undecided[packet]) = (0, 0);
             if bits == 0 {
-                for (row, side) in self.boxes.iter_mut().zip([1.0, -1.0, 1.0, -1.0]) {
-                    row.0[packet] = side * f32::INFINITY;
-                }
-                self.far.0[packet] = f32::INFINITY;
                 continue;
             }
             let direction = direction(packet);
-            let depth = direction.dot_with(w);
-            let is_asked = crate::lanes::Mask::from_bits(simd, bits);
-            shallowest = is_asked.select(depth, shallowest).min(shallowest);
-            let inverse = Lanes::splat(simd, 1.0) / depth;
-            let x = (direction.dot_with(u) * inverse).narrowed(simd);
-            let y = (direction.dot_with(v) * inverse).narrowed(simd);
+            let is_asked = SingleMask::from_bits(simd, bits);
+            // In units of the largest, which are far from the ends of f32.
+            let depth = (direction.dot_with(w) * scale).narrowed(simd);
+            shallowest = is_asked.select(depth, infinite).min(shallowest);
+            let inverse = one / depth;
+            let x = (direction.dot_with(u) * scale).narrowed(simd) * inverse;
+            let y = (direction.dot_with(v) * scale).narrowed(simd) * inverse;
             x.store(&mut self.x.0[first..]);
             y.store(&mut self.y.0[first..]);
-            let is_asked = SingleMask::from_bits(simd, bits);
-            self.boxes[0].0[packet] = is_asked.select(x, infinite).smallest();
-            self.boxes[1].0[packet] = is_asked.select(x, opposite).largest();
-            self.boxes[2].0[packet] = is_asked.select(y, infinite).smallest();
-            self.boxes[3].0[packet] = is_asked.select(y, opposite).largest();
+            sides[0][packet] = is_asked.select(x, infinite);
+            sides[1][packet] = is_asked.select(zero - x, infinite);
+            sides[2][packet] = is_asked.select(y, infinite);
+            sides[3][packet] = is_asked.select(zero - y, infinite);
             let (least, most) = if have_ends {
-                let closeness = (inverse * self.unit).narrowed(simd);
-                let closeness = closeness.min(Singles::splat(simd, CLOSEST));
+                let closeness = inverse.min(Singles::splat(simd, CLOSEST));
                 (
                     closeness * Singles::splat(simd, 1.0 - GIVES_WAY),
                     closeness * Singles::splat(simd, 1.0 + GIVES_WAY),
                 )
             } else {
-                Slots::splat(simd, NOTHING).store(&mut self.slots[first..]);
+                Words::splat(simd, NOTHING).store(&mut self.slots[first..]);
                 (zero, zero)
             };
-            let least = is_asked.select(least, infinite);
-            least.store(&mut self.least.0[first..]);
-            is_asked.select(most, infinite).store(&mut self.most.0[first..]);
-            self.far.0[packet] = if have_ends { least.smallest() } else { 0.0 };
+            far[packet] = is_asked.select(least, infinite);
+            far[packet].store(&mut self.least.0[first..]);
+            is_asked
+                .select(most, infinite)
+                .store(&mut self.most.0[first..]);
         }
+        let [left, right, bottom, top] = sides;
+        smallest_of_each(left).store(&mut self.boxes[0].0);
+        (zero - smallest_of_each(right)).store(&mut self.boxes[1].0);
+        smallest_of_each(bottom).store(&mut self.boxes[2].0);
+        (zero - smallest_of_each(top)).store(&mut self.boxes[3].0);
+        smallest_of_each(far).store(&mut self.far.0);
         let [left, right, bottom, top] = self.bounds(simd);
         self.extent = [
             f64::from(right.max(-left)),
             f64::from(top.max(-bottom)),
         ];
-        shallowest.smallest() > 0.0 && right.max(-left) <= WIDEST && top.max(-bottom) <= WIDEST
+        shallowest.smallest() > SHALLOWEST && right.max(-left) <= WIDEST && top.max(-bottom) <= WIDEST
     }
 
     /// The least and the largest x and y of all rays that still ask.
@@ -260,14 +268,12 @@ impl Canvas {
     /// One bit for each packet that a shape of this extent may be of interest to.
     #[inline(always)]
     pub(super) fn meets<S: Simd>(&self, simd: S, extent: &Extent) -> u32 {
-        let load = |row: &Row| Singles::load(simd, &row.0);
-        let splat = |value: f32| Singles::splat(simd, value);
         let [left, right, bottom, top] = &self.boxes;
-        let meets = load(left).le(splat(extent.x[1]))
-            & load(right).ge(splat(extent.x[0]))
-            & load(bottom).le(splat(extent.y[1]))
-            & load(top).ge(splat(extent.y[0]))
-            & load(&self.far).le(splat(extent.most));
+        let meets = Singles::load(simd, &left.0).le(Singles::splat(simd, extent.x[1]))
+            & Singles::load(simd, &right.0).ge(Singles::splat(simd, extent.x[0]))
+            & Singles::load(simd, &bottom.0).le(Singles::splat(simd, extent.y[1]))
+            & Singles::load(simd, &top.0).ge(Singles::splat(simd, extent.y[0]))
+            & Singles::load(simd, &self.far.0).le(Singles::splat(simd, extent.most));
         meets.to_bits()
     }
 
@@ -326,8 +332,8 @@ impl Verdict for First {
         let most_of_both = most.max(claim.most);
         let most = SingleMask::from_bits(simd, doubt).select(most_of_both, most);
         is_nearer.select(claim.most, most).store(&mut canvas.most.0[first..]);
-        let slots = Slots::load(simd, &canvas.slots[first..]);
-        let slots = is_nearer.select_slots(Slots::splat(simd, slot), slots);
+        let slots = Words::load(simd, &canvas.slots[first..]);
+        let slots = is_nearer.select_words(Words::splat(simd, slot), slots);
         slots.store(&mut canvas.slots[first..]);
         canvas.doubtful[packet] = canvas.doubtful[packet] & !nearer | doubt;
         canvas.far.0[packet] = least.smallest();
@@ -346,7 +352,7 @@ impl Verdict for Reached<'_> {
     #[inline(always)]
     fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32, claim: Claim<S>) {
         let first = packet * LANES;
-        let own = Slots::load(simd, &self.0[first..]).eq(Slots::splat(simd, slot));
+        let own = Words::load(simd, &self.0[first..]).eq(Words::splat(simd, slot));
         let least = Singles::load(simd, &canvas.least.0[first..]);
         let maybe = claim.maybe & claim.most.ge(least) & !own;
         let bits = maybe.to_bits();
@@ -368,13 +374,13 @@ impl Verdict for Reached<'_> {
 
     #[inline(always)]
     fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32) {
-        let own = Slots::load(simd, &self.0[packet * LANES..]).eq(Slots::splat(simd, slot));
+        let own = Words::load(simd, &self.0[packet * LANES..]).eq(Words::splat(simd, slot));
         canvas.undecided[packet] |= (canvas.asking(simd, packet) & !own).to_bits();
     }
 
     #[inline(always)]
     fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32) {
-        let own = Slots::load(simd, &self.0[packet * LANES..]).eq(Slots::splat(simd, slot));
+        let own = Words::load(simd, &self.0[packet * LANES..]).eq(Words::splat(simd, slot));
         canvas.undecided[packet] |= (canvas.asking(simd, packet) & own).to_bits();
     }
 }

@@ -89,6 +89,7 @@ pub struct Visibility<'w> {
     is_smooth: bool,
     /// A point amid the shapes.
     somewhere: DVec3,
+    spread: f64,
 }
 
 /// What a thread needs to trace batches, to be used again and again.
@@ -183,6 +184,7 @@ impl<'w> Visibility<'w> {
             spheres,
             triangles,
             is_smooth,
+            spread: crate::tune("SPREAD", MOST_SPREAD),
         }
     }
 
@@ -318,7 +320,12 @@ impl<'w> Visibility<'w> {
             (ball.primitive(), t)
         } else {
             let facet = self.triangles.get(slot);
-            let corners = facet.vertices().map(|vertex| Vectors::splat(simd, vertex));
+            let [a, b, c] = facet.vertices();
+            let corners = [
+                Vectors::splat(simd, a),
+                Vectors::splat(simd, b),
+                Vectors::splat(simd, c),
+            ];
             let (_, t) = triangle::met(corners, rays, asked);
             (facet.primitive(), t)
         }
@@ -439,7 +446,7 @@ impl<'w> Visibility<'w> {
                 members += bits.count_ones();
             }
             let is_worth = members >= FEW;
-            if is_worth && spread[widest] > size * MOST_SPREAD {
+            if is_worth && spread[widest] > size * self.spread {
                 // Points too far apart for one shaft part into groups.
                 let middle = Lanes::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
                 let mut lower = group;

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict};
-use crate::lanes::{LANES, Lanes, SingleMask, Singles, Vectors};
+use crate::lanes::{LANES, Lanes, Mask, SingleMask, Singles, Vectors};
 use crate::math::DVec3;
 
 /// A function c₀ + c₁ x + c₂ y on the canvas.
@@ -13,8 +13,9 @@ struct Affine([f32; 3]);
 impl Affine {
     #[inline(always)]
     fn at<S: Simd>(self, simd: S, [x, y]: [Singles<S>; 2]) -> Singles<S> {
-        let [c, cx, cy] = self.0.map(|c| Singles::splat(simd, c));
-        x.times_plus(cx, y.times_plus(cy, c))
+        let [c, cx, cy] = self.0;
+        let cy = y.times_plus(Singles::splat(simd, cy), Singles::splat(simd, c));
+        x.times_plus(Singles::splat(simd, cx), cy)
     }
 }
 
@@ -27,7 +28,8 @@ impl Affines {
 
     #[inline(always)]
     fn get(&self, index: usize) -> Affine {
-        Affine(self.0.each_ref().map(|row| row.0[index]))
+        let [constant, x, y] = &self.0;
+        Affine([constant.0[index], x.0[index], y.0[index]])
     }
 
     #[inline(always)]
@@ -37,6 +39,30 @@ impl Affines {
         c.x.narrowed(simd).store(&mut x.0);
         c.y.narrowed(simd).store(&mut y.0);
     }
+}
+
+impl Affines {
+    /// Takes edge functions, with the sign that makes them positive inside and over their magnitudes;
+    /// whether these are above what they may be off.
+    #[inline(always)]
+    fn store_edge<S: Simd>(
+        &mut self,
+        simd: S,
+        edge: Vectors<S>,
+        sign: Lanes<S>,
+        extent: [f64; 2],
+        error: Lanes<S>,
+    ) -> Mask<S> {
+        let magnitude = magnitude(edge, extent);
+        self.store(simd, edge.times(sign / magnitude));
+        magnitude.gt(error)
+    }
+}
+
+/// The sum of the magnitudes of the terms of functions on a canvas, at most.
+#[inline(always)]
+fn magnitude<S: Simd>(c: Vectors<S>, [x, y]: [f64; 2]) -> Lanes<S> {
+    c.x.abs() * x + c.y.abs() * y + c.z.abs()
 }
 
 /// The outlines of sixteen triangles.
@@ -93,87 +119,86 @@ impl Outlines {
         corners: [Vectors<S>; 3],
         bits: u32,
     ) {
-        let splat = |value: f64| Lanes::splat(simd, value);
         let [first, second, third] = corners;
         let a = turned(first.minus(canvas.origin), canvas.axes);
         let ab = turned(second - first, canvas.axes);
         let ac = turned(third - first, canvas.axes);
         let (b, c) = (a + ab, a + ac);
-        let [ab_size, ac_size] = [ab.taxicab(), ac.taxicab()];
+        let (ab_size, ac_size) = (ab.taxicab(), ac.taxicab());
         let size = a.taxicab() + ab_size + ac_size;
 
         // The box, where all corners are clearly before the canvas's origin.
+        let give = f64::from(GIVES_WAY);
+        let one = Lanes::splat(simd, 1.0);
+        let infinite = Lanes::splat(simd, f64::INFINITY);
         let nearest = a.z.min(b.z).min(c.z);
         let is_before = nearest.gt(size * NEGLIGIBLE);
-        let one = splat(1.0);
-        let inverse = [one / a.z, one / b.z, one / c.z];
-        let xs = [a.x * inverse[0], b.x * inverse[1], c.x * inverse[2]];
-        let ys = [a.y * inverse[0], b.y * inverse[1], c.y * inverse[2]];
+        let (in_a, in_b, in_c) = (one / a.z, one / b.z, one / c.z);
         let [extent_x, extent_y] = canvas.extent;
-        let sides = [
-            (xs[0].min(xs[1]).min(xs[2]), -1.0, extent_x),
-            (xs[0].max(xs[1]).max(xs[2]), 1.0, extent_x),
-            (ys[0].min(ys[1]).min(ys[2]), -1.0, extent_y),
-            (ys[0].max(ys[1]).max(ys[2]), 1.0, extent_y),
-        ];
-        let give = f64::from(GIVES_WAY);
-        let [left, right, bottom, top] = sides.map(|(side, sign, extent)| {
-            let side = side + (side.abs() + extent) * (sign * give);
-            let side = is_before.select(side, splat(sign * f64::INFINITY));
-            side.narrowed(simd)
-        });
-        let most = splat(canvas.unit * (1.0 + give)) / nearest;
-        let most = is_before.select(most, splat(f64::INFINITY)).narrowed(simd);
+        let (ax, bx, cx) = (a.x * in_a, b.x * in_b, c.x * in_c);
+        let (ay, by, cy) = (a.y * in_a, b.y * in_b, c.y * in_c);
+        let (least_x, most_x) = (ax.min(bx).min(cx), ax.max(bx).max(cx));
+        let (least_y, most_y) = (ay.min(by).min(cy), ay.max(by).max(cy));
+        let least_x = least_x - (least_x.abs() + extent_x) * give;
+        let least_y = least_y - (least_y.abs() + extent_y) * give;
+        let most_x = most_x + (most_x.abs() + extent_x) * give;
+        let most_y = most_y + (most_y.abs() + extent_y) * give;
+        let left = is_before.select(least_x, -infinite).narrowed(simd);
+        let right = is_before.select(most_x, infinite).narrowed(simd);
+        let bottom = is_before.select(least_y, -infinite).narrowed(simd);
+        let top = is_before.select(most_y, infinite).narrowed(simd);
+        let most = in_a.max(in_b).max(in_c) * (canvas.unit * (1.0 + give));
+        let most = is_before.select(most, infinite).narrowed(simd);
         let [all_left, all_right, all_bottom, all_top] = canvas.bounds(simd);
-        let single = |value: f32| Singles::splat(simd, value);
-        let meets = left.le(single(all_right))
-            & right.ge(single(all_left))
-            & bottom.le(single(all_top))
-            & top.ge(single(all_bottom))
-            & most.ge(single(canvas.farthest(simd)));
+        let meets = left.le(Singles::splat(simd, all_right))
+            & right.ge(Singles::splat(simd, all_left))
+            & bottom.le(Singles::splat(simd, all_top))
+            & top.ge(Singles::splat(simd, all_bottom))
+            & most.ge(Singles::splat(simd, canvas.farthest(simd)));
         self.of_interest = meets.to_bits() & bits;
         if self.of_interest == 0 {
             return;
         }
-        for (row, side) in self.boxes.iter_mut().zip([left, right, bottom, top]) {
-            side.store(&mut row.0);
-        }
+        left.store(&mut self.boxes[0].0);
+        right.store(&mut self.boxes[1].0);
+        bottom.store(&mut self.boxes[2].0);
+        top.store(&mut self.boxes[3].0);
         most.store(&mut self.most.0);
 
         // Twice the areas that the edges span with the origin, as vectors: the edge functions. Of a
         // corner and an edge, not of two corners: the products of these would cancel.
-        let edges = [b.cross(ac - ab), ac.cross(a), a.cross(ab)];
-        let lengths = [(ac - ab).taxicab(), ac_size, ab_size];
+        let bc = ac - ab;
         let normal = ab.cross(ac);
         let normal_size = normal.taxicab();
         let volume = a.dot(normal);
-        let least_volume = normal_size
-            * (size * NEGLIGIBLE + canvas.error / NEGLIGIBLE);
-        let mut is_told = volume.abs().gt(least_volume)
+        let least_volume = normal_size * (size * NEGLIGIBLE + canvas.error / NEGLIGIBLE);
+        let is_clear = volume.abs().gt(least_volume)
             & normal_size.gt(ab_size * ac_size * NEGLIGIBLE);
-        let sign = volume.gt(splat(0.0)).select(one, splat(-1.0));
-        let magnitude =
-            |c: Vectors<S>| c.x.abs() * extent_x + c.y.abs() * extent_y + c.z.abs();
-        for ((edge, length), stored) in edges.into_iter().zip(lengths).zip(&mut self.edges) {
-            let magnitude = magnitude(edge);
-            is_told = is_told & magnitude.gt(size * length * NEGLIGIBLE);
-            stored.store(simd, edge.times(sign / magnitude));
-        }
-        let closeness = normal.times(splat(canvas.unit) / volume);
-        let magnitude = magnitude(closeness);
-        is_told = is_told
-            & magnitude.gt(splat(1.0 / CLOSENESS))
-            & magnitude.lt(splat(CLOSENESS));
+        let sign = volume.is_positive().select(one, -one);
+        let thickness = size * NEGLIGIBLE;
+        let extent = canvas.extent;
+        let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
+        let is_told = is_clear
+            & opposite_a.store_edge(simd, b.cross(bc), sign, extent, thickness * bc.taxicab())
+            & opposite_b.store_edge(simd, ac.cross(a), sign, extent, thickness * ac_size)
+            & opposite_c.store_edge(simd, a.cross(ab), sign, extent, thickness * ab_size);
+        let closeness = normal.times(Lanes::splat(simd, canvas.unit) / volume);
+        let magnitude = magnitude(closeness, extent);
+        let is_told = is_told
+            & magnitude.gt(Lanes::splat(simd, 1.0 / CLOSENESS))
+            & magnitude.lt(Lanes::splat(simd, CLOSENESS));
         self.closeness.store(simd, closeness);
-        (magnitude * give).narrowed(simd).store(&mut self.closeness_error.0);
+        (magnitude * give)
+            .narrowed(simd)
+            .store(&mut self.closeness_error.0);
         self.untold = !is_told.to_bits();
     }
 
     fn extent(&self, index: usize) -> Extent {
-        let [left, right, bottom, top] = self.boxes.each_ref().map(|row| row.0[index]);
+        let [left, right, bottom, top] = &self.boxes;
         Extent {
-            x: [left, right],
-            y: [bottom, top],
+            x: [left.0[index], right.0[index]],
+            y: [bottom.0[index], top.0[index]],
             most: self.most.0[index],
         }
     }
@@ -237,7 +262,13 @@ pub(super) fn cast_plane<S: Simd>(
 ) {
     let to_point = point - canvas.origin;
     let height = normal.dot(to_point);
-    let [x, y, z] = canvas.axes.map(|axis| axis.dot(normal) * (canvas.unit / height));
+    let [u, v, w] = canvas.axes;
+    let scale = canvas.unit / height;
+    let (x, y, z) = (
+        u.dot(normal) * scale,
+        v.dot(normal) * scale,
+        w.dot(normal) * scale,
+    );
     let [extent_x, extent_y] = canvas.extent;
     let magnitude = x.abs() * extent_x + y.abs() * extent_y + z.abs();
     let is_told = height.abs() > to_point.length() * NEGLIGIBLE + canvas.error / NEGLIGIBLE
@@ -284,7 +315,8 @@ pub(super) fn cast_sphere<S: Simd>(
     verdict: impl Verdict,
 ) {
     let from_origin = center - canvas.origin;
-    let [x, y, z] = canvas.axes.map(|axis| axis.dot(from_origin));
+    let [u, v, w] = canvas.axes;
+    let (x, y, z) = (u.dot(from_origin), v.dot(from_origin), w.dot(from_origin));
     let extent = disc_extent(canvas, [x, y, z], radius);
     let mut packets = canvas.meets(simd, &extent);
     if packets == 0 {
@@ -299,27 +331,31 @@ pub(super) fn cast_sphere<S: Simd>(
         DVec3::new(-z, 0.0, x),
     ];
     let square = radius * radius;
-    let terms = [
-        square - g[0].length_squared(),
-        -2.0 * g[0].dot(g[1]),
-        -2.0 * g[0].dot(g[2]),
-        square - g[1].length_squared(),
-        -2.0 * g[1].dot(g[2]),
-        square - g[2].length_squared(),
-    ];
+    let c = square - g[0].length_squared();
+    let (cx, cy) = (-2.0 * g[0].dot(g[1]), -2.0 * g[0].dot(g[2]));
+    let cxx = square - g[1].length_squared();
+    let cxy = -2.0 * g[1].dot(g[2]);
+    let cyy = square - g[2].length_squared();
     let [ex, ey] = canvas.extent;
-    let powers = [1.0, ex, ey, ex * ex, ex * ey, ey * ey];
-    let mut magnitude = square + g[0].length_squared();
-    for (term, power) in terms.iter().zip(powers).skip(1) {
-        magnitude += term.abs() * power;
-    }
-    let [c, cx, cy, cxx, cxy, cyy] =
-        terms.map(|term| Singles::splat(simd, (term / magnitude) as f32));
+    let magnitude = square
+        + g[0].length_squared()
+        + cx.abs() * ex
+        + cy.abs() * ey
+        + cxx.abs() * (ex * ex)
+        + cxy.abs() * (ex * ey)
+        + cyy.abs() * (ey * ey);
+    let over_magnitude = 1.0 / magnitude;
+    let c = Singles::splat(simd, (c * over_magnitude) as f32);
+    let cx = Singles::splat(simd, (cx * over_magnitude) as f32);
+    let cy = Singles::splat(simd, (cy * over_magnitude) as f32);
+    let cxx = Singles::splat(simd, (cxx * over_magnitude) as f32);
+    let cxy = Singles::splat(simd, (cxy * over_magnitude) as f32);
+    let cyy = Singles::splat(simd, (cyy * over_magnitude) as f32);
     // With b = oc · d and c = |oc|² − R², t = c / (b ± √…), the nearer root of which is before a point
     // outside and behind one inside.
     let scale = canvas.unit / (clearance * (distance + radius));
-    let along = [z * scale, x * scale, y * scale];
-    let along_size = along[0].abs() + along[1].abs() * ex + along[2].abs() * ey;
+    let (along, along_x, along_y) = (z * scale, x * scale, y * scale);
+    let along_size = along.abs() + along_x.abs() * ex + along_y.abs() * ey;
     let root_scale = magnitude.sqrt() * scale.abs();
     let error = along_size * f64::from(GIVES_WAY) + root_scale * ROOT_ERROR;
     let size = along_size + root_scale;
@@ -328,7 +364,7 @@ pub(super) fn cast_sphere<S: Simd>(
         && (1.0 / CLOSENESS..CLOSENESS).contains(&size);
     // Seen from outside, a sphere does not hide points of its own that face the light.
     let own_is_safe = shows_outside || clearance < 0.0;
-    let along = Affine(along.map(|c| c as f32));
+    let along = Affine([along as f32, along_x as f32, along_y as f32]);
     let error = Singles::splat(simd, error as f32);
     // Where it is not sure that the sphere is met, the root is below that of 2 · SURELY.
     let edge_error = Singles::splat(simd, root_scale as f32 * (2.0 * SURELY).sqrt());
@@ -404,16 +440,26 @@ pub(super) fn side_by_side<S: Simd>(
     bits: u32,
     corners: impl Fn(usize) -> [DVec3; 3],
 ) -> [Vectors<S>; 3] {
-    let mut columns = [[[0.0; LANES]; 3]; 3];
+    let mut columns = [[0.0; LANES]; 9];
     let mut bits = bits;
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
-        for (columns, corner) in columns.iter_mut().zip(corners(lane)) {
-            for (column, number) in columns.iter_mut().zip(corner.to_array()) {
-                column[lane] = number;
-            }
-        }
+        let [a, b, c] = corners(lane);
+        columns[0][lane] = a.x;
+        columns[1][lane] = a.y;
+        columns[2][lane] = a.z;
+        columns[3][lane] = b.x;
+        columns[4][lane] = b.y;
+        columns[5][lane] = b.z;
+        columns[6][lane] = c.x;
+        columns[7][lane] = c.y;
+        columns[8][lane] = c.z;
     }
-    columns.each_ref().map(|[x, y, z]| Vectors::load(simd, [x, y, z]))
+    let [ax, ay, az, bx, by, bz, cx, cy, cz] = &columns;
+    [
+        Vectors::load(simd, [ax, ay, az]),
+        Vectors::load(simd, [bx, by, bz]),
+        Vectors::load(simd, [cx, cy, cz]),
+    ]
 }

@@ -42,7 +42,7 @@ pub(super) fn occlude<S: Simd>(simd: S, plane: &Plane, shadow: &mut Shadow<'_, S
         .primitive
         .eq(Primitive::whole(plane.object).lanes(simd));
     // The sum of the components' magnitudes is at least the length.
-    let length = to_point.x.abs() + to_point.y.abs() + to_point.z.abs();
+    let length = to_point.taxicab();
     // Positive where the point is on the other side than the light.
     let beyond = if light_height > 0.0 {
         -point_height

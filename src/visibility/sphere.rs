@@ -163,7 +163,7 @@ impl Shape for Ball {
             .eq(Primitive::whole(self.object).lanes(simd));
         // | |p − c| − R | within the rounding error, without the root: |p − c|² − R² is that times
         // |p − c| + R, and the sum of the components' magnitudes is at least the length.
-        let reach = outwards.x.abs() + outwards.y.abs() + outwards.z.abs() + self.radius;
+        let reach = outwards.taxicab() + self.radius;
         let at_point = points.error + reach * ROUNDING;
         let off = (distance_square - self.radius * self.radius).abs();
         let is_on = is_own | off.le(at_point * reach);

@@ -5,8 +5,8 @@ use fearless_simd::Simd;
 use super::canvas::NOTHING;
 use super::packet::{Nearest, Rays};
 use super::{Primitive, ROUNDING, SPHERES, Visibility, outline, triangle};
-use crate::lanes::{LANES, Lanes, Mask, Slots, Vectors};
-use crate::math::{DVec3, Direction, Point};
+use crate::lanes::{LANES, Lanes, Mask, Words, Vectors};
+use crate::math::{DVec3, Direction, Point, SAFE_SQUARES};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 use crate::world::{Shape, World};
 
@@ -141,10 +141,7 @@ impl Points {
         let first_lane = packet * LANES;
         let infinite = Lanes::splat(simd, f64::INFINITY);
         let asked = (nearest.t.lt(infinite) & nearest.asked).to_bits();
-        let mut found = 0;
-        for (lane, &slot) in slots.iter().enumerate() {
-            found |= u32::from(slot != NOTHING) << lane;
-        }
+        let found = below(simd, slots, NOTHING);
         let bits = asked | found & met;
         self.hit[packet] = bits;
         if bits == 0 {
@@ -152,8 +149,8 @@ impl Points {
         }
         let first = bits.trailing_zeros() as usize;
         let is_one = asked == 0 && {
-            let one = Slots::splat(simd, slots[first]);
-            Slots::load(simd, slots).eq(one).to_bits() & bits == bits
+            let one = Words::splat(simd, slots[first]);
+            Words::load(simd, slots).eq(one).to_bits() & bits == bits
         };
         let (reference, tangent, is_curved, t);
         if is_one {
@@ -168,6 +165,34 @@ impl Points {
             self.slots[lanes.clone()].fill(slots[first]);
             self.material[lanes].fill(source.material);
             self.is_uniform[packet] = true;
+        } else if asked == 0 && below(simd, slots, SPHERES) & bits == bits {
+            let triangles = &visibility.triangles;
+            let corners = outline::side_by_side(
+                simd,
+                bits,
+                #[inline(always)]
+                |lane| triangles.get(slots[lane]).vertices(),
+            );
+            let [a, b, c] = corners;
+            t = triangle::met(corners, rays, Mask::from_bits(simd, bits)).1;
+            reference = unit(simd, (b - a).cross(c - a), bits);
+            tangent = a;
+            is_curved = Mask::from_bits(simd, 0);
+            self.slots[first_lane..first_lane + LANES].copy_from_slice(slots);
+            let (mut object, mut material) = (u32::MAX, 0);
+            let mut are_uniform = true;
+            for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+                let primitive = triangles.get(slots[lane]).primitive();
+                self.primitive[first_lane + lane] = primitive.0;
+                let (of, _) = primitive.parts();
+                if of != object {
+                    let its = world.objects()[of as usize].material as u32;
+                    are_uniform &= object == u32::MAX || its == material;
+                    (object, material) = (of, its);
+                }
+                self.material[first_lane + lane] = material;
+            }
+            self.is_uniform[packet] = are_uniform;
         } else {
             let mut sources = Sources::new(simd, nearest);
             sources.ask_triangles(simd, visibility, rays, slots, found & met);
@@ -194,21 +219,23 @@ impl Points {
         let way = rays.direction.times(t);
         let position = rays.origin + way;
         let to_viewer = unit(simd, -rays.direction, bits);
-        let outwards = unit(simd, position - reference, bits & is_curved.to_bits());
-        // A sphere smaller than the rounding of its place faces the viewer.
-        let has_direction = outwards.dot(outwards).is_positive();
-        let outwards = has_direction.select_vectors(outwards, to_viewer);
-        let normal = is_curved.select_vectors(outwards, reference);
+        let curved = bits & is_curved.to_bits();
+        let normal = if curved == 0 {
+            reference
+        } else {
+            let outwards = unit(simd, position - reference, curved);
+            // A sphere smaller than the rounding of its place faces the viewer.
+            let has_direction = outwards.dot(outwards).is_positive();
+            let outwards = has_direction.select_vectors(outwards, to_viewer);
+            is_curved.select_vectors(outwards, reference)
+        };
         let is_turned = normal.dot(to_viewer).lt(Lanes::splat(simd, 0.0));
         let geometric = is_turned.select_vectors(-normal, normal);
         let tangent = is_curved.select_vectors(position, tangent);
         // t comes from the way to the shape's own reference, and is rounded with it; then one rounding
         // for the product and one for the sum.
-        let origin_length = match rays.shared_origin {
-            Some(origin) => Lanes::splat(simd, origin.length()),
-            None => length(rays.origin),
-        };
-        let magnitude = origin_length + length(way) + length(tangent - rays.origin);
+        let magnitude =
+            rays.origin.taxicab() + way.taxicab() + (tangent - rays.origin).taxicab();
         let error = magnitude * ROUNDING;
 
         let is_hit = Mask::from_bits(simd, bits);
@@ -223,6 +250,12 @@ impl Points {
         to_viewer.store(columns_mut(&mut self.to_viewer, packet));
         geometric.store(columns_mut(&mut self.geometric_normal, packet));
         geometric.store(columns_mut(&mut self.shading_normal, packet));
+    }
+
+    /// Whether a ray of the batch hits something.
+    #[inline(always)]
+    pub(crate) fn is_hit(&self, slot: usize) -> bool {
+        self.hit[slot / LANES] >> (slot % LANES) & 1 == 1
     }
 
     /// Puts interpolated normals where a smooth mesh is hit.
@@ -298,6 +331,14 @@ pub(crate) struct Facing {
     pub(crate) at: u32,
 }
 
+/// One bit for each slot of a packet below another.
+#[inline(always)]
+fn below<S: Simd>(simd: S, slots: &[u32], end: u32) -> u32 {
+    Words::load(simd, slots)
+        .lt(Words::splat(simd, end))
+        .to_bits()
+}
+
 /// What the primitives of a packet's rays say about the points, ray by ray.
 struct Sources {
     t: [f64; LANES],
@@ -355,11 +396,7 @@ impl Sources {
         slots: &[u32],
         met: u32,
     ) {
-        let mut bits = 0;
-        for (lane, &slot) in slots.iter().enumerate() {
-            bits |= u32::from(slot < SPHERES) << lane;
-        }
-        let bits = bits & met;
+        let bits = below(simd, slots, SPHERES) & met;
         if bits == 0 {
             return;
         }
@@ -402,11 +439,7 @@ impl Sources {
         slots: &[u32],
         met: u32,
     ) {
-        let mut left = 0;
-        for (lane, &slot) in slots.iter().enumerate() {
-            left |= u32::from(slot >= SPHERES) << lane;
-        }
-        left &= met;
+        let mut left = met & !below(simd, slots, SPHERES);
         while left != 0 {
             let slot = slots[left.trailing_zeros() as usize];
             let mut bits = 0;
@@ -460,22 +493,14 @@ fn source(world: &World, primitive: Primitive) -> Source {
     }
 }
 
-#[inline(always)]
-fn length<S: Simd>(vector: Vectors<S>) -> Lanes<S> {
-    vector.dot(vector).sqrt()
-}
-
-/// Squared lengths in this range have all their digits, and so have their square roots.
-const SAFE_SQUARES: [f64; 2] = [1e-200, 1e200];
-
 /// Vectors at unit length; 0 for those of `asked` that have no direction.
 #[inline(always)]
 fn unit<S: Simd>(simd: S, vectors: Vectors<S>, asked: u32) -> Vectors<S> {
     let square = vectors.dot(vectors);
-    let least = Lanes::splat(simd, SAFE_SQUARES[0]);
-    let most = Lanes::splat(simd, SAFE_SQUARES[1]);
+    let least = Lanes::splat(simd, SAFE_SQUARES.start);
+    let most = Lanes::splat(simd, SAFE_SQUARES.end);
     let is_safe = (square.ge(least) & square.lt(most)).to_bits();
-    let units = vectors.times(Lanes::splat(simd, 1.0) / square.sqrt());
+    let units = vectors.times(square.inverse_root(simd));
     let unsafe_lanes = asked & !is_safe;
     if unsafe_lanes == 0 {
         return units;

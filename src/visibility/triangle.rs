@@ -230,7 +230,12 @@ impl Shape for Facet {
         if !passes.any() {
             return;
         }
-        let corners = self.vertices.map(|vertex| Vectors::splat(simd, vertex));
+        let [a, b, c] = self.vertices;
+        let corners = [
+            Vectors::splat(simd, a),
+            Vectors::splat(simd, b),
+            Vectors::splat(simd, c),
+        ];
         let (is_met, t) = met(corners, &packet.rays, passes);
         nearest.offer(simd, passes & is_met, t, self.primitive);
     }
@@ -288,7 +293,7 @@ impl Shape for Facet {
             point_height
         };
         // The sum of the components' magnitudes is at least the length.
-        let length = to_point.x.abs() + to_point.y.abs() + to_point.z.abs();
+        let length = to_point.taxicab();
         let is_clear = beyond.gt((points.error + length * ROUNDING) * scale);
         let is_own = points.primitive.eq(self.primitive.lanes(simd));
         shadow.hide(passes & is_clear & !is_own);

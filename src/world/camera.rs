@@ -76,10 +76,8 @@ impl Camera {
     /// image's vertical extent from −1 to 1, y up.
     fn image_plane(&self, x: f64, y: f64) -> [f64; 2] {
         let [width, height] = self.resolution.map(f64::from);
-        [
-            (2.0 * x / width - 1.0) * (width / height),
-            1.0 - 2.0 * y / height,
-        ]
+        let pixel = 2.0 / height;
+        [(x - width * 0.5) * pixel, (height * 0.5 - y) * pixel]
     }
 
     /// The primary ray through the point (x, y) of the image, in pixels. Its direction is not of
@@ -104,8 +102,9 @@ impl Camera {
     #[inline(always)]
     pub(crate) fn varying<S: Simd>(&self, simd: S, x: Lanes<S>, y: Lanes<S>) -> Vectors<S> {
         let [width, height] = self.resolution.map(f64::from);
-        let x = (x * 2.0 / width - 1.0) * (width / height);
-        let y = Lanes::splat(simd, 1.0) - y * 2.0 / height;
+        let pixel = 2.0 / height;
+        let x = (x - width * 0.5) * pixel;
+        let y = (Lanes::splat(simd, height * 0.5) - y) * pixel;
         let (start, half) = match self.projection {
             Projection::Perspective { half_height } => (self.forward.get(), half_height),
             Projection::Orthographic { half_height } => (self.eye.0, half_height),
