@@ -137,5 +137,10 @@ pub fn tune(name: &str, default: f64) -> f64 {
     static LEAF: OnceLock<f64> = OnceLock::new();
     static SPREAD: OnceLock<f64> = OnceLock::new();
     let cell = if name == "LEAF" { &LEAF } else { &SPREAD };
-    *cell.get_or_init(|| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default))
+    *cell.get_or_init(|| {
+        std::env::var(name)
+            .ok()
+            .and_then(|v| v.parse().ok())
+            .unwrap_or(default)
+    })
 }

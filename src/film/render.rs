@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::bands::{self, Geometry, Place};
 use super::sampling::Sampler;
 use super::{Film, Layers, Metadata, Window};
-use crate::lanes::{Door, Kernel, LANES, Words};
+use crate::lanes::{Door, Kernel, LANES, Lanes, Words};
 use crate::shading::{self, Shaded, Term};
 use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
@@ -175,7 +175,7 @@ struct Work<'w> {
 struct Space {
     /// Column and row of the tile's pixels.
     pixels: Vec<[u32; 2]>,
-    sums: Vec<PixelSum>,
+    sums: PixelSums,
     batch: Batch,
     tracing: Workspace,
     points: Points,
@@ -226,7 +226,13 @@ impl Default for Batch {
 
 impl Batch {
     /// Takes the next samples of a tile at `corner`, pixel by pixel.
-    fn gather(&mut self, next: &mut Next, sampler: &Sampler, pixels: &[[u32; 2]], corner: [u32; 2]) {
+    fn gather(
+        &mut self,
+        next: &mut Next,
+        sampler: &Sampler,
+        pixels: &[[u32; 2]],
+        corner: [u32; 2],
+    ) {
         self.len = 0;
         self.runs.clear();
         while self.len < BATCH && next.pixel < pixels.len() {
@@ -235,7 +241,7 @@ impl Batch {
             let slots = self.len..self.len + samples as usize;
             let [column, row] = pixels[next.pixel];
             let place = [corner[0] + column, corner[1] + row];
-            let seeds = Sampler::seeds(place);
+            let seeds = sampler.seeds(place);
             self.runs.push(Run {
                 pixel: next.pixel,
                 slots: slots.clone(),
@@ -317,7 +323,6 @@ impl Work<'_> {
         let inside = |[column, row]: &&[u32; 2]| *column < width && *row < height;
         pixels.extend(Z_ORDER.iter().filter(inside));
         sums.clear();
-        sums.resize(pixels.len(), PixelSum::default());
         let mut spectral = self
             .bands
             .map(|bands| SpectralSums::new(bands, pixels.len()));
@@ -338,7 +343,9 @@ impl Work<'_> {
                         .flat_map(|run| run.slots.clone().map(|slot| (run.pixel, slot)))
                         .map(|(pixel, slot)| {
                             let material = points.material[slot] as usize;
-                            points.is_hit(slot).then(|| spectral.geometry.place(pixel, material))
+                            points
+                                .is_hit(slot)
+                                .then(|| spectral.geometry.place(pixel, material))
                         })
                         .collect();
                     let mut add = |term: Term| {
@@ -358,7 +365,7 @@ impl Work<'_> {
             }
             let background = world.background().0.0;
             for run in &batch.runs {
-                sums[run.pixel].add(run.slots.clone(), points, &shaded.radiance, background);
+                sums.add(run, points, &shaded.radiance, background);
             }
             if let Some(spectral) = &mut spectral {
                 // The last pixel may have samples in the next batch.
@@ -373,15 +380,17 @@ impl Work<'_> {
                 clamped: 0,
             });
         }
-        for (&[column, row], sum) in pixels.iter().zip(&*sums) {
-            let (rgba, clamped) = sum.mean(samples);
-            tile.rows[row as usize][column as usize] = rgba;
+        for (first, pixels) in (0..).step_by(LANES).zip(pixels.chunks(LANES)) {
+            let (means, clamped) = sums.means(simd, first, pixels.len(), samples);
+            for (&[column, row], mean) in pixels.iter().zip(means) {
+                tile.rows[row as usize][column as usize] = mean;
+            }
             counts.clamped += clamped;
         }
         if let Some(mut spectral) = spectral {
             spectral.finish(pixels.len());
             for (place, &[column, row]) in pixels.iter().enumerate() {
-                let misses = samples - sums[place].hits;
+                let misses = samples - sums.hits[place];
                 let bands = tile.values[row as usize]
                     .chunks_exact_mut(spectral.bands.wavelengths().count())
                     .nth(column as usize)
@@ -446,27 +455,42 @@ const Z_ORDER: [[u32; 2]; (TILE * TILE) as usize] = {
     order
 };
 
-/// The box filter of one pixel: the mean over its samples, summed in f64.
-#[derive(Clone, Copy, Default)]
-struct PixelSum {
-    radiance: [f64; 3],
-    hits: u32,
+/// The box filter: the mean over the samples of each pixel of a tile, summed in f64.
+#[derive(Clone)]
+struct PixelSums {
+    radiance: [Column; 3],
+    hits: [u32; PIXELS],
 }
 
-impl PixelSum {
-    /// Adds some samples of the pixel, in their order.
-    fn add(
-        &mut self,
-        slots: Range<usize>,
-        points: &Points,
-        radiance: &[Column; 3],
-        background: [f64; 3],
-    ) {
-        let [mut red, mut green, mut blue] = self.radiance;
+/// Pixels of a tile.
+const PIXELS: usize = (TILE * TILE) as usize;
+
+/// A column has a place for each pixel of a tile.
+const _: () = assert!(PIXELS <= BATCH);
+
+impl Default for PixelSums {
+    fn default() -> Self {
+        Self {
+            radiance: [Column::ZERO; 3],
+            hits: [0; PIXELS],
+        }
+    }
+}
+
+impl PixelSums {
+    fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Adds some samples of a pixel, in their order.
+    fn add(&mut self, run: &Run, points: &Points, radiance: &[Column; 3], background: [f64; 3]) {
+        let pixel = run.pixel;
         let [reds, greens, blues] = radiance;
-        for slot in slots {
+        let [red_sums, green_sums, blue_sums] = &mut self.radiance;
+        let (mut red, mut green, mut blue) = (red_sums[pixel], green_sums[pixel], blue_sums[pixel]);
+        for slot in run.slots.clone() {
             let [r, g, b] = if points.is_hit(slot) {
-                self.hits += 1;
+                self.hits[pixel] += 1;
                 [reds[slot], greens[slot], blues[slot]]
             } else {
                 background
@@ -475,20 +499,44 @@ impl PixelSum {
             green += g;
             blue += b;
         }
-        self.radiance = [red, green, blue];
+        (red_sums[pixel], green_sums[pixel], blue_sums[pixel]) = (red, green, blue);
     }
 
-    /// R, G, B, A, and how many channels are beyond the largest f32.
-    fn mean(&self, samples: u32) -> ([f32; 4], u64) {
+    /// R, G, B, A of sixteen pixels, and how many channels of the first `count` are beyond the largest
+    /// f32.
+    #[inline(always)]
+    fn means<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        count: usize,
+        samples: u32,
+    ) -> ([[f32; 4]; LANES], u64) {
         let samples = f64::from(samples);
-        let [red, green, blue] = self.radiance;
-        let (red, is_red_clamped) = narrowed(red / samples);
-        let (green, is_green_clamped) = narrowed(green / samples);
-        let (blue, is_blue_clamped) = narrowed(blue / samples);
-        let alpha = (f64::from(self.hits) / samples) as f32;
-        let clamped = [is_red_clamped, is_green_clamped, is_blue_clamped];
-        let clamped = clamped.into_iter().map(u64::from).sum();
-        ([red, green, blue, alpha], clamped)
+        let [red, green, blue] = &self.radiance;
+        let (mut means, mut clamped) = ([[0.0; 4]; LANES], 0);
+        for (channel, column) in [red, green, blue].into_iter().enumerate() {
+            let mean = Lanes::load(simd, &column[first..]) / samples;
+            let largest = Lanes::splat(simd, f64::from(f32::MAX));
+            let mut narrow = [0.0; LANES];
+            if (!mean.abs().le(largest)).any() {
+                let lanes = narrow.iter_mut().zip(mean.to_array());
+                for (narrow, mean) in lanes.take(count) {
+                    let (value, is_clamped) = narrowed(mean);
+                    *narrow = value;
+                    clamped += u64::from(is_clamped);
+                }
+            } else {
+                mean.narrowed(simd).store(&mut narrow);
+            }
+            for (mean, narrow) in means.iter_mut().zip(narrow) {
+                mean[channel] = narrow;
+            }
+        }
+        for (mean, &hits) in means.iter_mut().zip(&self.hits[first..]) {
+            mean[3] = (f64::from(hits) / samples) as f32;
+        }
+        (means, clamped)
     }
 }
 

@@ -30,7 +30,10 @@ impl Sampler {
     }
 
     /// What scrambles the two dimensions for the pixel at column x and row y.
-    pub(super) fn seeds([x, y]: [u32; 2]) -> [u32; 2] {
+    pub(super) fn seeds(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+        if self.sequence.len() == 1 {
+            return [0; 2];
+        }
         let seed = hash(hash(x) ^ y);
         [hash(seed ^ 1), hash(seed ^ 2)]
     }
@@ -121,12 +124,14 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
             let Self(sampler, pixel) = self;
-            let seeds = Sampler::seeds(pixel).map(|seed| [seed; LANES]);
+            let seeds = sampler.seeds(pixel).map(|seed| [seed; LANES]);
             (0..sampler.samples())
                 .map(|sample| {
                     let sequence = sampler.sequence(sample).map(|number| [number; LANES]);
                     [0, 1].map(|dimension: usize| {
-                        sampler.offsets(simd, &sequence[dimension], &seeds[dimension]).to_array()[7]
+                        sampler
+                            .offsets(simd, &sequence[dimension], &seeds[dimension])
+                            .to_array()[7]
                     })
                 })
                 .collect()

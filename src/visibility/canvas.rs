@@ -58,6 +58,8 @@ pub(super) struct Canvas {
     pub(super) extent: [f64; 2],
     /// Closeness is this over the depth along w.
     pub(super) unit: f64,
+    /// A box around the ends of shadow rays, relative to the origin.
+    pub(super) ends: Option<[DVec3; 2]>,
     /// How far the origin or the ends of the rays may be from where they should be.
     pub(super) error: f64,
     x: Floats,
@@ -136,6 +138,7 @@ impl Default for Canvas {
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
             extent: [0.0; 2],
             unit: 1.0,
+            ends: None,
             error: 0.0,
             x: floats,
             y: floats,
@@ -151,8 +154,8 @@ impl Default for Canvas {
 }
 
 impl Canvas {
-    /// Stretches the canvas before the rays with a bit: o + t ω, around the direction `middle`. Primary
-    /// rays have no end, shadow rays end at t = 1. Whether the rays are close enough together for it.
+    /// Stretches the canvas before the rays with a bit: o + t ω, around the direction `middle`. With
+    /// [`Self::ends`] they end at t = 1. Whether the rays are close enough together for it.
     #[inline(always)]
     pub(super) fn stretch<S: Simd>(
         &mut self,
@@ -161,13 +164,18 @@ impl Canvas {
         middle: DVec3,
         asked: &[u32; PACKETS],
         direction: impl Fn(usize) -> Vectors<S>,
-        have_ends: bool,
     ) -> bool {
+        let have_ends = self.ends.is_some();
         let Some(w) = middle.try_normalize() else {
             return false;
         };
         let (u, v) = w.any_orthonormal_pair();
-        let scale = 1.0 / if have_ends { self.unit } else { middle.length() };
+        let scale = 1.0
+            / if have_ends {
+                self.unit
+            } else {
+                middle.length()
+            };
         (self.origin, self.axes) = (origin, [u, v, w]);
         let infinite = Singles::splat(simd, f32::INFINITY);
         let one = Singles::splat(simd, 1.0);
@@ -219,11 +227,23 @@ impl Canvas {
         (zero - smallest_of_each(top)).store(&mut self.boxes[3].0);
         smallest_of_each(far).store(&mut self.far.0);
         let [left, right, bottom, top] = self.bounds(simd);
-        self.extent = [
-            f64::from(right.max(-left)),
-            f64::from(top.max(-bottom)),
-        ];
-        shallowest.smallest() > SHALLOWEST && right.max(-left) <= WIDEST && top.max(-bottom) <= WIDEST
+        self.extent = [f64::from(right.max(-left)), f64::from(top.max(-bottom))];
+        shallowest.smallest() > SHALLOWEST
+            && right.max(-left) <= WIDEST
+            && top.max(-bottom) <= WIDEST
+    }
+
+    /// Whether the origin and the ends of all rays are on one side of a plane, which is clear of them.
+    pub(super) fn is_beside(&self, point: DVec3, normal: DVec3) -> bool {
+        let Some([least, most]) = self.ends else {
+            return false;
+        };
+        let height = normal.dot(point - self.origin);
+        let towards = if height > 0.0 { normal } else { -normal };
+        let nearest = (towards * least).max(towards * most);
+        let rounding = towards.abs().dot(least.abs().max(most.abs())) + height.abs();
+        let room = rounding * NEGLIGIBLE + normal.length() * self.error / NEGLIGIBLE;
+        nearest.element_sum() + room < height.abs()
     }
 
     /// The least and the largest x and y of all rays that still ask.
@@ -315,7 +335,14 @@ impl Canvas {
 
 impl Verdict for First {
     #[inline(always)]
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32, claim: Claim<S>) {
+    fn hear<S: Simd>(
+        self,
+        simd: S,
+        canvas: &mut Canvas,
+        packet: usize,
+        slot: u32,
+        claim: Claim<S>,
+    ) {
         let first = packet * LANES;
         let least = Singles::load(simd, &canvas.least.0[first..]);
         let maybe = claim.maybe & claim.most.ge(least);
@@ -331,7 +358,9 @@ impl Verdict for First {
         let doubt = bits & !nearer;
         let most_of_both = most.max(claim.most);
         let most = SingleMask::from_bits(simd, doubt).select(most_of_both, most);
-        is_nearer.select(claim.most, most).store(&mut canvas.most.0[first..]);
+        is_nearer
+            .select(claim.most, most)
+            .store(&mut canvas.most.0[first..]);
         let slots = Words::load(simd, &canvas.slots[first..]);
         let slots = is_nearer.select_words(Words::splat(simd, slot), slots);
         slots.store(&mut canvas.slots[first..]);
@@ -350,7 +379,14 @@ impl Verdict for First {
 
 impl Verdict for Reached<'_> {
     #[inline(always)]
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32, claim: Claim<S>) {
+    fn hear<S: Simd>(
+        self,
+        simd: S,
+        canvas: &mut Canvas,
+        packet: usize,
+        slot: u32,
+        claim: Claim<S>,
+    ) {
         let first = packet * LANES;
         let own = Words::load(simd, &self.0[first..]).eq(Words::splat(simd, slot));
         let least = Singles::load(simd, &canvas.least.0[first..]);

@@ -237,7 +237,7 @@ impl<'w> Visibility<'w> {
             let middle = varying_at(varying, count / 2);
             let distance = (self.somewhere - eye.0).length();
             canvas.unit = if distance > 0.0 { distance } else { 1.0 };
-            canvas.error = 0.0;
+            (canvas.error, canvas.ends) = (0.0, None);
             canvas.stretch(
                 simd,
                 eye.0,
@@ -245,13 +245,12 @@ impl<'w> Visibility<'w> {
                 &asked,
                 #[inline(always)]
                 |packet| Vectors::load(simd, columns(varying, packet)),
-                false,
             )
         };
         if has_canvas {
             self.cast(simd, canvas, outlines, stack, First);
         }
-        points.largest_error = 0.0;
+        points.begin();
         for (packet, bits) in asked.into_iter().enumerate() {
             if bits == 0 {
                 points.hit[packet] = 0;
@@ -272,7 +271,15 @@ impl<'w> Visibility<'w> {
             if again != 0 {
                 self.ask_nearest(simd, &rays, &mut nearest, stack);
             }
-            points.fill(simd, self, packet, &rays, &nearest, canvas.first_met(packet), bits & !again);
+            points.fill(
+                simd,
+                self,
+                packet,
+                &rays,
+                &nearest,
+                canvas.first_met(packet),
+                bits & !again,
+            );
             if self.is_smooth {
                 let ray = |slot: usize| {
                     let varying = DVec3::from_array(varying_at(varying, slot));
@@ -285,6 +292,7 @@ impl<'w> Visibility<'w> {
                 points.interpolate(self.world, packet, ray);
             }
         }
+        points.end();
     }
 
     /// Puts all shapes that the rays on a canvas may meet on it.
@@ -425,16 +433,27 @@ impl<'w> Visibility<'w> {
             ..
         } = space;
         let mut lit = [0; PACKETS];
+        if facing.iter().all(|&bits| bits == 0) {
+            return lit;
+        }
         groups.clear();
         groups.push(*facing);
+        // All points of the batch will often do.
+        let [least, most] = points.bounds;
+        let mut range = Some([least - light.0, most - light.0]).filter(|[least, most]| {
+            let size = least.abs().max(most.abs()).max_element();
+            (*most - *least).max_element() <= size * self.spread
+        });
         while let Some(group) = groups.pop() {
-            let range = ranges(
-                simd,
-                #[inline(always)]
-                |packet| group[packet],
-                #[inline(always)]
-                |packet| way(simd, points, packet, light),
-            );
+            let range = range.take().or_else(|| {
+                ranges(
+                    simd,
+                    #[inline(always)]
+                    |packet| group[packet],
+                    #[inline(always)]
+                    |packet| way(simd, points, packet, light),
+                )
+            });
             let Some([least, most]) = range else {
                 continue;
             };
@@ -464,7 +483,7 @@ impl<'w> Visibility<'w> {
                     continue;
                 }
             }
-            canvas.unit = size;
+            (canvas.unit, canvas.ends) = (size, Some([least, most]));
             canvas.error = points.largest_error + light.0.length() * (2.0 * ROUNDING);
             let has_canvas = is_worth
                 && canvas.stretch(
@@ -474,7 +493,6 @@ impl<'w> Visibility<'w> {
                     &group,
                     #[inline(always)]
                     |packet| way(simd, points, packet, light),
-                    true,
                 );
             if has_canvas {
                 self.cast(simd, canvas, outlines, stack, Reached(&points.slots));

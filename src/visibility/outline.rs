@@ -172,8 +172,8 @@ impl Outlines {
         let normal_size = normal.taxicab();
         let volume = a.dot(normal);
         let least_volume = normal_size * (size * NEGLIGIBLE + canvas.error / NEGLIGIBLE);
-        let is_clear = volume.abs().gt(least_volume)
-            & normal_size.gt(ab_size * ac_size * NEGLIGIBLE);
+        let is_clear =
+            volume.abs().gt(least_volume) & normal_size.gt(ab_size * ac_size * NEGLIGIBLE);
         let sign = volume.is_positive().select(one, -one);
         let thickness = size * NEGLIGIBLE;
         let extent = canvas.extent;

@@ -25,6 +25,9 @@ pub(super) trait Shape: Copy + Send + Sync {
     /// What the slots of this kind of shape have in common.
     const SLOTS: u32;
 
+    /// Whether it is certain, and soon told, that no ray on a canvas meets it.
+    fn is_beside(&self, canvas: &Canvas) -> bool;
+
     /// Puts shapes on a canvas, sixteen at most, by their places.
     fn cast<'s, S: Simd>(
         simd: S,
@@ -112,13 +115,24 @@ impl<T: Shape> Search<T> {
     ) {
         let listed = self.listed.len() as u32;
         let mut places = [0; LANES];
-        for first in (0..listed).step_by(LANES) {
-            let count = (listed - first).min(LANES as u32);
-            for (place, offset) in places.iter_mut().zip(0..count) {
-                *place = first + offset;
+        let mut count = 0;
+        for (place, shape) in (0..listed).zip(&self.listed) {
+            if !shape.is_beside(canvas) {
+                places[count] = place;
+                count += 1;
             }
-            let places = &places[..count as usize];
-            T::cast(simd, places, #[inline(always)] |place| self.get(place), outlines, canvas, verdict);
+            if count == LANES || count > 0 && place + 1 == listed {
+                T::cast(
+                    simd,
+                    &places[..count],
+                    #[inline(always)]
+                    |place| self.get(place),
+                    outlines,
+                    canvas,
+                    verdict,
+                );
+                count = 0;
+            }
         }
         if let Some(tree) = &self.tree {
             sweep(
@@ -129,7 +143,15 @@ impl<T: Shape> Search<T> {
                 stack,
                 #[inline(always)]
                 |places, canvas| {
-                    T::cast(simd, places, #[inline(always)] |place| self.get(place), outlines, canvas, verdict);
+                    T::cast(
+                        simd,
+                        places,
+                        #[inline(always)]
+                        |place| self.get(place),
+                        outlines,
+                        canvas,
+                        verdict,
+                    );
                 },
             );
         }

@@ -123,6 +123,10 @@ impl Shape for Ball {
         }
     }
 
+    fn is_beside(&self, _: &Canvas) -> bool {
+        false
+    }
+
     #[inline(always)]
     fn cast<'s, S: Simd>(
         simd: S,

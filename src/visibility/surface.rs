@@ -5,7 +5,7 @@ use fearless_simd::Simd;
 use super::canvas::NOTHING;
 use super::packet::{Nearest, Rays};
 use super::{Primitive, ROUNDING, SPHERES, Visibility, outline, triangle};
-use crate::lanes::{LANES, Lanes, Mask, Words, Vectors};
+use crate::lanes::{LANES, Lanes, Mask, Vectors, Words};
 use crate::math::{DVec3, Direction, Point, SAFE_SQUARES};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 use crate::world::{Shape, World};
@@ -68,8 +68,10 @@ pub struct Points {
     pub(crate) primitive: [u64; BATCH],
     /// The slot of what is hit, where it is known.
     pub(super) slots: [u32; BATCH],
-    /// The largest of `error`.
+    /// The largest of `error`, and the least and the largest coordinates.
     pub(super) largest_error: f64,
+    pub(super) bounds: [DVec3; 2],
+    ranges: [[Row; 3]; 2],
     /// Its material, an index into [`World::materials`].
     pub(crate) material: [u32; BATCH],
     /// For each packet, whether all its points have one material.
@@ -91,10 +93,25 @@ impl Default for Points {
             primitive: [0; BATCH],
             slots: [NOTHING; BATCH],
             largest_error: 0.0,
+            bounds: [DVec3::ZERO; 2],
+            ranges: [[Row([0.0; LANES]); 3]; 2],
             material: [0; BATCH],
             is_uniform: [true; PACKETS],
         }
     }
+}
+
+/// One number for each ray of a packet.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Row([f64; LANES]);
+
+/// Takes the numbers of some lanes into the ranges of each.
+#[inline(always)]
+fn grow<S: Simd>(simd: S, lanes: Mask<S>, numbers: Lanes<S>, least: &mut Row, most: &mut Row) {
+    let (low, high) = (Lanes::load(simd, &least.0), Lanes::load(simd, &most.0));
+    lanes.select(numbers, low).min(low).store(&mut least.0);
+    lanes.select(numbers, high).max(high).store(&mut most.0);
 }
 
 /// Three columns of a packet.
@@ -124,6 +141,25 @@ struct Source {
 }
 
 impl Points {
+    /// Forgets all points.
+    pub(super) fn begin(&mut self) {
+        self.largest_error = 0.0;
+        let [least, most] = &mut self.ranges;
+        least.fill(Row([f64::INFINITY; LANES]));
+        most.fill(Row([f64::NEG_INFINITY; LANES]));
+    }
+
+    /// Has all points.
+    pub(super) fn end(&mut self) {
+        let [least, most] = &self.ranges;
+        let least = |axis: usize| least[axis].0.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = |axis: usize| most[axis].0.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        self.bounds = [
+            DVec3::new(least(0), least(1), least(2)),
+            DVec3::new(most(0), most(1), most(2)),
+        ];
+    }
+
     /// Makes the points of a packet from the nearest hits of some rays, and for the others, `met`, from
     /// what they are known to hit first.
     #[inline(always)]
@@ -234,13 +270,16 @@ impl Points {
         let tangent = is_curved.select_vectors(position, tangent);
         // t comes from the way to the shape's own reference, and is rounded with it; then one rounding
         // for the product and one for the sum.
-        let magnitude =
-            rays.origin.taxicab() + way.taxicab() + (tangent - rays.origin).taxicab();
+        let magnitude = rays.origin.taxicab() + way.taxicab() + (tangent - rays.origin).taxicab();
         let error = magnitude * ROUNDING;
 
         let is_hit = Mask::from_bits(simd, bits);
         let largest = is_hit.select(error, Lanes::splat(simd, 0.0)).largest();
         self.largest_error = self.largest_error.max(largest);
+        let [least, most] = &mut self.ranges;
+        grow(simd, is_hit, position.x, &mut least[0], &mut most[0]);
+        grow(simd, is_hit, position.y, &mut least[1], &mut most[1]);
+        grow(simd, is_hit, position.z, &mut least[2], &mut most[2]);
         position.store(columns_mut(&mut self.position, packet));
         error.store(&mut self.error[first_lane..]);
         tangent.store(columns_mut(&mut self.tangent, packet));
@@ -411,7 +450,11 @@ impl Sources {
         let (_, t) = triangle::met(corners, rays, is_asked);
         let t = t.to_array();
         let normal = unit(simd, (b - a).cross(c - a), bits);
-        let normal = [normal.x.to_array(), normal.y.to_array(), normal.z.to_array()];
+        let normal = [
+            normal.x.to_array(),
+            normal.y.to_array(),
+            normal.z.to_array(),
+        ];
         for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
             let facet = visibility.triangles.get(slots[lane]);
             let (object, _) = facet.primitive().parts();

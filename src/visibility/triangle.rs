@@ -240,6 +240,10 @@ impl Shape for Facet {
         nearest.offer(simd, passes & is_met, t, self.primitive);
     }
 
+    fn is_beside(&self, canvas: &Canvas) -> bool {
+        canvas.is_beside(self.vertices[0], area_vector(self.vertices))
+    }
+
     #[inline(always)]
     fn cast<'s, S: Simd>(
         simd: S,
