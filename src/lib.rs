@@ -130,17 +130,3 @@ pub mod world;
 pub use film::{Film, Options, render};
 pub use scene::Scene;
 pub use world::World;
-
-/// TEMPORARY
-pub fn tune(name: &str, default: f64) -> f64 {
-    use std::sync::OnceLock;
-    static LEAF: OnceLock<f64> = OnceLock::new();
-    static SPREAD: OnceLock<f64> = OnceLock::new();
-    let cell = if name == "LEAF" { &LEAF } else { &SPREAD };
-    *cell.get_or_init(|| {
-        std::env::var(name)
-            .ok()
-            .and_then(|v| v.parse().ok())
-            .unwrap_or(default)
-    })
-}

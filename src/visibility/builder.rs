@@ -14,10 +14,6 @@ use rayon::prelude::*;
 
 use super::bvh::{Child, Member, Node, WIDTH};
 
-/// Shapes in a leaf at most, but for those that no plane parts. Their own boxes sort them better
-/// than a common one.
-const LEAF_SIZE: usize = 1;
-
 /// Bins along each axis.
 const BINS: usize = 16;
 
@@ -103,10 +99,11 @@ enum Top {
     Leaf { bounds: Box4, child: Child },
 }
 
-/// The tree over items, of which there are some: its root first, and the order in which its leaves have the shapes.
-pub(super) fn build(mut items: Vec<Item>) -> (Vec<Node>, Vec<u32>) {
+/// The tree over items, of which there are some, with `leaf_size` of them in a leaf at most, but for
+/// those that no plane parts: its root first, and the order in which its leaves have the shapes.
+pub(super) fn build(mut items: Vec<Item>, leaf_size: usize) -> (Vec<Node>, Vec<u32>) {
     let bounds = bounds_of(&items);
-    let top = Top::new(&mut items, 0, bounds, 0);
+    let top = Top::new(&mut items, 0, bounds, 0, leaf_size);
     let order = items.par_iter().map(Item::index).collect();
     drop(items);
     (top.into_nodes(), order)
@@ -114,11 +111,11 @@ pub(super) fn build(mut items: Vec<Item>) -> (Vec<Node>, Vec<u32>) {
 
 impl Top {
     /// A tree over items, of which `first` come before in the order of all.
-    fn new(items: &mut [Item], first: usize, bounds: Box4, depth: u32) -> Self {
+    fn new(items: &mut [Item], first: usize, bounds: Box4, depth: u32, leaf_size: usize) -> Self {
         if items.len() <= SUBTREE {
             let mut nodes = Vec::with_capacity(items.len() / 4 + 1);
             nodes.push(Node::EMPTY);
-            fill_node(&mut nodes, 0, items, first, bounds, depth);
+            fill_node(&mut nodes, 0, items, first, bounds, depth, leaf_size);
             return Self::Subtree { bounds, nodes };
         }
         let Some((count, below, above)) = part(items, depth) else {
@@ -129,8 +126,8 @@ impl Top {
         };
         let (items_below, items_above) = items.split_at_mut(count);
         let (below, above) = rayon::join(
-            || Self::new(items_below, first, below, depth + 1),
-            || Self::new(items_above, first + count, above, depth + 1),
+            || Self::new(items_below, first, below, depth + 1, leaf_size),
+            || Self::new(items_above, first + count, above, depth + 1, leaf_size),
         );
         Self::Parted {
             bounds,
@@ -232,6 +229,7 @@ fn fill_node(
     first: usize,
     bounds: Box4,
     depth: u32,
+    leaf_size: usize,
 ) {
     let mut parts = [Part {
         start: 0,
@@ -243,7 +241,7 @@ fn fill_node(
     let mut areas = [f32::INFINITY; WIDTH];
     let mut count = 1;
     while count < WIDTH {
-        let may_part = |part: &usize| parts[*part].may_part();
+        let may_part = |part: &usize| parts[*part].may_part(leaf_size);
         let largest = (0..count)
             .filter(may_part)
             .max_by(|&a, &b| areas[a].total_cmp(&areas[b]));
@@ -288,7 +286,7 @@ fn fill_node(
     let parts = &parts[..count];
     let mut child = nodes.len();
     for part in parts {
-        let child = if part.may_part() {
+        let child = if part.may_part(leaf_size) {
             nodes.push(Node::EMPTY);
             Child::Node(nodes.len() as u32 - 1)
         } else {
@@ -296,10 +294,18 @@ fn fill_node(
         };
         nodes[place].push(part.bounds.member(child));
     }
-    for part in parts.iter().filter(|part| part.may_part()) {
+    for part in parts.iter().filter(|part| part.may_part(leaf_size)) {
         let items = &mut items[part.start..part.end];
         let first = first + part.start;
-        fill_node(nodes, child, items, first, part.bounds, part.depth);
+        fill_node(
+            nodes,
+            child,
+            items,
+            first,
+            part.bounds,
+            part.depth,
+            leaf_size,
+        );
         child += 1;
     }
 }
@@ -312,8 +318,8 @@ fn leaf(first: usize, count: usize) -> Child {
 }
 
 impl Part {
-    fn may_part(&self) -> bool {
-        !self.is_whole && self.end - self.start > crate::tune("LEAF", LEAF_SIZE as f64) as usize
+    fn may_part(&self, leaf_size: usize) -> bool {
+        !self.is_whole && self.end - self.start > leaf_size
     }
 }
 

@@ -37,19 +37,6 @@ impl Bounds {
             max: self.max.max(other.max),
         }
     }
-
-    /// The largest coordinate, by magnitude.
-    pub(super) fn reach(&self) -> f64 {
-        self.min.abs().max(self.max.abs()).max_element()
-    }
-
-    /// The box with `margin` added on every side.
-    pub(super) fn grown(self, margin: f64) -> Self {
-        Self {
-            min: self.min - margin,
-            max: self.max + margin,
-        }
-    }
 }
 
 /// The tree.
@@ -88,7 +75,8 @@ pub(super) enum Child {
 }
 
 impl Bvh {
-    /// A tree over shapes, and the order in which its leaves have them.
+    /// A tree over shapes, with [`Shape::WIDTH`] of them in a leaf if a plane parts them, and the order
+    /// in which its leaves have them.
     pub(super) fn new<S: Shape>(shapes: &[S]) -> (Self, Vec<u32>) {
         let bounds = shapes.par_iter().map(Shape::bounds);
         let whole = bounds.reduce_with(Bounds::union);
@@ -109,7 +97,7 @@ impl Bvh {
             let (min, max) = (tree.to_frame(min), tree.to_frame(max));
             Item::new(rounded_down(min), rounded_up(max), index as u32)
         });
-        let (nodes, order) = builder::build(items.collect());
+        let (nodes, order) = builder::build(items.collect(), S::WIDTH);
         tree.nodes = nodes;
         (tree, order)
     }

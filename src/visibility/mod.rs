@@ -89,7 +89,6 @@ pub struct Visibility<'w> {
     is_smooth: bool,
     /// A point amid the shapes.
     somewhere: DVec3,
-    spread: f64,
 }
 
 /// What a thread needs to trace batches, to be used again and again.
@@ -184,7 +183,6 @@ impl<'w> Visibility<'w> {
             spheres,
             triangles,
             is_smooth,
-            spread: crate::tune("SPREAD", MOST_SPREAD),
         }
     }
 
@@ -442,7 +440,7 @@ impl<'w> Visibility<'w> {
         let [least, most] = points.bounds;
         let mut range = Some([least - light.0, most - light.0]).filter(|[least, most]| {
             let size = least.abs().max(most.abs()).max_element();
-            (*most - *least).max_element() <= size * self.spread
+            (*most - *least).max_element() <= size * MOST_SPREAD
         });
         while let Some(group) = groups.pop() {
             let range = range.take().or_else(|| {
@@ -465,7 +463,7 @@ impl<'w> Visibility<'w> {
                 members += bits.count_ones();
             }
             let is_worth = members >= FEW;
-            if is_worth && spread[widest] > size * self.spread {
+            if is_worth && spread[widest] > size * MOST_SPREAD {
                 // Points too far apart for one shaft part into groups.
                 let middle = Lanes::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
                 let mut lower = group;

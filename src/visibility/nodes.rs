@@ -1,4 +1,4 @@
-//! A tree as packets of rays go down it: the boxes of eight children side by side.
+//! A tree as rays go down it: the boxes of eight children side by side.
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use super::search::Shape;
 pub(super) struct Node {
     /// For each axis the lower and the upper planes of the boxes.
     pub(super) planes: [[[f32; WIDTH]; 2]; 3],
-    /// A node, or the first of the shapes in the box.
+    /// A node, or the first block of the shapes in the box.
     pub(super) children: [u32; WIDTH],
     /// How many shapes; 0 for a node.
     pub(super) counts: [u32; WIDTH],
@@ -22,7 +22,7 @@ pub(super) struct Node {
 /// A box that is to be opened.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
-    /// A node, or the first of the shapes.
+    /// A node, or the first block of the shapes.
     pub(super) child: u32,
     /// How many shapes; 0 for a node.
     pub(super) count: u32,
@@ -30,10 +30,9 @@ pub(super) struct Entry {
     pub(super) at: f32,
 }
 
-/// Shapes in the order in which a tree's leaves have them, and the tree.
+/// A tree over shapes that are somewhere in blocks.
 #[derive(Debug)]
-pub(super) struct Tree<T> {
-    pub(super) shapes: Vec<T>,
+pub(super) struct Tree {
     /// The root first.
     pub(super) nodes: Vec<Node>,
     /// Middle of the tree's frame in world space.
@@ -42,27 +41,48 @@ pub(super) struct Tree<T> {
     pub(super) scale: f64,
 }
 
-impl<T: Shape> Tree<T> {
-    pub(super) fn new(shapes: &[T]) -> Self {
+/// The shapes of a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    /// The first in the order of the tree.
+    pub(super) first: u32,
+    pub(super) count: u32,
+}
+
+impl Tree {
+    /// A tree over shapes, the order of the shapes in its leaves, and the leaves. Each leaf has blocks
+    /// of [`Shape::WIDTH`] shapes for itself, one after the other from `first_block` on.
+    pub(super) fn new<T: Shape>(shapes: &[T], first_block: u32) -> (Self, Vec<u32>, Vec<Leaf>) {
         let (bvh, order) = Bvh::new(shapes);
-        let nodes = bvh.nodes().iter().map(|node| Node::of(node.members()));
-        Self {
-            shapes: order.iter().map(|&index| shapes[index as usize]).collect(),
-            nodes: nodes.collect(),
+        let mut leaves = Vec::with_capacity(shapes.len() / T::WIDTH * 2);
+        let mut block = first_block;
+        let mut take = |first: u32, count: u32| {
+            leaves.push(Leaf { first, count });
+            let place = block;
+            block += count.div_ceil(T::WIDTH as u32);
+            place
+        };
+        let nodes = bvh.nodes().iter();
+        let nodes = nodes
+            .map(|node| Node::of(node.members(), &mut take))
+            .collect();
+        let tree = Self {
+            nodes,
             center: bvh.center(),
             scale: bvh.scale(),
-        }
+        };
+        (tree, order, leaves)
     }
 
-    /// Bytes of shapes and nodes.
+    /// Bytes of the nodes.
     pub(super) fn memory(&self) -> usize {
-        size_of_val(self.shapes.as_slice()) + size_of_val(self.nodes.as_slice())
+        size_of_val(self.nodes.as_slice())
     }
 }
 
 impl Node {
-    /// Of at most eight members.
-    fn of(members: &[Member]) -> Self {
+    /// Of at most eight members; `block` gives the first block of a leaf by its shapes.
+    fn of(members: &[Member], block: &mut impl FnMut(u32, u32) -> u32) -> Self {
         let mut node = Self {
             planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
             children: [0; WIDTH],
@@ -76,7 +96,7 @@ impl Node {
             }
             (node.children[place], node.counts[place]) = match member.child {
                 Child::Node(index) => (index, 0),
-                Child::Leaf { first, count } => (first, count),
+                Child::Leaf { first, count } => (block(first, count), count),
             };
             node.present |= 1 << place;
         }

@@ -428,11 +428,6 @@ fn disc_extent(canvas: &Canvas, [x, y, z]: [f64; 3], radius: f64) -> Extent {
     }
 }
 
-/// Which lanes the first `count` are.
-pub(super) fn first(count: usize) -> u32 {
-    (1_u32 << count) - 1
-}
-
 /// Sixteen triangles' corners side by side.
 #[inline(always)]
 pub(super) fn side_by_side<S: Simd>(

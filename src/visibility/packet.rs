@@ -280,7 +280,7 @@ impl Spread {
 
 impl Shaft {
     #[inline(always)]
-    fn new<T>(tree: &Tree<T>, origins: [[f64; 2]; 3], directions: [[f64; 2]; 3]) -> Self {
+    fn new(tree: &Tree, origins: [[f64; 2]; 3], directions: [[f64; 2]; 3]) -> Self {
         let center = tree.center.to_array();
         let mut reach = 0.0_f64;
         let mut longest = 0.0_f64;
@@ -375,14 +375,16 @@ pub(super) const EMPTY_STACK: Stack = [Entry {
     at: 0.0,
 }; STACK];
 
-/// Shows a packet's question the shapes of a tree that its rays might meet, near ones first.
+/// Shows a packet's question the leaves of a tree that its rays might meet, near ones first: `show` is
+/// given a leaf's first block and how many shapes it has.
 #[inline(always)]
-pub(super) fn descend<S: Simd, T: Shape>(
+pub(super) fn descend<S: Simd, Q: Question<S>>(
     simd: S,
-    tree: &Tree<T>,
+    tree: &Tree,
     packet: &Packet<S>,
-    question: &mut impl Question<S>,
+    question: &mut Q,
     stack: &mut Stack,
+    mut show: impl FnMut(u32, u32, &mut Q),
 ) {
     if question.asked() == 0 {
         return;
@@ -403,7 +405,7 @@ pub(super) fn descend<S: Simd, T: Shape>(
         if parted == 0 {
             let shaft = Shaft::new(tree, origins, directions);
             question.only(simd, group);
-            descend_shaft(simd, tree, &shaft, packet, question, stack);
+            descend_shaft(simd, tree, &shaft, question, stack, &mut show);
             left |= question.asked();
         } else {
             groups[waiting] = group & parted;
@@ -415,13 +417,13 @@ pub(super) fn descend<S: Simd, T: Shape>(
 }
 
 #[inline(always)]
-fn descend_shaft<S: Simd, T: Shape>(
+fn descend_shaft<S: Simd, Q: Question<S>>(
     simd: S,
-    tree: &Tree<T>,
+    tree: &Tree,
     shaft: &Shaft,
-    packet: &Packet<S>,
-    question: &mut impl Question<S>,
+    question: &mut Q,
     stack: &mut Stack,
+    show: &mut impl FnMut(u32, u32, &mut Q),
 ) {
     let mut limit = shaft.limit(question.limit(simd));
     let mut height = open(simd, &tree.nodes[0], shaft, limit, stack, 0);
@@ -436,9 +438,7 @@ fn descend_shaft<S: Simd, T: Shape>(
             height = open(simd, node, shaft, limit, stack, height);
             continue;
         }
-        for shape in &tree.shapes[child as usize..(child + count) as usize] {
-            question.ask(simd, packet, shape);
-        }
+        show(child, count, question);
         if question.asked() == 0 {
             return;
         }
@@ -446,22 +446,19 @@ fn descend_shaft<S: Simd, T: Shape>(
     }
 }
 
-/// Shows the shapes of a tree that the rays on a canvas might meet, near ones first, by their places
-/// and sixteen at most at a time. The first of the tree has the place `offset`.
+/// Shows the leaves of a tree that the rays on a canvas might meet, near ones first: `show` is given a
+/// leaf's first block and how many shapes it has.
 #[inline(always)]
-pub(super) fn sweep<S: Simd, T>(
+pub(super) fn sweep<S: Simd>(
     simd: S,
-    tree: &Tree<T>,
-    offset: u32,
+    tree: &Tree,
     canvas: &mut Canvas,
     stack: &mut Stack,
-    mut show: impl FnMut(&[u32], &mut Canvas),
+    mut show: impl FnMut(u32, u32, &mut Canvas),
 ) {
     let origins = canvas.origin.to_array().map(|o| [o, o]);
     let shaft = Shaft::new(tree, origins, canvas.directions(simd));
     let mut limit = shaft.limit(canvas.depth(simd));
-    let mut waiting = [0; LANES];
-    let mut count_waiting = 0;
     let mut height = open(simd, &tree.nodes[0], &shaft, limit, stack, 0);
     while height > 0 {
         height -= 1;
@@ -472,20 +469,10 @@ pub(super) fn sweep<S: Simd, T>(
         if count == 0 {
             let node = &tree.nodes[child as usize];
             height = open(simd, node, &shaft, limit, stack, height);
-            continue;
+        } else {
+            show(child, count, canvas);
+            limit = shaft.limit(canvas.depth(simd));
         }
-        for place in offset + child..offset + child + count {
-            waiting[count_waiting] = place;
-            count_waiting += 1;
-            if count_waiting == LANES {
-                show(&waiting, canvas);
-                count_waiting = 0;
-                limit = shaft.limit(canvas.depth(simd));
-            }
-        }
-    }
-    if count_waiting > 0 {
-        show(&waiting[..count_waiting], canvas);
     }
 }
 

@@ -1,10 +1,11 @@
 //! All shapes of one kind: a list to go through, or a tree over it.
 
 use fearless_simd::Simd;
+use rayon::prelude::*;
 
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict};
-use super::nodes::Tree;
+use super::nodes::{Leaf, Tree};
 use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Question, Shadow, Stack, descend, sweep};
 use crate::lanes::LANES;
@@ -13,6 +14,15 @@ use crate::world::plan::{Acceleration, LONGEST_LIST};
 
 /// A shape that fits in a box.
 pub(super) trait Shape: Copy + Send + Sync {
+    /// Several of them, as the canvas takes them.
+    type Block: Block<Self>;
+
+    /// How many.
+    const WIDTH: usize;
+
+    /// What the slots of this kind of shape have in common.
+    const SLOTS: u32;
+
     /// The smallest box around it.
     fn bounds(&self) -> Bounds;
 
@@ -22,22 +32,28 @@ pub(super) trait Shape: Copy + Send + Sync {
     /// L4: hides the points that it stands strictly before.
     fn occlude<S: Simd>(&self, simd: S, packet: &Packet<S>, shadow: &mut Shadow<'_, S>);
 
-    /// What the slots of this kind of shape have in common.
-    const SLOTS: u32;
-
     /// Whether it is certain, and soon told, that no ray on a canvas meets it.
     fn is_beside(&self, canvas: &Canvas) -> bool;
+}
 
-    /// Puts shapes on a canvas, sixteen at most, by their places.
-    fn cast<'s, S: Simd>(
+/// A few shapes side by side.
+pub(super) trait Block<T>: Send + Sync {
+    /// Of [`Shape::WIDTH`] shapes or fewer, at least one.
+    fn of(shapes: &[T]) -> Self;
+
+    /// One of them, by its place.
+    fn get(&self, place: usize) -> T;
+
+    /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow.
+    fn cast<S: Simd>(
+        &self,
         simd: S,
-        places: &[u32],
-        shape: impl Fn(u32) -> &'s Self,
+        bits: u32,
+        slot: u32,
         outlines: &mut Outlines,
         canvas: &mut Canvas,
         verdict: impl Verdict,
-    ) where
-        Self: 's;
+    );
 }
 
 /// A shape that is this many times larger than the middle one is kept out of the tree: its boxes
@@ -46,46 +62,64 @@ const OUTSIZED: f64 = 1000.0;
 
 /// All shapes of one kind.
 #[derive(Debug)]
-pub(super) struct Search<T> {
-    /// Those that are gone through one by one.
-    listed: Vec<T>,
-    tree: Option<Tree<T>>,
+pub(super) struct Search<T: Shape> {
+    /// All shapes: first the listed ones, then those of the tree, leaf by leaf.
+    blocks: Vec<T::Block>,
+    /// How many are gone through one by one.
+    listed: usize,
+    tree: Option<Tree>,
 }
 
 impl<T: Shape> Search<T> {
     pub(super) fn new(shapes: Vec<T>, acceleration: Acceleration) -> Self {
-        match acceleration {
-            Acceleration::None | Acceleration::List => Self {
-                listed: shapes,
-                tree: None,
-            },
-            Acceleration::Tree => {
-                let (listed, shapes) = without_outsized(shapes);
-                Self {
-                    listed,
-                    tree: Some(Tree::new(&shapes)),
-                }
-            }
+        let (listed, treed) = match acceleration {
+            Acceleration::None | Acceleration::List => (shapes, Vec::new()),
+            Acceleration::Tree => without_outsized(shapes),
+        };
+        let mut blocks: Vec<T::Block> = listed.chunks(T::WIDTH).map(T::Block::of).collect();
+        let tree = (!treed.is_empty()).then(|| {
+            let (tree, order, leaves) = Tree::new(&treed, blocks.len() as u32);
+            blocks.par_extend(leaves.par_iter().flat_map_iter(|leaf| {
+                let Leaf { first, count } = *leaf;
+                let order = &order[first as usize..(first + count) as usize];
+                order.chunks(T::WIDTH).map(|order| {
+                    let mut shapes = [treed[order[0] as usize]; LANES];
+                    for (shape, &index) in shapes.iter_mut().zip(order) {
+                        *shape = treed[index as usize];
+                    }
+                    T::Block::of(&shapes[..order.len()])
+                })
+            }));
+            tree
+        });
+        Self {
+            blocks,
+            listed: listed.len(),
+            tree,
         }
     }
 
-    /// The shape in a place: first the listed ones, then those of the tree.
+    /// The shape with a number: of its slot, without what the kind has in common.
     #[inline(always)]
-    pub(super) fn get(&self, place: u32) -> &T {
-        let place = place as usize;
-        match &self.tree {
-            Some(tree) if place >= self.listed.len() => &tree.shapes[place - self.listed.len()],
-            _ => &self.listed[place],
-        }
+    pub(super) fn get(&self, number: u32) -> T {
+        let number = number as usize;
+        self.blocks[number / T::WIDTH].get(number % T::WIDTH)
     }
 
     /// A point amid the shapes, if there are any.
     pub(super) fn somewhere(&self) -> Option<DVec3> {
-        let listed = self.listed.first().map(|shape| {
-            let Bounds { min, max } = shape.bounds();
+        let first = self.blocks.first().map(|block| {
+            let Bounds { min, max } = block.get(0).bounds();
             min * 0.5 + max * 0.5
         });
-        self.tree.as_ref().map(|tree| tree.center).or(listed)
+        self.tree.as_ref().map(|tree| tree.center).or(first)
+    }
+
+    /// The blocks of the listed shapes, each with the number of its first shape and how many it has.
+    fn listed(&self) -> impl Iterator<Item = (&T::Block, usize, usize)> {
+        let firsts = (0..self.listed).step_by(T::WIDTH);
+        let blocks = self.blocks.iter().zip(firsts);
+        blocks.map(|(block, first)| (block, first, T::WIDTH.min(self.listed - first)))
     }
 
     /// Puts every shape that the rays on a canvas may meet on it.
@@ -113,45 +147,34 @@ impl<T: Shape> Search<T> {
         stack: &mut Stack,
         verdict: impl Verdict,
     ) {
-        let listed = self.listed.len() as u32;
-        let mut places = [0; LANES];
-        let mut count = 0;
-        for (place, shape) in (0..listed).zip(&self.listed) {
-            if !shape.is_beside(canvas) {
-                places[count] = place;
-                count += 1;
+        for (block, first, count) in self.listed() {
+            let mut bits = 0;
+            for place in 0..count {
+                bits |= u32::from(!block.get(place).is_beside(canvas)) << place;
             }
-            if count == LANES || count > 0 && place + 1 == listed {
-                T::cast(
-                    simd,
-                    &places[..count],
-                    #[inline(always)]
-                    |place| self.get(place),
-                    outlines,
-                    canvas,
-                    verdict,
-                );
-                count = 0;
+            if bits != 0 {
+                let slot = T::SLOTS | first as u32;
+                block.cast(simd, bits, slot, outlines, canvas, verdict);
             }
         }
         if let Some(tree) = &self.tree {
             sweep(
                 simd,
                 tree,
-                listed,
                 canvas,
                 stack,
                 #[inline(always)]
-                |places, canvas| {
-                    T::cast(
-                        simd,
-                        places,
-                        #[inline(always)]
-                        |place| self.get(place),
-                        outlines,
-                        canvas,
-                        verdict,
-                    );
+                |block, count, canvas| {
+                    let mut left = count as usize;
+                    for block in block as usize.. {
+                        let slot = T::SLOTS | (block * T::WIDTH) as u32;
+                        let bits = (1 << left.min(T::WIDTH)) - 1;
+                        self.blocks[block].cast(simd, bits, slot, outlines, canvas, verdict);
+                        if left <= T::WIDTH {
+                            break;
+                        }
+                        left -= T::WIDTH;
+                    }
                 },
             );
         }
@@ -180,21 +203,36 @@ impl<T: Shape> Search<T> {
         question: &mut impl Question<S>,
         stack: &mut Stack,
     ) {
-        for shape in &self.listed {
-            if question.asked() == 0 {
-                return;
+        for (block, _, count) in self.listed() {
+            for place in 0..count {
+                if question.asked() == 0 {
+                    return;
+                }
+                question.ask(simd, packet, &block.get(place));
             }
-            question.ask(simd, packet, shape);
         }
         if let Some(tree) = &self.tree {
-            descend(simd, tree, packet, question, stack);
+            descend(
+                simd,
+                tree,
+                packet,
+                question,
+                stack,
+                #[inline(always)]
+                |block, count, question| {
+                    for place in 0..count as usize {
+                        let shape = self.get(block * T::WIDTH as u32 + place as u32);
+                        question.ask(simd, packet, &shape);
+                    }
+                },
+            );
         }
     }
 
     /// Bytes of the shapes and their tree.
     pub(super) fn memory(&self) -> usize {
         let tree = self.tree.as_ref().map_or(0, Tree::memory);
-        size_of_val(self.listed.as_slice()) + tree
+        size_of_val(self.blocks.as_slice()) + tree
     }
 }
 

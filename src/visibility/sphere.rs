@@ -6,7 +6,7 @@ use super::bvh::Bounds;
 use super::canvas::{Canvas, NEGLIGIBLE, Verdict};
 use super::outline::{Outlines, cast_sphere};
 use super::packet::{Nearest, Packet, Rays, Shadow};
-use super::search::Shape;
+use super::search::{Block, Shape};
 use super::{Primitive, ROUNDING};
 use crate::lanes::{Lanes, Mask};
 use crate::math::{DVec3, Point};
@@ -106,7 +106,43 @@ impl Ball {
     }
 }
 
+impl Block<Self> for Ball {
+    fn of(shapes: &[Self]) -> Self {
+        shapes[0]
+    }
+
+    fn get(&self, _: usize) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn cast<S: Simd>(
+        &self,
+        simd: S,
+        _: u32,
+        slot: u32,
+        _: &mut Outlines,
+        canvas: &mut Canvas,
+        verdict: impl Verdict,
+    ) {
+        let (center, radius) = (self.center.0, self.radius);
+        cast_sphere(
+            simd,
+            center,
+            radius,
+            self.shows_outside,
+            slot,
+            canvas,
+            verdict,
+        );
+    }
+}
+
 impl Shape for Ball {
+    type Block = Self;
+
+    const WIDTH: usize = 1;
+
     const SLOTS: u32 = super::SPHERES;
 
     fn bounds(&self) -> Bounds {
@@ -125,29 +161,6 @@ impl Shape for Ball {
 
     fn is_beside(&self, _: &Canvas) -> bool {
         false
-    }
-
-    #[inline(always)]
-    fn cast<'s, S: Simd>(
-        simd: S,
-        places: &[u32],
-        shape: impl Fn(u32) -> &'s Self,
-        _: &mut Outlines,
-        canvas: &mut Canvas,
-        verdict: impl Verdict,
-    ) {
-        for &place in places {
-            let ball = shape(place);
-            cast_sphere(
-                simd,
-                ball.center.0,
-                ball.radius,
-                ball.shows_outside,
-                Self::SLOTS | place,
-                canvas,
-                verdict,
-            );
-        }
     }
 
     /// L4: whether the sphere stands strictly between the start of the ray, a light, and the

@@ -153,7 +153,13 @@ impl Points {
     pub(super) fn end(&mut self) {
         let [least, most] = &self.ranges;
         let least = |axis: usize| least[axis].0.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = |axis: usize| most[axis].0.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let most = |axis: usize| {
+            most[axis]
+                .0
+                .iter()
+                .copied()
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
         self.bounds = [
             DVec3::new(least(0), least(1), least(2)),
             DVec3::new(most(0), most(1), most(2)),

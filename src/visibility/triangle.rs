@@ -11,11 +11,11 @@ use fearless_simd::Simd;
 
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict};
-use super::outline::{self, Outlines};
+use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Rays, Shadow};
-use super::search::Shape;
+use super::search::{Block, Shape};
 use super::{Primitive, ROUNDING};
-use crate::lanes::{Lanes, Mask, Vectors};
+use crate::lanes::{LANES, Lanes, Mask, Vectors};
 use crate::math::DVec3;
 use crate::world::geometry::{area_vector, from_shorter_edges};
 
@@ -212,7 +212,76 @@ impl Facet {
     }
 }
 
+/// Sixteen triangles or fewer.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Facets {
+    /// Corner by corner the coordinates of the triangles side by side.
+    corners: [[[f64; LANES]; 3]; 3],
+    primitives: [Primitive; LANES],
+}
+
+impl Block<Facet> for Facets {
+    fn of(shapes: &[Facet]) -> Self {
+        let mut facets = Self {
+            corners: [[[0.0; LANES]; 3]; 3],
+            primitives: [shapes[0].primitive; LANES],
+        };
+        for (place, shape) in shapes.iter().enumerate() {
+            for (corner, vertex) in shape.vertices.iter().enumerate() {
+                for axis in 0..3 {
+                    facets.corners[corner][axis][place] = vertex[axis];
+                }
+            }
+            facets.primitives[place] = shape.primitive;
+        }
+        facets
+    }
+
+    #[inline(always)]
+    fn get(&self, place: usize) -> Facet {
+        let [a, b, c] = &self.corners;
+        Facet {
+            vertices: [
+                DVec3::new(a[0][place], a[1][place], a[2][place]),
+                DVec3::new(b[0][place], b[1][place], b[2][place]),
+                DVec3::new(c[0][place], c[1][place], c[2][place]),
+            ],
+            primitive: self.primitives[place],
+        }
+    }
+
+    #[inline(always)]
+    fn cast<S: Simd>(
+        &self,
+        simd: S,
+        bits: u32,
+        slot: u32,
+        outlines: &mut Outlines,
+        canvas: &mut Canvas,
+        verdict: impl Verdict,
+    ) {
+        let [a, b, c] = &self.corners;
+        let corners = [
+            Vectors::load(simd, [&a[0], &a[1], &a[2]]),
+            Vectors::load(simd, [&b[0], &b[1], &b[2]]),
+            Vectors::load(simd, [&c[0], &c[1], &c[2]]),
+        ];
+        outlines.draw(simd, canvas, corners, bits);
+        let mut left = outlines.of_interest;
+        while left != 0 {
+            let place = left.trailing_zeros();
+            left &= left - 1;
+            outlines.cast(simd, place as usize, slot + place, canvas, verdict);
+        }
+    }
+}
+
 impl Shape for Facet {
+    type Block = Facets;
+
+    const WIDTH: usize = LANES;
+
     const SLOTS: u32 = super::TRIANGLES;
 
     fn bounds(&self) -> Bounds {
@@ -242,32 +311,6 @@ impl Shape for Facet {
 
     fn is_beside(&self, canvas: &Canvas) -> bool {
         canvas.is_beside(self.vertices[0], area_vector(self.vertices))
-    }
-
-    #[inline(always)]
-    fn cast<'s, S: Simd>(
-        simd: S,
-        places: &[u32],
-        shape: impl Fn(u32) -> &'s Self,
-        outlines: &mut Outlines,
-        canvas: &mut Canvas,
-        verdict: impl Verdict,
-    ) {
-        let bits = outline::first(places.len());
-        let corners = outline::side_by_side(
-            simd,
-            bits,
-            #[inline(always)]
-            |lane| shape(places[lane]).vertices,
-        );
-        outlines.draw(simd, canvas, corners, bits);
-        let mut left = outlines.of_interest;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let slot = Self::SLOTS | places[lane];
-            outlines.cast(simd, lane, slot, canvas, verdict);
-        }
     }
 
     /// L4: whether the triangle stands strictly between the start of the ray, a light, and the

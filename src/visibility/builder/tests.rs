@@ -1,5 +1,8 @@
 use super::*;
 
+/// Shapes in a leaf.
+const LEAF_SIZE: usize = 2;
+
 /// Cubes of half the size `half` around centers.
 fn cubes(centers: impl Iterator<Item = [f32; 3]>, half: f32) -> Vec<Item> {
     let cube = |(index, center): (usize, [f32; 3])| {
@@ -27,7 +30,7 @@ fn approaching(count: u32, copies: u32) -> impl Iterator<Item = [f32; 3]> {
 /// Checks that boxes hold what is below them and that each shape is in one leaf; the depth.
 #[track_caller]
 fn check(items: &[Item]) -> usize {
-    let (nodes, order) = build(items.to_vec());
+    let (nodes, order) = build(items.to_vec(), LEAF_SIZE);
     let mut indices = order.clone();
     indices.sort_unstable();
     assert!(indices.iter().copied().eq(0..items.len() as u32));
@@ -79,7 +82,9 @@ fn the_tree_is_the_same_for_any_number_of_threads() {
     let items = cubes(scattered(200_000), 1e-3);
     let built_by = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        pool.build().unwrap().install(|| build(items.clone()))
+        pool.build()
+            .unwrap()
+            .install(|| build(items.clone(), LEAF_SIZE))
     };
     let one = built_by(1);
     for threads in [2, 3, 8] {
@@ -96,7 +101,7 @@ fn shapes_of_one_center_share_a_leaf() {
     let others = scattered(100_000).chain((0..100_000).map(|_| center));
     let items = cubes(others, 1e-3);
     check(&items);
-    let (nodes, _) = build(items);
+    let (nodes, _) = build(items, LEAF_SIZE);
     let sizes = nodes.iter().flat_map(Node::members);
     let sizes = sizes.filter_map(|member| match member.child {
         Child::Leaf { count, .. } => Some(count),
@@ -125,7 +130,7 @@ fn what_is_apart_is_parted_first() {
     // Two clusters of unlike numbers, far from each other.
     let near = scattered(5000);
     let far = scattered(500).map(|[x, y, z]| [x + 100.0, y, z]);
-    let (nodes, _) = build(cubes(near.chain(far), 1e-3));
+    let (nodes, _) = build(cubes(near.chain(far), 1e-3), LEAF_SIZE);
     let across = |member: &Member| member.min.x < 50.0 && member.max.x > 50.0;
     assert!(!nodes[0].members().iter().any(across));
 }
