@@ -226,6 +226,12 @@ impl<S: Simd> Singles<S> {
         Self(self.0.sqrt())
     }
 
+    /// The magnitude.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
     /// The smaller of two numbers, neither NaN.
     #[inline(always)]
     pub fn min(self, other: Self) -> Self {

@@ -85,14 +85,16 @@ pub(super) fn geometry<S: Simd>(
         inverse = is_safe.select(inverse, one / square.sqrt());
         inverse_square = is_safe.select(inverse_square, one / square);
     }
-    let incident = to_light.times(inverse);
     let normal = Vectors::load(simd, columns(&points.shading_normal, packet));
-    let cos_incident = normal.dot(incident).max(zero);
+    let height = normal.dot(to_light);
+    let cos_incident = (height * inverse).max(zero);
     let specular = if surfaces.any_specular {
-        // L6: ω_r = 2 (n·ω_i) n − ω_i
-        let reflected = normal.times(normal.dot(incident) * 2.0) - incident;
+        // L6: ω_o·ω_r = 2 (n·ω_i) (n·ω_o) − ω_i·ω_o, the second factor of which is the same for all
+        // lights.
         let to_viewer = Vectors::load(simd, columns(&points.to_viewer, packet));
-        let lobe = powers(simd, to_viewer.dot(reflected), surfaces.shininess);
+        let cos_viewer = Lanes::load(simd, &points.cos_viewer[packet * LANES..]);
+        let cos_reflected = (height * cos_viewer * 2.0 - to_light.dot(to_viewer)) * inverse;
+        let lobe = powers(simd, cos_reflected, surfaces.shininess);
         let lobe = surfaces.is_normalized.select(lobe * cos_incident, lobe);
         surfaces.is_specular.select(lobe, zero)
     } else {

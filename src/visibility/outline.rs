@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict};
-use crate::lanes::{LANES, Lanes, Mask, SingleMask, Singles, Vectors};
+use crate::lanes::{LANES, SingleMask, Singles, Vectors};
 use crate::math::DVec3;
 
 /// A function c₀ + c₁ x + c₂ y on the canvas.
@@ -33,36 +33,70 @@ impl Affines {
     }
 
     #[inline(always)]
-    fn store<S: Simd>(&mut self, simd: S, c: Vectors<S>) {
+    fn store<S: Simd>(&mut self, c: SingleVectors<S>) {
         let [constant, x, y] = &mut self.0;
-        c.z.narrowed(simd).store(&mut constant.0);
-        c.x.narrowed(simd).store(&mut x.0);
-        c.y.narrowed(simd).store(&mut y.0);
+        c.z.store(&mut constant.0);
+        c.x.store(&mut x.0);
+        c.y.store(&mut y.0);
     }
-}
 
-impl Affines {
     /// Takes edge functions, with the sign that makes them positive inside and over their magnitudes;
     /// whether these are above what they may be off.
     #[inline(always)]
     fn store_edge<S: Simd>(
         &mut self,
-        simd: S,
-        edge: Vectors<S>,
-        sign: Lanes<S>,
-        extent: [f64; 2],
-        error: Lanes<S>,
-    ) -> Mask<S> {
-        let magnitude = magnitude(edge, extent);
-        self.store(simd, edge.times(sign / magnitude));
+        edge: SingleVectors<S>,
+        sign: Singles<S>,
+        extent: [Singles<S>; 2],
+        error: Singles<S>,
+    ) -> SingleMask<S> {
+        let magnitude = edge.magnitude(extent);
+        self.store(edge.times(sign / magnitude));
         magnitude.gt(error)
     }
 }
 
-/// The sum of the magnitudes of the terms of functions on a canvas, at most.
-#[inline(always)]
-fn magnitude<S: Simd>(c: Vectors<S>, [x, y]: [f64; 2]) -> Lanes<S> {
-    c.x.abs() * x + c.y.abs() * y + c.z.abs()
+/// Numbers below this are near the end of f32.
+const LEAST: f32 = 1e-30;
+
+/// A vector in each lane.
+#[derive(Clone, Copy)]
+struct SingleVectors<S: Simd> {
+    x: Singles<S>,
+    y: Singles<S>,
+    z: Singles<S>,
+}
+
+impl<S: Simd> SingleVectors<S> {
+    #[inline(always)]
+    fn of(simd: S, vectors: Vectors<S>) -> Self {
+        Self {
+            x: vectors.x.narrowed(simd),
+            y: vectors.y.narrowed(simd),
+            z: vectors.z.narrowed(simd),
+        }
+    }
+
+    #[inline(always)]
+    fn taxicab(self) -> Singles<S> {
+        self.x.abs() + self.y.abs() + self.z.abs()
+    }
+
+    #[inline(always)]
+    fn times(self, factor: Singles<S>) -> Self {
+        Self {
+            x: self.x * factor,
+            y: self.y * factor,
+            z: self.z * factor,
+        }
+    }
+
+    /// The sum of the magnitudes of the terms of functions on a canvas, at most.
+    #[inline(always)]
+    fn magnitude(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
+        let terms = self.y.abs().times_plus(y, self.z.abs());
+        self.x.abs().times_plus(x, terms)
+    }
 }
 
 /// The outlines of sixteen triangles.
@@ -120,35 +154,40 @@ impl Outlines {
         bits: u32,
     ) {
         let [first, second, third] = corners;
-        let a = turned(first.minus(canvas.origin), canvas.axes);
-        let ab = turned(second - first, canvas.axes);
-        let ac = turned(third - first, canvas.axes);
+        let over_unit = 1.0 / canvas.unit;
+        let axes = canvas.axes.map(|axis| axis * over_unit);
+        let a = turned(first.minus(canvas.origin), axes);
+        let ab = turned(second - first, axes);
+        let ac = turned(third - first, axes);
         let (b, c) = (a + ab, a + ac);
-        let (ab_size, ac_size) = (ab.taxicab(), ac.taxicab());
-        let size = a.taxicab() + ab_size + ac_size;
 
         // The box, where all corners are clearly before the canvas's origin.
-        let give = f64::from(GIVES_WAY);
-        let one = Lanes::splat(simd, 1.0);
-        let infinite = Lanes::splat(simd, f64::INFINITY);
-        let nearest = a.z.min(b.z).min(c.z);
-        let is_before = nearest.gt(size * NEGLIGIBLE);
-        let (in_a, in_b, in_c) = (one / a.z, one / b.z, one / c.z);
-        let [extent_x, extent_y] = canvas.extent;
-        let (ax, bx, cx) = (a.x * in_a, b.x * in_b, c.x * in_c);
-        let (ay, by, cy) = (a.y * in_a, b.y * in_b, c.y * in_c);
-        let (least_x, most_x) = (ax.min(bx).min(cx), ax.max(bx).max(cx));
-        let (least_y, most_y) = (ay.min(by).min(cy), ay.max(by).max(cy));
-        let least_x = least_x - (least_x.abs() + extent_x) * give;
-        let least_y = least_y - (least_y.abs() + extent_y) * give;
-        let most_x = most_x + (most_x.abs() + extent_x) * give;
-        let most_y = most_y + (most_y.abs() + extent_y) * give;
-        let left = is_before.select(least_x, -infinite).narrowed(simd);
-        let right = is_before.select(most_x, infinite).narrowed(simd);
-        let bottom = is_before.select(least_y, -infinite).narrowed(simd);
-        let top = is_before.select(most_y, infinite).narrowed(simd);
-        let most = in_a.max(in_b).max(in_c) * (canvas.unit * (1.0 + give));
-        let most = is_before.select(most, infinite).narrowed(simd);
+        let give = Singles::splat(simd, GIVES_WAY);
+        let one = Singles::splat(simd, 1.0);
+        let zero = Singles::splat(simd, 0.0);
+        let infinite = Singles::splat(simd, f32::INFINITY);
+        let [extent_x, extent_y] = canvas.extent.map(|extent| extent as f32);
+        let extent_x = Singles::splat(simd, extent_x);
+        let extent_y = Singles::splat(simd, extent_y);
+        let a32 = SingleVectors::of(simd, a);
+        let b32 = SingleVectors::of(simd, b);
+        let c32 = SingleVectors::of(simd, c);
+        let ab_size = SingleVectors::of(simd, ab).taxicab();
+        let ac_size = SingleVectors::of(simd, ac).taxicab();
+        let size = a32.taxicab() + ab_size + ac_size;
+        let nearest = a32.z.min(b32.z).min(c32.z);
+        let is_before = nearest.gt(size * give);
+        let (in_a, in_b, in_c) = (one / a32.z, one / b32.z, one / c32.z);
+        let (ax, bx, cx) = (a32.x * in_a, b32.x * in_b, c32.x * in_c);
+        let (ay, by, cy) = (a32.y * in_a, b32.y * in_b, c32.y * in_c);
+        let (left, right) = (ax.min(bx).min(cx), ax.max(bx).max(cx));
+        let (bottom, top) = (ay.min(by).min(cy), ay.max(by).max(cy));
+        let left = is_before.select(left - (left.abs() + extent_x) * give, zero - infinite);
+        let right = is_before.select(right + (right.abs() + extent_x) * give, infinite);
+        let bottom = is_before.select(bottom - (bottom.abs() + extent_y) * give, zero - infinite);
+        let top = is_before.select(top + (top.abs() + extent_y) * give, infinite);
+        let most = in_a.max(in_b).max(in_c) * (one + give);
+        let most = is_before.select(most, infinite);
         let [all_left, all_right, all_bottom, all_top] = canvas.bounds(simd);
         let meets = left.le(Singles::splat(simd, all_right))
             & right.ge(Singles::splat(simd, all_left))
@@ -168,29 +207,37 @@ impl Outlines {
         // Twice the areas that the edges span with the origin, as vectors: the edge functions. Of a
         // corner and an edge, not of two corners: the products of these would cancel.
         let bc = ac - ab;
+        let bc_size = SingleVectors::of(simd, bc).taxicab();
         let normal = ab.cross(ac);
+        let volume = a.dot(normal).narrowed(simd);
+        let normal = SingleVectors::of(simd, normal);
         let normal_size = normal.taxicab();
-        let volume = a.dot(normal);
-        let least_volume = normal_size * (size * NEGLIGIBLE + canvas.error / NEGLIGIBLE);
-        let is_clear =
-            volume.abs().gt(least_volume) & normal_size.gt(ab_size * ac_size * NEGLIGIBLE);
-        let sign = volume.is_positive().select(one, -one);
-        let thickness = size * NEGLIGIBLE;
-        let extent = canvas.extent;
+        let negligible = Singles::splat(simd, NEGLIGIBLE as f32);
+        let error = Singles::splat(simd, (canvas.error * over_unit / NEGLIGIBLE) as f32);
+        let least = Singles::splat(simd, LEAST);
+        let thickness = size * negligible;
+        let is_clear = volume.abs().gt(normal_size * (thickness + error))
+            & volume.abs().gt(least)
+            & normal_size.gt(ab_size * ac_size * negligible);
+        let sign = volume.gt(zero).select(one, zero - one);
+        let extent = [extent_x, extent_y];
         let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
+        let edge = SingleVectors::of(simd, b.cross(bc));
+        let is_a_told = opposite_a.store_edge(edge, sign, extent, (thickness * bc_size).max(least));
+        let edge = SingleVectors::of(simd, ac.cross(a));
+        let is_b_told = opposite_b.store_edge(edge, sign, extent, (thickness * ac_size).max(least));
+        let edge = SingleVectors::of(simd, a.cross(ab));
+        let is_c_told = opposite_c.store_edge(edge, sign, extent, (thickness * ab_size).max(least));
+        let closeness = normal.times(one / volume);
+        let magnitude = closeness.magnitude(extent);
         let is_told = is_clear
-            & opposite_a.store_edge(simd, b.cross(bc), sign, extent, thickness * bc.taxicab())
-            & opposite_b.store_edge(simd, ac.cross(a), sign, extent, thickness * ac_size)
-            & opposite_c.store_edge(simd, a.cross(ab), sign, extent, thickness * ab_size);
-        let closeness = normal.times(Lanes::splat(simd, canvas.unit) / volume);
-        let magnitude = magnitude(closeness, extent);
-        let is_told = is_told
-            & magnitude.gt(Lanes::splat(simd, 1.0 / CLOSENESS))
-            & magnitude.lt(Lanes::splat(simd, CLOSENESS));
-        self.closeness.store(simd, closeness);
-        (magnitude * give)
-            .narrowed(simd)
-            .store(&mut self.closeness_error.0);
+            & is_a_told
+            & is_b_told
+            & is_c_told
+            & magnitude.gt(Singles::splat(simd, (1.0 / CLOSENESS) as f32))
+            & magnitude.le(Singles::splat(simd, CLOSENESS as f32));
+        self.closeness.store(closeness);
+        (magnitude * give).store(&mut self.closeness_error.0);
         self.untold = !is_told.to_bits();
     }
 

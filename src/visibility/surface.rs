@@ -64,6 +64,8 @@ pub struct Points {
     /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the surface;
     /// elsewhere the geometric normal.
     pub(crate) shading_normal: [Column; 3],
+    /// n · ω_o
+    pub(crate) cos_viewer: Column,
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
     /// The slot of what is hit, where it is known.
@@ -90,6 +92,7 @@ impl Default for Points {
             to_viewer: [NONE; 3],
             geometric_normal: [NONE; 3],
             shading_normal: [NONE; 3],
+            cos_viewer: NONE,
             primitive: [0; BATCH],
             slots: [NOTHING; BATCH],
             largest_error: 0.0,
@@ -295,6 +298,9 @@ impl Points {
         to_viewer.store(columns_mut(&mut self.to_viewer, packet));
         geometric.store(columns_mut(&mut self.geometric_normal, packet));
         geometric.store(columns_mut(&mut self.shading_normal, packet));
+        geometric
+            .dot(to_viewer)
+            .store(&mut self.cos_viewer[first_lane..]);
     }
 
     /// Whether a ray of the batch hits something.
@@ -334,6 +340,8 @@ impl Points {
                 for axis in 0..3 {
                     self.shading_normal[axis][slot] = normal[axis];
                 }
+                let to_viewer = self.to_viewer.each_ref().map(|column| column[slot]);
+                self.cos_viewer[slot] = normal.dot(DVec3::from_array(to_viewer));
             }
         }
     }
