@@ -10,10 +10,10 @@ use std::io::{self, BufWriter, Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What a file's content is written to.
-pub trait Sink: Write + Seek {}
+/// What a file's content is written to, by any thread.
+pub trait Sink: Write + Seek + Send {}
 
-impl<T: Write + Seek> Sink for T {}
+impl<T: Write + Seek + Send> Sink for T {}
 
 /// A file could not be written; the target is as it was before.
 #[derive(Debug, thiserror::Error)]
