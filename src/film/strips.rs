@@ -57,20 +57,26 @@ pub fn render_exr(
                 ControlFlow::Continue(())
             }
         };
-        let workers = in_turn(strips.tiles(), Worker::default, each);
+        let workers = in_turn(strips.tiles(), || Worker::new(file.packer()), each);
         let counts = workers.iter().map(|worker| worker.counts);
         let counts = counts.fold(Counts::default(), Counts::and);
         Ok((counts, file.finish()?))
     })
 }
 
+/// A block that is compressed is there as it is, as the file has it, and in between.
+const COPIES_OF_BLOCK: u64 = 5;
+
 /// About how many bytes of pixels [`render_exr`] has in memory at once for a window with these channels
-/// beside R, G, B and A, on so many threads: a strip for each of them, and one that is compressed.
+/// beside R, G, B and A, on so many threads: a strip and a block for each, and a strip that waits.
 pub fn memory(window: Window, channels: &Channels, exr: &ExrOptions, threads: usize) -> u64 {
-    let lines = strip_lines(exr.lines_per_block()).min(window.height);
-    let pixel = size_of::<[f32; 4]>() + channels.list.len() * size_of::<f32>();
-    let strip = u64::from(window.width) * u64::from(lines) * pixel as u64;
-    strip.saturating_mul(threads as u64 + 1)
+    let lines = exr.lines_per_block();
+    let [strip, block] = [strip_lines(lines), lines as u32].map(|lines| {
+        let pixel = size_of::<[f32; 4]>() + channels.list.len() * size_of::<f32>();
+        u64::from(window.width) * u64::from(lines.min(window.height)) * pixel as u64
+    });
+    let threads = threads as u64;
+    strip * (threads + 1) + block * threads * COPIES_OF_BLOCK
 }
 
 /// The height of a strip, unless the window is less high.
@@ -190,7 +196,6 @@ impl<'s, 'f> Strips<'s, 'f> {
 }
 
 /// What a thread needs, and what it has counted.
-#[derive(Default)]
 struct Worker {
     space: Box<Space>,
     packer: Packer,
@@ -201,6 +206,16 @@ struct Worker {
 }
 
 impl Worker {
+    fn new(packer: Packer) -> Self {
+        Self {
+            space: Box::default(),
+            packer,
+            pixels: Vec::new(),
+            values: Vec::new(),
+            counts: Counts::default(),
+        }
+    }
+
     /// Renders a tile into `pixels` and `values`.
     fn render(&mut self, work: Work<'_>, window: Window, channels: usize) {
         let (width, count) = (window.width as usize, window.count() as usize);

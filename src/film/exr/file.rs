@@ -11,7 +11,7 @@ use exr::meta::header::Header;
 
 use super::write::{FileChannel, Halves, head, into_io};
 use super::zip::Zip;
-use super::{ExrOptions, ExrReport};
+use super::{ExrOptions, ExrReport, Precision};
 use crate::film::{Frame, Rows};
 use crate::output::Sink;
 
@@ -39,14 +39,14 @@ struct Written<'f> {
     error: Option<io::Error>,
 }
 
-/// Memory that a thread uses for one block after the other.
-#[derive(Default)]
+/// What a thread compresses one block after the other with.
 pub(in crate::film) struct Packer {
     /// A block before compression.
     raw: Vec<u8>,
     /// A block as it goes into the file.
     block: Vec<u8>,
-    zip: Zip,
+    /// Where the compression is of that kind.
+    zip: Option<Zip>,
 }
 
 impl<'f> ExrFile<'f> {
@@ -93,6 +93,36 @@ impl<'f> ExrFile<'f> {
     /// How many blocks there are.
     pub(in crate::film) fn blocks(&self) -> usize {
         self.header.chunk_count
+    }
+
+    /// What a thread needs to add blocks.
+    pub(in crate::film) fn packer(&self) -> Packer {
+        let is_float = |channel: &&FileChannel<'_>| channel.precision == Precision::Float;
+        let floats = self.channels.iter().filter(is_float).count();
+        let mostly_float = 2 * floats >= self.channels.len();
+        let zip = match self.header.compression {
+            // Elsewhere values have to be turned around, which the `exr` crate does.
+            Compression::ZIP1 | Compression::ZIP16 if cfg!(target_endian = "little") => {
+                Some(Zip::new(mostly_float))
+            }
+            Compression::ZIP1
+            | Compression::ZIP16
+            | Compression::Uncompressed
+            | Compression::RLE
+            | Compression::PIZ
+            | Compression::PXR24
+            | Compression::B44
+            | Compression::B44A
+            | Compression::DWAA(_)
+            | Compression::DWAB(_)
+            | Compression::HTJ2K32
+            | Compression::HTJ2K256 => None,
+        };
+        Packer {
+            raw: Vec::new(),
+            block: Vec::new(),
+            zip,
+        }
     }
 
     /// Whether anything went wrong: further blocks are of no use.
@@ -158,38 +188,22 @@ impl<'f> ExrFile<'f> {
         block.clear();
         let y = self.header.own_attributes.layer_position.y() + top as i32;
         block.extend_from_slice(&y.to_le_bytes());
-        match self.header.compression {
-            // Elsewhere values have to be turned around, which the crate does.
-            Compression::ZIP1 | Compression::ZIP16 if cfg!(target_endian = "little") => {
-                // The length comes later.
-                block.extend_from_slice(&[0; 4]);
-                let start = block.len();
-                zip.compress(raw, block);
-                let length = (block.len() - start) as i32;
-                block[start - 4..start].copy_from_slice(&length.to_le_bytes());
-            }
-            Compression::Uncompressed
-            | Compression::RLE
-            | Compression::ZIP1
-            | Compression::ZIP16
-            | Compression::PIZ
-            | Compression::PXR24
-            | Compression::B44
-            | Compression::B44A
-            | Compression::DWAA(_)
-            | Compression::DWAB(_)
-            | Compression::HTJ2K32
-            | Compression::HTJ2K256 => {
-                let lines = rows.pixels.len() / width;
-                let section = IntegerBounds::new((0, top as i32), (width, lines));
-                let compression = self.header.compression;
-                let pixels = compression
-                    .compress_image_section_to_le(&self.header, std::mem::take(raw), section)
-                    .map_err(into_io)?;
-                block.extend_from_slice(&(pixels.len() as i32).to_le_bytes());
-                block.extend_from_slice(&pixels);
-            }
+        // The length comes later.
+        block.extend_from_slice(&[0; 4]);
+        let start = block.len();
+        if let Some(zip) = zip {
+            zip.compress(raw, block);
+        } else {
+            let lines = rows.pixels.len() / width;
+            let section = IntegerBounds::new((0, top as i32), (width, lines));
+            let compression = self.header.compression;
+            let pixels = compression
+                .compress_image_section_to_le(&self.header, std::mem::take(raw), section)
+                .map_err(into_io)?;
+            block.extend_from_slice(&pixels);
         }
+        let length = (block.len() - start) as i32;
+        block[start - size_of::<i32>()..start].copy_from_slice(&length.to_le_bytes());
         Ok(halves)
     }
 

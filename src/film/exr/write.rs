@@ -19,9 +19,9 @@ use exr::meta::{BlockDescription, Requirements, magic_number, sequence_end};
 use exr::prelude::{SmallVec, Vec2};
 use half::f16;
 
+use super::ExrFile;
 use super::color_interop_id;
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, ExrReport, Precision};
-use super::{ExrFile, Packer};
 use crate::film::turns::in_turn;
 use crate::film::{ChannelKind, Channels, Film, Frame, Metadata, Rows};
 use crate::output::{self, OutputError, Unfinished};
@@ -33,7 +33,7 @@ const RGBA: [&str; 4] = ["R", "G", "B", "A"];
 /// A channel of the file, and where the film has its values.
 pub(super) struct FileChannel<'f> {
     name: &'f str,
-    precision: Precision,
+    pub(super) precision: Precision,
     source: Source,
 }
 
@@ -78,16 +78,20 @@ impl Film {
         let file = ExrFile::begin(&self.frame, options, sink)?;
         let (blocks, lines) = (file.blocks(), file.lines_per_block());
         let height = self.frame.window.height as usize;
-        in_turn(blocks, Packer::default, |packer, index| {
-            let top = index * lines;
-            let rows = self.rows(top..height.min(top + lines));
-            file.add(index, rows, packer);
-            if file.has_failed() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
+        in_turn(
+            blocks,
+            || file.packer(),
+            |packer, index| {
+                let top = index * lines;
+                let rows = self.rows(top..height.min(top + lines));
+                file.add(index, rows, packer);
+                if file.has_failed() {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            },
+        );
         file.finish()
     }
 }
