@@ -209,17 +209,32 @@ impl Halves {
 }
 
 /// Appends values as the file has them before compression.
-fn store(values: impl Iterator<Item = f32>, precision: Precision, bytes: &mut Vec<u8>) -> Halves {
+fn store(
+    values: impl ExactSizeIterator<Item = f32>,
+    precision: Precision,
+    bytes: &mut Vec<u8>,
+) -> Halves {
     let mut halves = Halves::default();
+    let start = bytes.len();
     match precision {
-        Precision::Float => bytes.extend(values.flat_map(f32::to_ne_bytes)),
-        Precision::Half => bytes.extend(values.flat_map(|value| {
-            let (half, is_clamped) = to_half(value);
-            halves.clamped += u64::from(is_clamped);
-            let is_small = value != 0.0 && value.abs() < f16::MIN_POSITIVE.to_f32();
-            halves.small += u64::from(is_small);
-            half.to_ne_bytes()
-        })),
+        Precision::Float => {
+            bytes.resize(start + values.len() * size_of::<f32>(), 0);
+            let (stored, _) = bytes[start..].as_chunks_mut();
+            for (stored, value) in stored.iter_mut().zip(values) {
+                *stored = value.to_ne_bytes();
+            }
+        }
+        Precision::Half => {
+            bytes.resize(start + values.len() * size_of::<f16>(), 0);
+            let (stored, _) = bytes[start..].as_chunks_mut();
+            for (stored, value) in stored.iter_mut().zip(values) {
+                let (half, is_clamped) = to_half(value);
+                halves.clamped += u64::from(is_clamped);
+                let is_small = value != 0.0 && value.abs() < f16::MIN_POSITIVE.to_f32();
+                halves.small += u64::from(is_small);
+                *stored = half.to_ne_bytes();
+            }
+        }
     }
     halves
 }
