@@ -18,7 +18,7 @@
 //!          world                       │         legal: resolved, in range
 //!            │ Plan::new               │
 //!          plan                        │         just what this scene needs
-//!            │ film::render            │
+//!            │ film::render            │         or film::render_exr: straight into the file
 //!  ┌─ film ──┴────────────────┐        │
 //!  │ visibility ⇄ shading     │        │         camera rays to points, points to radiance
 //!  └─────────┬────────────────┘        │

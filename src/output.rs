@@ -4,16 +4,20 @@
 //! whoever looks sees the old file or the new one, never a part. On any error, and when the run is
 //! [canceled](Unfinished::cancel), the temporary file is removed and the target stays as it was.
 
+mod early;
+
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, Permissions};
-use std::io::{self, BufWriter, Cursor, Seek, Write};
+use std::io::{self, Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What a file's content is written to.
-pub trait Sink: Write + Seek {}
+use early::EarlySync;
 
-impl<T: Write + Seek> Sink for T {}
+/// What a file's content is written to, by any thread.
+pub trait Sink: Write + Seek + Send {}
+
+impl<T: Write + Seek + Send> Sink for T {}
 
 /// A file could not be written; the target is as it was before.
 #[derive(Debug, thiserror::Error)]
@@ -294,11 +298,12 @@ fn fill<T>(
     if let Some(permissions) = existing {
         file.set_permissions(permissions)?;
     }
-    let mut buffered = BufWriter::new(file);
-    let result = content(&mut buffered)?;
-    buffered.flush()?;
-    file.sync_all()?;
-    Ok(result)
+    std::thread::scope(|scope| {
+        let mut sink = EarlySync::new(file, scope);
+        let result = content(&mut sink)?;
+        sink.finish()?;
+        Ok(result)
+    })
 }
 
 fn write_stream<T>(

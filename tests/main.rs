@@ -21,3 +21,4 @@ mod layering;
 mod openimageio;
 mod oracle;
 mod spectral_image;
+mod streaming;

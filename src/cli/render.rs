@@ -5,6 +5,7 @@ mod layers;
 use std::ffi::OsStr;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use candela::display;
@@ -219,7 +220,9 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let table = spectral.map_or(0, |(spectra, wavelengths)| {
         Bands::size(spectra, wavelengths)
     });
-    fits_in_memory(whole, &channels, table)?;
+    let threads = rayon::current_num_threads();
+    let pixels = film::memory(whole, &channels, &exr_options, threads);
+    fits_in_memory(pixels, table, &channels)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -233,21 +236,25 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         door: arguments.simd.unwrap_or_default(),
     };
     let progress = Progress::new(whole, arguments);
-    let ((film, counts), render) = timed(|| {
-        film::render_with(&world, &plan, &visibility, &options, &|pixels| {
-            progress.advance(pixels);
-        })
+    let advance = |pixels| progress.advance(pixels);
+    let rendered = output::write(&output, unfinished, |mut sink| {
+        film::render_exr(
+            &world,
+            &plan,
+            &visibility,
+            &options,
+            &advance,
+            &exr_options,
+            &mut sink,
+        )
     });
-    progress.finish();
-    seconds.render = render;
-
-    let (report, write) = timed(|| film.write_exr(&output, &exr_options, unfinished));
-    let report = report?;
+    seconds.render = progress.finish();
+    let (counts, report) = rendered?;
     if let Some(preview) = &arguments.preview {
         display::convert(&output, preview, &display::Settings::default(), unfinished)?;
     }
-    seconds.write = write;
     seconds.total = start.elapsed().as_secs_f64();
+    seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
 
     if let Some(path) = &arguments.stats {
         let Window {
@@ -255,12 +262,12 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             y,
             width,
             height,
-        } = film.window();
+        } = whole;
         let statistics = Statistics {
-            image: film.resolution(),
+            image: world.resolution(),
             window: [x, y, x + width, y + height],
             samples: arguments.samples,
-            threads: rayon::current_num_threads(),
+            threads,
             primary_rays: counts.primary_rays,
             shadow_rays: counts.shadow_rays,
             singular_lights: counts.singular,
@@ -278,25 +285,20 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     Ok(())
 }
 
-/// Whether the system would give the memory that the film of a window takes, with a table of so many
-/// numbers for the bands of lights on materials.
-fn fits_in_memory(window: Window, channels: &Channels, table: u64) -> Result<(), Failure> {
-    let pixels = u64::from(window.width) * u64::from(window.height);
-    let values = pixels * channels.list.len() as u64;
-    let mut rgba: Vec<[f32; 4]> = Vec::new();
-    let mut further: Vec<f32> = Vec::new();
+/// Whether the system would give the memory for so many bytes of pixels under way, and for a table of
+/// so many numbers for the bands of lights on materials.
+fn fits_in_memory(pixels: u64, table: u64, channels: &Channels) -> Result<(), Failure> {
+    let mut rows: Vec<u8> = Vec::new();
     let mut bands: Vec<f64> = Vec::new();
-    let fits = usize::try_from(pixels).is_ok_and(|count| rgba.try_reserve_exact(count).is_ok())
-        && usize::try_from(values).is_ok_and(|count| further.try_reserve_exact(count).is_ok())
+    let fits = usize::try_from(pixels).is_ok_and(|count| rows.try_reserve_exact(count).is_ok())
         && usize::try_from(table).is_ok_and(|count| bands.try_reserve_exact(count).is_ok());
     if fits {
         return Ok(());
     }
-    let bytes = |count: u64, size: usize| count as f64 * size as f64;
-    let film = bytes(pixels, size_of::<[f32; 4]>()) + bytes(values, size_of::<f32>());
-    let table = bytes(table, size_of::<f64>());
-    let gigabytes = (film + table) / 1e9;
-    if table > film {
+    let pixels = pixels as f64;
+    let table = table as f64 * size_of::<f64>() as f64;
+    let gigabytes = (pixels + table) / 1e9;
+    if table > pixels {
         return Err(format!(
             "the bands of all lights on all materials take {gigabytes:.1} GB of memory, more than \
              there is; choose fewer --wavelengths, or fewer lights or materials",
@@ -308,8 +310,8 @@ fn fits_in_memory(window: Window, channels: &Channels, table: u64) -> Result<(),
         _ => "fewer --wavelengths or ",
     };
     Err(format!(
-        "the image takes {gigabytes:.1} GB of memory, more than there is; \
-         choose {fewer}a smaller `resolution`, or render it in parts with --crop",
+        "the rows of the image that are rendered at once take {gigabytes:.1} GB of memory, more than \
+         there is; choose {fewer}a smaller `resolution`, or render it in parts with --crop",
     )
     .into())
 }
@@ -373,22 +375,27 @@ fn summarize(
     let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
 }
 
-/// A progress bar that shows itself only when it is worth it.
+/// How far rendering is: a bar that shows itself only when it is worth it.
 struct Progress {
     bar: ProgressBar,
     start: Instant,
+    pixels: u64,
+    /// When the last pixel was rendered, while the last blocks of the file are still to be written.
+    end: OnceLock<Duration>,
     wanted: bool,
 }
 
 impl Progress {
     fn new(window: Window, arguments: &Arguments) -> Self {
-        let pixels = u64::from(window.width) * u64::from(window.height);
+        let pixels = window.count();
         let style = "{bar:40} {percent:>3} %, {eta} left";
         let style = ProgressStyle::with_template(style).expect("the template is well-formed");
         let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::hidden());
         Self {
             bar: bar.with_style(style),
             start: Instant::now(),
+            pixels,
+            end: OnceLock::new(),
             wanted: !arguments.quiet && io::stderr().is_terminal(),
         }
     }
@@ -398,10 +405,16 @@ impl Progress {
         if self.wanted && self.bar.is_hidden() && self.start.elapsed() > PATIENCE {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
+        if self.bar.position() >= self.pixels {
+            self.end.get_or_init(|| self.start.elapsed());
+        }
     }
 
-    fn finish(&self) {
+    /// Removes the bar; the seconds from the start to the last pixel.
+    fn finish(&self) -> f64 {
         self.bar.finish_and_clear();
+        let end = self.end.get_or_init(|| self.start.elapsed());
+        end.as_secs_f64()
     }
 }
 
@@ -476,15 +489,14 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_in_memory_is_said() {
-        let whole = Window::whole;
         let channels = Layers {
             spectral: Some(Wavelengths::default()),
         }
         .channels();
-        assert!(fits_in_memory(whole([64, 64]), &channels, 1000).is_ok());
+        assert!(fits_in_memory(1000, 1000, &channels).is_ok());
         // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
         let message = |table| {
-            let error = fits_in_memory(whole([64, 64]), &channels, table).unwrap_err();
+            let error = fits_in_memory(1000, table, &channels).unwrap_err();
             error.to_string()
         };
         for table in [1 << 58, u64::MAX] {
@@ -502,6 +514,23 @@ mod tests {
             message(1 << 58).contains("2305843009.2 GB"),
             "{}",
             message(1 << 58)
+        );
+
+        let rows = |channels| {
+            fits_in_memory(1 << 61, 0, channels)
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(
+            rows(&channels).contains("2305843009.2 GB"),
+            "{}",
+            rows(&channels)
+        );
+        assert!(rows(&channels).contains("fewer --wavelengths or a smaller"));
+        let message = rows(&Channels::default());
+        assert!(
+            message.contains("choose a smaller `resolution`"),
+            "{message}"
         );
     }
 }

@@ -13,6 +13,7 @@
 //! All of it is computed in f64, one pixel by itself: the same picture gives the same PNG, to the
 //! byte, for any number of threads.
 
+mod codes;
 pub mod exposure;
 mod picture;
 mod png;
@@ -22,11 +23,11 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use codes::Codes;
 pub use exposure::Exposure;
 pub use picture::Picture;
 pub use view::View;
 
-use crate::color::transfer;
 use crate::film::exr::{self, ExrError};
 use crate::output::{OutputError, Unfinished};
 
@@ -199,6 +200,7 @@ pub fn tonemap(picture: &Picture<'_>, settings: &Settings) -> Image {
         scale: exposure::scale(settings.exposure.ev(picture)),
         view: settings.view,
         bits: settings.bits,
+        codes: Codes::new(settings.bits),
         has_alpha,
     };
     let channels = if has_alpha { 4 } else { 3 };
@@ -235,6 +237,7 @@ struct Develop {
     scale: f64,
     view: View,
     bits: Bits,
+    codes: Codes,
     has_alpha: bool,
 }
 
@@ -250,7 +253,7 @@ impl Develop {
         let light = self
             .view
             .apply([r, g, b].map(|radiance| radiance * per_coverage * self.scale));
-        let [r, g, b] = light.map(|light| self.bits.quantize(transfer::srgb_encode(light)));
+        let [r, g, b] = light.map(|light| self.codes.code(light));
         let codes = [r, g, b, self.bits.quantize(alpha)];
         match self.bits {
             Bits::Eight => {
@@ -270,6 +273,7 @@ impl Develop {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::transfer;
     use crate::film::Window;
     use crate::film::exr::{ColorTag, ExrImage};
 

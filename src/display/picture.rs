@@ -7,6 +7,10 @@ use crate::color::adaptation::conversion;
 use crate::film::exr::{ColorTag, ExrImage, color_interop_id, primaries_of};
 use crate::film::{Film, Window};
 use glam::DVec3;
+use rayon::prelude::*;
+
+/// Pixels that a thread looks at in one go.
+const PIECE: usize = 1 << 14;
 
 /// Linear radiance in Rec.709, RGB premultiplied by coverage A, with nothing in it that is not a
 /// number.
@@ -29,15 +33,8 @@ impl Picture<'static> {
     /// The picture of an EXR file, converted from the space that the file names. A value that is
     /// not a number becomes 0, and its pixel counts in [`Picture::warnings`].
     pub fn new(mut image: ExrImage) -> Self {
-        let (mut nan, mut infinite) = (0, 0);
-        for pixel in &mut image.pixels {
-            if pixel.iter().all(|value| value.is_finite()) {
-                continue;
-            }
-            nan += u64::from(pixel.iter().any(|value| value.is_nan()));
-            infinite += u64::from(pixel.iter().any(|value| value.is_infinite()));
-            *pixel = pixel.map(|value| if value.is_nan() { 0.0 } else { value });
-        }
+        let repaired = image.pixels.par_chunks_mut(PIECE).map(repair);
+        let (nan, infinite) = repaired.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         let space = other_primaries(&image.color);
         if let Ok(Some(primaries)) = &space {
             convert(&mut image.pixels, primaries);
@@ -87,7 +84,11 @@ impl<'a> Picture<'a> {
     pub fn has_uncovered_light(&self) -> bool {
         let is_uncovered =
             |&[r, g, b, a]: &[f32; 4]| a == 0.0 && [r, g, b].iter().any(|&c| c > 0.0);
-        self.has_alpha && self.pixels.iter().any(is_uncovered)
+        let pieces = self.pixels.par_chunks(PIECE);
+        self.has_alpha
+            && pieces
+                .into_par_iter()
+                .any(|piece| piece.iter().any(is_uncovered))
     }
 
     /// R, G, B, A of every pixel that there is data for, row by row.
@@ -170,17 +171,31 @@ fn other_primaries(tag: &ColorTag) -> Result<Option<Primaries>, String> {
     Ok(Some(found))
 }
 
+/// Makes what is not a number 0; how many pixels had that, and how many have infinities.
+fn repair(pixels: &mut [[f32; 4]]) -> (u64, u64) {
+    let (mut nan, mut infinite) = (0, 0);
+    for pixel in pixels {
+        if pixel.iter().all(|value| value.is_finite()) {
+            continue;
+        }
+        nan += u64::from(pixel.iter().any(|value| value.is_nan()));
+        infinite += u64::from(pixel.iter().any(|value| value.is_infinite()));
+        *pixel = pixel.map(|value| if value.is_nan() { 0.0 } else { value });
+    }
+    (nan, infinite)
+}
+
 /// Linear Rec.709, whites adapted, from another space. Infinite values stay as they are.
 fn convert(pixels: &mut [[f32; 4]], from: &Primaries) {
     let matrix = conversion(from, &Primaries::REC709);
-    for [r, g, b, _] in pixels {
+    pixels.par_iter_mut().for_each(|[r, g, b, _]| {
         let rgb = DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b));
         if rgb.is_finite() {
             let limit = DVec3::splat(f64::from(f32::MAX));
             let converted = (matrix * rgb).clamp(-limit, limit);
             [*r, *g, *b] = converted.to_array().map(|channel| channel as f32);
         }
-    }
+    });
 }
 
 #[cfg(test)]

@@ -5,9 +5,14 @@ pub mod exr;
 mod layers;
 mod render;
 mod sampling;
+mod strips;
+mod turns;
 
 pub use layers::{Channel, ChannelKind, Channels, Layers};
 pub use render::{Counts, MAX_SAMPLES, Options, render, render_with};
+pub use strips::{memory, render_exr};
+
+use std::ops::Range;
 
 use crate::scene::ColorSpace;
 use render::Tile;
@@ -28,19 +33,35 @@ pub struct Window {
 /// A rendered image: linear radiance in cd/m², RGB premultiplied by coverage A, in f32.
 #[derive(Clone, Debug)]
 pub struct Film {
+    frame: Frame,
+    /// R, G, B, A, row by row from the top of the frame's window.
+    pixels: Vec<[f32; 4]>,
+    /// The values of the frame's channels, row by row, pixel by pixel, channel by channel within;
+    /// empty where there are none.
+    values: Vec<f32>,
+}
+
+/// All that a film is but for its pixels, and all that the head of its file is made of: known
+/// before the first pixel is.
+#[derive(Clone, Debug)]
+struct Frame {
     /// Width and height of the whole image: the EXR's display window.
     resolution: [u32; 2],
     /// The part that is rendered: the EXR's data window, inside the whole image.
     window: Window,
-    /// R, G, B, A, row by row from the top of `window`.
-    pixels: Vec<[f32; 4]>,
     /// What there is beside R, G, B, A.
     channels: Channels,
-    /// The values of `channels`, row by row, pixel by pixel, channel by channel within; empty
-    /// where there are none.
-    values: Vec<f32>,
     /// What the EXR header says about the image.
     metadata: Metadata,
+}
+
+/// Whole rows of a film.
+#[derive(Clone, Copy, Debug)]
+struct Rows<'f> {
+    /// R, G, B, A, row by row.
+    pixels: &'f [[f32; 4]],
+    /// The values of further channels, row by row, pixel by pixel, channel by channel within.
+    values: &'f [f32],
 }
 
 /// What the EXR header says about the image beside its windows and channels.
@@ -69,6 +90,11 @@ impl Window {
         }
     }
 
+    /// How many pixels it has.
+    pub const fn count(self) -> u64 {
+        self.width as u64 * self.height as u64
+    }
+
     /// Column and row of every pixel, row by row.
     pub fn pixels(self) -> impl Iterator<Item = [u32; 2]> {
         let columns = move || self.x..self.x + self.width;
@@ -78,11 +104,14 @@ impl Window {
 
 impl Film {
     /// A film without light or coverage, and 0 in all further channels.
-    fn black(resolution: [u32; 2], window: Window, channels: Channels, metadata: Metadata) -> Self {
-        let count = window.width as usize * window.height as usize;
-        let values = vec![0.0; count * channels.list.len()];
-        Self::new(resolution, window, vec![[0.0; 4]; count], metadata)
-            .with_channels(channels, values)
+    fn black(frame: Frame) -> Self {
+        let Window { width, height, .. } = frame.window;
+        let count = width as usize * height as usize;
+        Self {
+            pixels: vec![[0.0; 4]; count],
+            values: vec![0.0; count * frame.channels.list.len()],
+            frame,
+        }
     }
 
     /// The film in square tiles of `side` pixels, smaller at the right and bottom.
@@ -92,9 +121,9 @@ impl Film {
             y,
             width,
             height,
-        } = self.window;
+        } = self.frame.window;
         let mut tiles = Vec::new();
-        let channels = self.channels.list.len();
+        let channels = self.frame.channels.list.len();
         let (columns, side_length) = (width as usize, side as usize);
         // No chunk may be of length 0; of no values there are none all the same.
         let mut values = self.values.chunks_mut((columns * channels).max(1));
@@ -139,13 +168,16 @@ impl Film {
         assert!(
             window.x + window.width <= resolution[0] && window.y + window.height <= resolution[1]
         );
-        Self {
+        let frame = Frame {
             resolution,
             window,
-            pixels,
             channels: Channels::default(),
-            values: Vec::new(),
             metadata,
+        };
+        Self {
+            frame,
+            pixels,
+            values: Vec::new(),
         }
     }
 
@@ -156,8 +188,12 @@ impl Film {
     /// If the values are not as many as the pixels have channels.
     pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
         assert_eq!(values.len(), self.pixels.len() * channels.list.len());
-        Self {
+        let frame = Frame {
             channels,
+            ..self.frame
+        };
+        Self {
+            frame,
             values,
             ..self
         }
@@ -165,12 +201,12 @@ impl Film {
 
     /// Width and height of the whole image, of which [`Film::window`] is a part.
     pub fn resolution(&self) -> [u32; 2] {
-        self.resolution
+        self.frame.resolution
     }
 
     /// The part of the image that this film holds.
     pub fn window(&self) -> Window {
-        self.window
+        self.frame.window
     }
 
     /// R, G, B, A of every pixel of the window, row by row from its top.
@@ -180,17 +216,29 @@ impl Film {
 
     /// What the film has beside R, G, B, A.
     pub fn channels(&self) -> &Channels {
-        &self.channels
+        &self.frame.channels
     }
 
     /// The values of [`Film::channels`] of a pixel, by its place in [`Film::pixels`].
     pub fn values(&self, pixel: usize) -> &[f32] {
-        let count = self.channels.list.len();
+        let count = self.frame.channels.list.len();
         &self.values[pixel * count..][..count]
     }
 
     /// What the EXR header says about the image.
     pub fn metadata(&self) -> &Metadata {
-        &self.metadata
+        &self.frame.metadata
+    }
+
+    /// Some of its rows, counted from the top of its window.
+    fn rows(&self, rows: Range<usize>) -> Rows<'_> {
+        let width = self.frame.window.width as usize;
+        let channels = self.frame.channels.list.len();
+        let pixels = rows.start * width..rows.end * width;
+        let values = pixels.start * channels..pixels.end * channels;
+        Rows {
+            pixels: &self.pixels[pixels],
+            values: &self.values[values],
+        }
     }
 }

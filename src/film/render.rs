@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use super::bands::{self, Geometry, Place};
 use super::sampling::Sampler;
-use super::{Film, Layers, Metadata, Window};
+use super::{Film, Frame, Layers, Metadata, Window};
 use crate::lanes::{Door, Kernel, LANES, Lanes, Words};
 use crate::shading::{self, Shaded, Term};
 use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
 
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
-const TILE: u32 = 16;
+pub(super) const TILE: u32 = 16;
 
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
@@ -49,7 +49,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    fn and(self, other: Self) -> Self {
+    pub(super) fn and(self, other: Self) -> Self {
         Self {
             primary_rays: self.primary_rays + other.primary_rays,
             shadow_rays: self.shadow_rays + other.shadow_rays,
@@ -94,12 +94,35 @@ pub fn render_with(
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
 ) -> (Film, Counts) {
+    set_up(world, plan, visibility, options, |work, frame| {
+        let mut film = Film::black(frame);
+        let tiles = film.tiles(TILE).into_par_iter();
+        let tiles = tiles.map_init(Box::<Space>::default, |space, mut tile| {
+            let counts = work.tile(&mut tile, space);
+            progress(tile.window.count());
+            counts
+        });
+        let counts = tiles.reduce(Counts::default, Counts::and);
+        (film, counts)
+    })
+}
+
+/// Makes what all tiles have in common, and renders with it.
+///
+/// # Panics
+/// As [`render`].
+pub(super) fn set_up<T>(
+    world: &World,
+    plan: &Plan,
+    visibility: &Visibility<'_>,
+    options: &Options,
+    render: impl FnOnce(Work<'_>, Frame) -> T,
+) -> T {
     assert!(
         (1..=MAX_SAMPLES).contains(&options.samples),
         "samples are out of range"
     );
     let resolution = world.resolution();
-    let window = options.window.unwrap_or(Window::whole(resolution));
     let bands = options.layers.spectral.map(|wavelengths| {
         let spectra = world.spectra();
         Bands::new(
@@ -107,29 +130,22 @@ pub fn render_with(
             wavelengths,
         )
     });
-    let channels = options.layers.channels();
-    let metadata = metadata(world, options, plan);
-    let mut film = Film::black(resolution, window, channels, metadata);
+    let frame = Frame {
+        resolution,
+        window: options.window.unwrap_or(Window::whole(resolution)),
+        channels: options.layers.channels(),
+        metadata: metadata(world, options, plan),
+    };
     let sampler = Sampler::new(options.samples);
     let work = Work {
         world,
         visibility,
         samples: options.samples,
+        door: options.door,
         sampler: &sampler,
         bands: bands.as_ref(),
     };
-    let tiles = film.tiles(TILE).into_par_iter();
-    let tiles = tiles.map_init(Box::<Space>::default, |space, mut tile| {
-        let counts = options.door.run(TileKernel {
-            work,
-            tile: &mut tile,
-            space,
-        });
-        progress(u64::from(tile.window.width) * u64::from(tile.window.height));
-        counts
-    });
-    let counts = tiles.reduce(Counts::default, Counts::and);
-    (film, counts)
+    render(work, frame)
 }
 
 fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
@@ -162,17 +178,18 @@ pub(super) struct Tile<'f> {
 
 /// What all tiles have in common.
 #[derive(Clone, Copy)]
-struct Work<'w> {
+pub(super) struct Work<'w> {
     world: &'w World,
     visibility: &'w Visibility<'w>,
     samples: u32,
+    door: Door,
     sampler: &'w Sampler,
     bands: Option<&'w Bands>,
 }
 
 /// What a thread needs for a tile, to be used for the next as well.
 #[derive(Default)]
-struct Space {
+pub(super) struct Space {
     /// Column and row of the tile's pixels.
     pixels: Vec<[u32; 2]>,
     sums: PixelSums,
@@ -294,6 +311,15 @@ impl Kernel for TileKernel<'_, '_, '_> {
 }
 
 impl Work<'_> {
+    /// Fills a tile.
+    pub(super) fn tile(self, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
+        self.door.run(TileKernel {
+            work: self,
+            tile,
+            space,
+        })
+    }
+
     /// Renders all samples of a tile's pixels, batch by batch. Samples of one pixel follow each
     /// other, and pixels come in an order that keeps neighbors together, so that the rays of a
     /// batch, and any few of them in a row, are as alike as they can be.

@@ -114,6 +114,41 @@ fn an_ignored_signal_stays_ignored() {
     assert_eq!(status.code(), Some(130));
 }
 
+/// A file that may not grow, as on a full disk, in the middle of rendering: an error, and the old file
+/// stays.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full_in_the_middle_leaves_the_old_file() {
+    let folder = folder();
+    let scene = folder.path().join("ball.toml");
+    fs::write(&scene, SCENE.replace("[60, 40]", "[600, 400]")).unwrap();
+    fs::write(folder.path().join("out.exr"), "old").unwrap();
+    // At most 512 kB; the signal that says so is ignored, so that the write fails.
+    let limited = "ulimit -f 1000; trap '' XFSZ; exec \"$0\" render ball.toml -o out.exr \
+                   --compression none --quiet";
+    let output = Command::new("sh")
+        .current_dir(folder.path())
+        .args(["-c", limited, env!("CARGO_BIN_EXE_candela")])
+        .output()
+        .unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.starts_with("error: cannot write out.exr: "),
+        "{message}"
+    );
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert_eq!(files(folder.path()), ["ball.toml", "out.exr"]);
+    let old = fs::read_to_string(folder.path().join("out.exr")).unwrap();
+    assert_eq!(old, "old");
+    // A device that is full, which gets the whole file at once.
+    let output = candela(folder.path(), "render ball.toml -o /dev/full --quiet").output();
+    let output = output.unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let message = text(&output.stderr);
+    assert!(message.contains("the disk is full"), "{message}");
+}
+
 /// As in `candela check scene.toml | head -1`: a reader that has seen enough is no error.
 #[test]
 fn a_closed_pipe_is_no_error() {

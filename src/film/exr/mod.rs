@@ -1,11 +1,14 @@
 //! OpenEXR out and in.
 
+mod file;
 mod read;
 mod write;
+mod zip;
 
 use std::fmt;
 use std::str::FromStr;
 
+pub(super) use file::{ExrFile, Packer};
 pub use read::{ColorTag, ExrError, ExrImage, ExrProblem, read};
 
 use super::{ChannelKind, Channels, Window};
@@ -26,6 +29,11 @@ pub struct ExrOptions {
 }
 
 impl ExrOptions {
+    /// The lines that are compressed together.
+    pub(super) fn lines_per_block(&self) -> usize {
+        exr::meta::attribute::Compression::from(self.compression).scan_lines_per_block()
+    }
+
     /// Whether the format can hold an image of this window with these channels beside R, G, B, A.
     ///
     /// # Errors

@@ -1,15 +1,15 @@
 //! Writes a film as OpenEXR: one part, scan lines, channels R, G, B, A and those of its layers.
 //!
-//! The `exr` crate validates the header, serializes attributes and compresses blocks. The file
-//! is put together here, because the crate's own writer puts custom attributes in the order of a
-//! hash map, which differs from run to run, and starts a thread pool of its own: here attributes
-//! are sorted by name, blocks are compressed on the current `rayon` pool and written in order, so
-//! that one film makes one file to the byte, and the film is never copied as a whole.
+//! The `exr` crate validates the header and serializes attributes. The file is put together here,
+//! because the crate's own writer puts custom attributes in the order of a hash map, which differs from
+//! run to run, and starts a thread pool of its own: here attributes are sorted by name, blocks are
+//! compressed on the current `rayon` pool and written in order ([`ExrFile`]), so that one film makes
+//! one file to the byte, and the film is never copied as a whole.
 
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, Seek, Write};
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock};
 use exr::meta::attribute::{
     self, AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, SampleType,
     Text,
@@ -18,28 +18,22 @@ use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::meta::{BlockDescription, Requirements, magic_number, sequence_end};
 use exr::prelude::{SmallVec, Vec2};
 use half::f16;
-use rayon::prelude::*;
 
+use super::ExrFile;
 use super::color_interop_id;
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, ExrReport, Precision};
-use crate::film::{ChannelKind, Channels, Film, Metadata};
+use crate::film::turns::in_turn;
+use crate::film::{ChannelKind, Channels, Film, Frame, Metadata, Rows};
 use crate::output::{self, OutputError, Unfinished};
 use crate::world::colorimetry::primaries;
 
 /// The channels that every film has, in the order of its pixels.
 const RGBA: [&str; 4] = ["R", "G", "B", "A"];
 
-/// Blocks that each thread compresses before the batch is written: enough for threads to even out,
-/// few enough to stay small beside the film.
-const BLOCKS_PER_THREAD: usize = 8;
-
-/// Bytes of blocks in a batch, unless one block alone has more: many channels make large blocks.
-const BYTES_PER_BATCH: usize = 256 << 20;
-
 /// A channel of the file, and where the film has its values.
-struct FileChannel<'f> {
+pub(super) struct FileChannel<'f> {
     name: &'f str,
-    precision: Precision,
+    pub(super) precision: Precision,
     source: Source,
 }
 
@@ -78,58 +72,33 @@ impl Film {
     /// and where [`ExrOptions::check`] fails.
     pub fn write_exr_to(
         &self,
-        sink: &mut (impl Write + Seek),
+        sink: &mut (impl Write + Seek + Send),
         options: &ExrOptions,
     ) -> io::Result<ExrReport> {
-        let channels = self.file_channels(options.precision);
-        let header = self.header(options, &channels);
-        options
-            .check(self.window(), self.channels())
-            .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
-        let mut head = head(&header).map_err(into_io)?;
-        let table_start = head.len();
-        let mut offsets: Vec<u64> = Vec::with_capacity(header.chunk_count);
-        head.resize(table_start + header.chunk_count * size_of::<u64>(), 0);
-        sink.write_all(&head)?;
-        let mut position = head.len() as u64;
-
-        let mut halves = Halves::default();
-        let mut bytes = Vec::new();
-        let batch = BLOCKS_PER_THREAD * rayon::current_num_threads();
-        let batch = batch
-            .min(BYTES_PER_BATCH / header.max_block_byte_size())
-            .max(1);
-        for first in (0..header.chunk_count).step_by(batch) {
-            let last = header.chunk_count.min(first + batch);
-            let blocks: Vec<Block> = (first..last)
-                .into_par_iter()
-                .map(|index| self.compressed(&header, &channels, index))
-                .collect::<exr::error::Result<_>>()
-                .map_err(into_io)?;
-            for block in blocks {
-                bytes.clear();
-                block.chunk.write(&mut bytes, 1).map_err(into_io)?;
-                sink.write_all(&bytes)?;
-                offsets.push(position);
-                position += bytes.len() as u64;
-                halves.add(block.halves);
-            }
-        }
-
-        sink.seek(SeekFrom::Start(table_start as u64))?;
-        for offset in offsets {
-            sink.write_all(&offset.to_le_bytes())?;
-        }
-        sink.flush()?;
-        Ok(ExrReport {
-            clamped_to_half: halves.clamped,
-            small_in_half: halves.small,
-            bytes: position,
-        })
+        let file = ExrFile::begin(&self.frame, options, sink)?;
+        let (blocks, lines) = (file.blocks(), file.lines_per_block());
+        let height = self.frame.window.height as usize;
+        in_turn(
+            blocks,
+            || file.packer(),
+            |packer, index| {
+                let top = index * lines;
+                let rows = self.rows(top..height.min(top + lines));
+                file.add(index, rows, packer);
+                if file.has_failed() {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            },
+        );
+        file.finish()
     }
+}
 
+impl Frame {
     /// All channels in the file's order, which is that of their names' bytes.
-    fn file_channels(&self, precision: Precision) -> Vec<FileChannel<'_>> {
+    pub(super) fn file_channels(&self, precision: Precision) -> Vec<FileChannel<'_>> {
         let rgba = RGBA
             .into_iter()
             .enumerate()
@@ -138,7 +107,7 @@ impl Film {
                 precision,
                 source: Source::Pixels(place),
             });
-        let further = self.channels().list.iter().enumerate();
+        let further = self.channels.list.iter().enumerate();
         let further = further.map(|(place, channel)| FileChannel {
             name: &channel.name,
             precision: match channel.kind {
@@ -152,7 +121,7 @@ impl Film {
         channels
     }
 
-    fn header(&self, options: &ExrOptions, channels: &[FileChannel<'_>]) -> Header {
+    pub(super) fn header(&self, options: &ExrOptions, channels: &[FileChannel<'_>]) -> Header {
         let channels: SmallVec<[ChannelDescription; 5]> = channels
             .iter()
             .map(|channel| {
@@ -164,12 +133,12 @@ impl Film {
                 ChannelDescription::new(name, sample_type, false)
             })
             .collect();
-        let (window, [width, height]) = (self.window(), self.resolution());
+        let (window, [width, height]) = (self.window, self.resolution);
 
         let mut image =
             ImageAttributes::new(IntegerBounds::from_dimensions((width as _, height as _)));
         if options.chromaticities {
-            image.chromaticities = Some(chromaticities(self.metadata()));
+            image.chromaticities = Some(chromaticities(&self.metadata));
         }
         Header::new(
             Text::from(""),
@@ -185,95 +154,87 @@ impl Film {
         .with_attributes(LayerAttributes {
             // The scene's limit on the resolution is far below the largest i32.
             layer_position: Vec2(window.x as i32, window.y as i32),
-            ..attributes(self.metadata(), self.channels())
+            ..attributes(&self.metadata, &self.channels)
         })
     }
+}
 
-    /// The block of lines with this index, from the top, compressed.
-    fn compressed(
-        &self,
-        header: &Header,
+impl Rows<'_> {
+    /// Appends a block of lines as the file has it before compression.
+    pub(super) fn store(
+        self,
         channels: &[FileChannel<'_>],
-        index: usize,
-    ) -> exr::error::Result<Block> {
-        let width = header.layer_size.width();
-        let lines = header.compression.scan_lines_per_block();
-        let top = index * lines;
-        let height = lines.min(header.layer_size.height() - top);
-
+        width: usize,
+        bytes: &mut Vec<u8>,
+    ) -> Halves {
+        let further = self.values.len() / self.pixels.len();
         let mut halves = Halves::default();
-        let mut bytes = Vec::with_capacity(width * height * header.channels.bytes_per_pixel);
-        for row in top..top + height {
-            let row = row * width..(row + 1) * width;
+        for start in (0..self.pixels.len()).step_by(width) {
+            let row = start..start + width;
             for channel in channels {
                 let precision = channel.precision;
                 match channel.source {
                     Source::Pixels(place) => {
-                        let pixels = self.pixels()[row.clone()].iter();
+                        let pixels = self.pixels[row.clone()].iter();
                         let values = pixels.map(|pixel| pixel[place]);
-                        let stored = store(values, precision, &mut bytes);
+                        let stored = store(values, precision, bytes);
                         halves.clamped += stored.clamped;
                     }
                     Source::Values(place) => {
                         let pixels = row.clone();
-                        let values = pixels.map(|pixel| self.values(pixel)[place]);
-                        halves.add(store(values, precision, &mut bytes));
+                        let values = pixels.map(|pixel| self.values[pixel * further + place]);
+                        halves.add(store(values, precision, bytes));
                     }
                 }
             }
         }
-
-        let section = IntegerBounds::new((0, top as i32), (width, height));
-        let compressed_pixels_le = header
-            .compression
-            .compress_image_section_to_le(header, bytes, section)?;
-        Ok(Block {
-            chunk: Chunk {
-                layer_index: 0,
-                compressed_block: CompressedBlock::ScanLine(CompressedScanLineBlock {
-                    y_coordinate: header.own_attributes.layer_position.y() + top as i32,
-                    compressed_pixels_le,
-                }),
-            },
-            halves,
-        })
+        halves
     }
-}
-
-/// A block of lines, ready to be written.
-struct Block {
-    chunk: Chunk,
-    halves: Halves,
 }
 
 /// Values that halves do not hold well.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Halves {
+pub(super) struct Halves {
     /// Beyond ± the largest.
-    clamped: u64,
+    pub(super) clamped: u64,
     /// Not 0, but below the smallest normal one.
-    small: u64,
+    pub(super) small: u64,
 }
 
 impl Halves {
-    fn add(&mut self, more: Self) {
+    pub(super) fn add(&mut self, more: Self) {
         self.clamped += more.clamped;
         self.small += more.small;
     }
 }
 
 /// Appends values as the file has them before compression.
-fn store(values: impl Iterator<Item = f32>, precision: Precision, bytes: &mut Vec<u8>) -> Halves {
+fn store(
+    values: impl ExactSizeIterator<Item = f32>,
+    precision: Precision,
+    bytes: &mut Vec<u8>,
+) -> Halves {
     let mut halves = Halves::default();
+    let start = bytes.len();
     match precision {
-        Precision::Float => bytes.extend(values.flat_map(f32::to_ne_bytes)),
-        Precision::Half => bytes.extend(values.flat_map(|value| {
-            let (half, is_clamped) = to_half(value);
-            halves.clamped += u64::from(is_clamped);
-            let is_small = value != 0.0 && value.abs() < f16::MIN_POSITIVE.to_f32();
-            halves.small += u64::from(is_small);
-            half.to_ne_bytes()
-        })),
+        Precision::Float => {
+            bytes.resize(start + values.len() * size_of::<f32>(), 0);
+            let (stored, _) = bytes[start..].as_chunks_mut();
+            for (stored, value) in stored.iter_mut().zip(values) {
+                *stored = value.to_ne_bytes();
+            }
+        }
+        Precision::Half => {
+            bytes.resize(start + values.len() * size_of::<f16>(), 0);
+            let (stored, _) = bytes[start..].as_chunks_mut();
+            for (stored, value) in stored.iter_mut().zip(values) {
+                let (half, is_clamped) = to_half(value);
+                halves.clamped += u64::from(is_clamped);
+                let is_small = value != 0.0 && value.abs() < f16::MIN_POSITIVE.to_f32();
+                halves.small += u64::from(is_small);
+                *stored = half.to_ne_bytes();
+            }
+        }
     }
     halves
 }
@@ -288,7 +249,7 @@ fn to_half(value: f32) -> (f16, bool) {
 }
 
 /// The file up to the offset table, attributes sorted by name.
-fn head(header: &Header) -> exr::error::Result<Vec<u8>> {
+pub(super) fn head(header: &Header) -> exr::error::Result<Vec<u8>> {
     let mut requirements = Requirements {
         file_format_version: 2,
         is_single_layer_and_tiled: false,
@@ -376,7 +337,7 @@ impl From<Compression> for attribute::Compression {
     }
 }
 
-fn into_io(error: exr::error::Error) -> io::Error {
+pub(super) fn into_io(error: exr::error::Error) -> io::Error {
     match error {
         exr::error::Error::Io(error) => error,
         error => io::Error::new(io::ErrorKind::InvalidInput, error.to_string()),
