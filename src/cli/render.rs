@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use candela::display;
 use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
-use candela::film::{self, Channels, Counts, MAX_SAMPLES, Options, Window};
+use candela::film::{self, Channels, Counts, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
 use candela::output::{self, Unfinished};
 use candela::scene::Scene;
@@ -46,6 +46,8 @@ Examples:
       Only a part, at its place in the whole image
   candela render scene.toml --half --compression dwaa
       A small file
+  candela render scene.toml --layers lights,depth,normal
+      Also each light by itself, the distance and the normal, for compositing
   candela render scene.toml --layers spectral --wavelengths 400:700:10
       A spectral image: R, G, B, A and 31 bands")]
 pub(crate) struct Arguments {
@@ -127,6 +129,8 @@ struct Statistics<'a> {
     image: [u32; 2],
     window: [u32; 4],
     samples: u32,
+    /// What is made beside R, G, B, A.
+    layers: Vec<&'static str>,
     threads: usize,
     primary_rays: u64,
     shadow_rays: u64,
@@ -150,7 +154,7 @@ struct Seconds {
 
 impl Arguments {
     /// What is wrong with the options as they stand together.
-    pub(crate) fn misuse(&self) -> Option<&'static str> {
+    pub(crate) fn misuse(&self) -> Option<String> {
         self.layers.misuse()
     }
 }
@@ -204,7 +208,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     drop(scene);
     let whole = window.unwrap_or(Window::whole(world.resolution()));
     let layers = arguments.layers.layers();
-    let channels = layers.channels();
+    let channels = layers.channels(&world);
     let exr_options = ExrOptions {
         precision: if arguments.half {
             Precision::Half
@@ -219,7 +223,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let table = spectral.map_or(0, |(spectra, wavelengths)| {
         Bands::size(spectra, wavelengths)
     });
-    fits_in_memory(whole, &channels, table)?;
+    fits_in_memory(whole, layers, &channels, table)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -260,6 +264,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             image: film.resolution(),
             window: [x, y, x + width, y + height],
             samples: arguments.samples,
+            layers: layers.names(),
             threads: rayon::current_num_threads(),
             primary_rays: counts.primary_rays,
             shadow_rays: counts.shadow_rays,
@@ -280,7 +285,12 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
 
 /// Whether the system would give the memory that the film of a window takes, with a table of so many
 /// numbers for the bands of lights on materials.
-fn fits_in_memory(window: Window, channels: &Channels, table: u64) -> Result<(), Failure> {
+fn fits_in_memory(
+    window: Window,
+    layers: Layers,
+    channels: &Channels,
+    table: u64,
+) -> Result<(), Failure> {
     let pixels = u64::from(window.width) * u64::from(window.height);
     let values = pixels * channels.list.len() as u64;
     let mut rgba: Vec<[f32; 4]> = Vec::new();
@@ -303,9 +313,12 @@ fn fits_in_memory(window: Window, channels: &Channels, table: u64) -> Result<(),
         )
         .into());
     }
-    let fewer = match channels.list.len() {
-        0 => "",
-        _ => "fewer --wavelengths or ",
+    let fewer = if layers.spectral.is_some() {
+        "fewer --wavelengths or "
+    } else if !channels.list.is_empty() {
+        "fewer --layers or "
+    } else {
+        ""
     };
     Err(format!(
         "the image takes {gigabytes:.1} GB of memory, more than there is; \
@@ -367,7 +380,7 @@ fn summarize(
     );
     warn(
         report.small_in_half,
-        "values of layers below 6.1e-5, of which HALF keeps few digits",
+        "values of layers of light below 6.1e-5, of which HALF keeps few digits",
     );
     // Nowhere is left to report that the messages themselves cannot be written.
     let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
@@ -469,7 +482,6 @@ fn count(text: &str, most: u32) -> Result<u32, String> {
 
 #[cfg(test)]
 mod tests {
-    use candela::film::Layers;
     use candela::world::Wavelengths;
 
     use super::*;
@@ -477,14 +489,15 @@ mod tests {
     #[test]
     fn what_does_not_fit_in_memory_is_said() {
         let whole = Window::whole;
-        let channels = Layers {
+        let layers = Layers {
             spectral: Some(Wavelengths::default()),
-        }
-        .channels();
-        assert!(fits_in_memory(whole([64, 64]), &channels, 1000).is_ok());
+            ..Layers::default()
+        };
+        let channels = layers.channels(&World::new(&Scene::builtin()).unwrap());
+        assert!(fits_in_memory(whole([64, 64]), layers, &channels, 1000).is_ok());
         // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
         let message = |table| {
-            let error = fits_in_memory(whole([64, 64]), &channels, table).unwrap_err();
+            let error = fits_in_memory(whole([64, 64]), layers, &channels, table).unwrap_err();
             error.to_string()
         };
         for table in [1 << 58, u64::MAX] {

@@ -3,10 +3,11 @@
 mod bands;
 pub mod exr;
 mod layers;
+mod passes;
 mod render;
 mod sampling;
 
-pub use layers::{Channel, ChannelKind, Channels, Layers};
+pub use layers::{BACKGROUND_DEPTH, BACKGROUND_LIGHT, Channel, ChannelKind, Channels, Layers};
 pub use render::{Counts, MAX_SAMPLES, Options, render, render_with};
 
 use crate::scene::ColorSpace;

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
-use super::bands::{self, Geometry, Place};
+use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Layers, Metadata, Window};
 use crate::lanes::{Door, Kernel, LANES};
@@ -41,8 +41,8 @@ pub struct Counts {
     pub shadow_rays: u64,
     /// Times that a light was exactly on the point it should light (d = 0) and added nothing.
     pub singular: u64,
-    /// Channels of pixels, bands among them, whose radiance is beyond ± the largest f32, and became
-    /// that.
+    /// Channels of pixels, those of layers among them, whose value is beyond ± the largest f32, and
+    /// became that.
     pub clamped: u64,
 }
 
@@ -105,7 +105,7 @@ pub fn render_with(
             wavelengths,
         )
     });
-    let channels = options.layers.channels();
+    let channels = options.layers.channels(world);
     let metadata = metadata(world, options, plan);
     let mut film = Film::black(resolution, window, channels, metadata);
     let sampler = Sampler::new(options.samples);
@@ -114,7 +114,7 @@ pub fn render_with(
         visibility,
         samples: options.samples,
         sampler: &sampler,
-        bands: bands.as_ref(),
+        passes: Passes::new(world, options.layers, bands.as_ref()),
     };
     let tiles = film.tiles(TILE).into_par_iter();
     let tiles = tiles.map_init(Box::<Space>::default, |space, mut tile| {
@@ -165,7 +165,7 @@ struct Work<'w> {
     visibility: &'w Visibility<'w>,
     samples: u32,
     sampler: &'w Sampler,
-    bands: Option<&'w Bands>,
+    passes: Option<Passes<'w>>,
 }
 
 /// What a thread needs for a tile, to be used for the next as well.
@@ -235,9 +235,7 @@ impl Work<'_> {
         let inside = |[column, row]: &[u32; 2]| *column < width && *row < height;
         let pixels: Vec<[u32; 2]> = (0..TILE * TILE).map(z_order).filter(inside).collect();
         let mut sums = vec![PixelSum::default(); pixels.len()];
-        let mut spectral = self
-            .bands
-            .map(|bands| SpectralSums::new(bands, pixels.len()));
+        let mut passes = self.passes.map(|passes| passes.sums(pixels.len()));
         let mut counts = Counts::default();
         let mut samples_left =
             (0..pixels.len()).flat_map(|pixel| (0..samples).map(move |n| (pixel, n)));
@@ -256,33 +254,11 @@ impl Work<'_> {
             self.visibility
                 .see(simd, [xs, ys], batch.len(), tracing, points);
             let is_hit = |slot: usize| points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
-            match &mut spectral {
-                None => {
-                    shading::radiance(simd, world, self.visibility, points, tracing, shaded, None);
-                }
-                Some(spectral) => {
-                    let places: Vec<Option<Place>> = batch
-                        .iter()
-                        .enumerate()
-                        .map(|(slot, &(pixel, _))| {
-                            let material = points.material[slot] as usize;
-                            is_hit(slot).then(|| spectral.geometry.place(pixel, material))
-                        })
-                        .collect();
-                    let mut add = |term: Term| {
-                        let place = places[term.point].expect("a term is of a point that is hit");
-                        spectral.geometry.add(place, &term);
-                    };
-                    shading::radiance(
-                        simd,
-                        world,
-                        self.visibility,
-                        points,
-                        tracing,
-                        shaded,
-                        Some(&mut add),
-                    );
-                }
+            {
+                let passes = passes.as_mut();
+                let mut each = passes.and_then(|passes| passes.see(batch, points));
+                let each = each.as_mut().map(|each| each as &mut dyn FnMut(Term));
+                shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
             }
             for (slot, &(pixel, _)) in batch.iter().enumerate() {
                 let hit = is_hit(slot);
@@ -290,9 +266,9 @@ impl Work<'_> {
                 sums[pixel].hits += u32::from(hit);
                 sums[pixel].add(if hit { seen } else { world.background().0.0 });
             }
-            if let Some(spectral) = &mut spectral {
+            if let Some(passes) = &mut passes {
                 // The last pixel may have samples in the next batch.
-                spectral.finish(batch[batch.len() - 1].0);
+                passes.finish(batch[batch.len() - 1].0);
             }
             counts = counts.and(Counts {
                 primary_rays: batch.len() as u64,
@@ -306,54 +282,18 @@ impl Work<'_> {
             tile.rows[row as usize][column as usize] = rgba;
             counts.clamped += clamped;
         }
-        if let Some(mut spectral) = spectral {
-            spectral.finish(pixels.len());
-            for (place, &[column, row]) in pixels.iter().enumerate() {
-                let misses = samples - sums[place].hits;
-                let bands = tile.values[row as usize]
-                    .chunks_exact_mut(spectral.bands.wavelengths().count())
+        if let Some(mut passes) = passes {
+            passes.finish(pixels.len());
+            for (pixel, &[column, row]) in pixels.iter().enumerate() {
+                let values = tile.values[row as usize]
+                    .chunks_exact_mut(passes.channels())
                     .nth(column as usize)
-                    .expect("the film has room for the bands of every pixel");
-                counts.clamped += spectral.mean(place, misses, samples, bands);
+                    .expect("the film has room for the layers of every pixel");
+                let misses = samples - sums[pixel].hits;
+                counts.clamped += passes.means(pixel, misses, samples, values);
             }
         }
         counts
-    }
-}
-
-/// The bands of a tile's pixels.
-struct SpectralSums<'b> {
-    bands: &'b Bands,
-    geometry: Geometry,
-    /// Pixel by pixel, band by band.
-    sums: Vec<f64>,
-}
-
-impl<'b> SpectralSums<'b> {
-    fn new(bands: &'b Bands, pixels: usize) -> Self {
-        Self {
-            bands,
-            geometry: Geometry::new(bands.lights()),
-            sums: vec![0.0; pixels * bands.wavelengths().count()],
-        }
-    }
-
-    /// Of the pixels before `end` no more samples come.
-    fn finish(&mut self, end: usize) {
-        self.geometry.finish(end, self.bands, &mut self.sums);
-    }
-
-    /// The bands of a finished pixel, and how many are beyond the largest f32.
-    fn mean(&mut self, pixel: usize, misses: u32, samples: u32, mean: &mut [f32]) -> u64 {
-        let sums = &mut self.sums[pixel * mean.len()..][..mean.len()];
-        bands::add_scaled(sums, f64::from(misses), self.bands.background());
-        let mut clamped = 0;
-        for (mean, sum) in mean.iter_mut().zip(sums) {
-            let (value, is_clamped) = narrowed(*sum / f64::from(samples));
-            *mean = value;
-            clamped += u64::from(is_clamped);
-        }
-        clamped
     }
 }
 
@@ -390,7 +330,7 @@ impl PixelSum {
 }
 
 /// Here, and nowhere before, light becomes f32; whether it was beyond the largest.
-fn narrowed(light: f64) -> (f32, bool) {
+pub(super) fn narrowed(light: f64) -> (f32, bool) {
     let largest = f64::from(f32::MAX);
     if light.is_nan() {
         // Two lights at the very point, one of a color beyond the gamut: ∞ − ∞ is too large as well.
