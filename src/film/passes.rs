@@ -11,7 +11,7 @@ use super::render::narrowed;
 use crate::lanes::LANES;
 use crate::math::DVec3;
 use crate::shading::Term;
-use crate::visibility::{Column, Points};
+use crate::visibility::{Column, Points, columns};
 use crate::world::{Bands, World};
 
 /// The pixel, and the number in it, of each sample of a batch.
@@ -89,9 +89,9 @@ impl<'w> Sums<'w> {
             depths.add(batch, points);
         }
         if let Some(normals) = normals {
-            for (slot, pixel) in hits(batch, points) {
-                normals[pixel] += at(&points.shading_normal, slot);
-            }
+            for_each_hit(batch, points, &points.shading_normal, |pixel, normal| {
+                normals[pixel] += normal;
+            });
         }
         if let Some(lights) = lights {
             lights.add_background(batch, points);
@@ -131,7 +131,9 @@ impl<'w> Sums<'w> {
         };
         let samples = f64::from(samples);
         if let Some(lights) = &self.lights {
-            output.put(lights.of(pixel).as_flattened(), samples);
+            for share in lights.of(pixel) {
+                output.put(share, samples);
+            }
         }
         if let Some(depths) = &self.depths {
             output.put(&[depths.of(pixel)], 1.0);
@@ -169,17 +171,22 @@ fn is_hit(points: &Points, slot: usize) -> bool {
     points.hit[slot / LANES] >> (slot % LANES) & 1 == 1
 }
 
-/// The samples of a batch that hit something, with their pixels.
-fn hits(batch: &Batch, points: &Points) -> impl Iterator<Item = (usize, usize)> {
-    let samples = batch
-        .iter()
-        .enumerate()
-        .map(|(slot, (pixel, _))| (slot, *pixel));
-    samples.filter(|&(slot, _)| is_hit(points, slot))
-}
-
-fn at(columns: &[Column; 3], slot: usize) -> DVec3 {
-    DVec3::from_array(columns.each_ref().map(|column| column[slot]))
+/// Tells of each sample of a batch that hits something its pixel, and what the columns have of it.
+fn for_each_hit(
+    batch: &Batch,
+    points: &Points,
+    vectors: &[Column; 3],
+    mut each: impl FnMut(usize, DVec3),
+) {
+    for (packet, samples) in batch.chunks(LANES).enumerate() {
+        let [xs, ys, zs] = columns(vectors, packet);
+        let lanes = samples.iter().zip(xs).zip(ys).zip(zs);
+        for (lane, (((&(pixel, _), &x), &y), &z)) in lanes.enumerate() {
+            if points.hit[packet] >> lane & 1 == 1 {
+                each(pixel, DVec3::new(x, y, z));
+            }
+        }
+    }
 }
 
 /// Σ L_i r V of each light, as if it were alone: the terms that the radiance is made of, in the
@@ -188,7 +195,8 @@ struct LightSums<'w> {
     world: &'w World,
     /// How many there are in each pixel: the lights', and the background's unless that is black.
     shares: usize,
-    /// Pixel by pixel, share by share.
+    pixels: usize,
+    /// Share by share, pixel by pixel within: terms come light by light.
     sums: Vec<[f64; 3]>,
 }
 
@@ -198,18 +206,20 @@ impl<'w> LightSums<'w> {
         Self {
             world,
             shares,
+            pixels,
             sums: vec![[0.0; 3]; pixels * shares],
         }
     }
 
-    fn of(&self, pixel: usize) -> &[[f64; 3]] {
-        &self.sums[pixel * self.shares..][..self.shares]
+    /// The shares of a pixel.
+    fn of(&self, pixel: usize) -> impl Iterator<Item = &[f64; 3]> {
+        (0..self.shares).map(move |share| &self.sums[share * self.pixels + pixel])
     }
 
     fn add(&mut self, pixel: usize, term: &Term) {
         let reflected = &self.world.transport(term.light)[term.material];
         let (diffuse, specular) = (reflected.diffuse.0.0, reflected.specular.0.0);
-        let sum = &mut self.sums[pixel * self.shares + term.light];
+        let sum = &mut self.sums[term.light * self.pixels + pixel];
         for (channel, sum) in sum.iter_mut().enumerate() {
             *sum += diffuse[channel] * term.geometry.diffuse
                 + specular[channel] * term.geometry.specular;
@@ -224,7 +234,7 @@ impl<'w> LightSums<'w> {
         let background = self.world.background().0.0;
         for (slot, &(pixel, _)) in batch.iter().enumerate() {
             if !is_hit(points, slot) {
-                let sum = &mut self.sums[pixel * self.shares + lights];
+                let sum = &mut self.sums[lights * self.pixels + pixel];
                 for (sum, channel) in sum.iter_mut().zip(background) {
                     *sum += channel;
                 }
@@ -253,10 +263,17 @@ impl Depths {
     }
 
     fn add(&mut self, batch: &Batch, points: &Points) {
-        for (slot, pixel) in hits(batch, points) {
-            let depth = (at(&points.position, slot) - self.eye).dot(self.forward);
-            self.nearest[pixel] = self.nearest[pixel].min(depth);
-        }
+        let Self {
+            eye,
+            forward,
+            nearest,
+        } = self;
+        for_each_hit(batch, points, &points.position, |pixel, position| {
+            let depth = (position - *eye).dot(*forward);
+            if depth < nearest[pixel] {
+                nearest[pixel] = depth;
+            }
+        });
     }
 
     fn of(&self, pixel: usize) -> f64 {
