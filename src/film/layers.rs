@@ -167,7 +167,7 @@ mod tests {
         [lights.'key left'.point]
         position = [0, 0, 1]
         intensity = 1
-        [lights.lampe_grün.point]
+        [lights.'lampe_grün'.point]
         position = [0, 0, 1]
         intensity = 1
         [objects.o.sphere]
