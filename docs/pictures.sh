@@ -5,7 +5,8 @@
 #
 # CANDELA names another binary. The lecture's picture is as large as its scene says; the others are
 # 480 pixels wide, or 320 where there is so much detail that a larger file would be too large. The charts
-# of docs/rgb-or-spectral.md are made each time.
+# of docs/rgb-or-spectral.md and the picture of docs/layers.md are made each time; the latter needs
+# oiiotool, which tests/openimageio.sh installs.
 set -eu
 cd "$(dirname "$0")/.."
 candela=${CANDELA:-target/release/candela}
@@ -27,6 +28,23 @@ for lamp in a f11 hp1; do
     chart "$lamp" spectral
     chart "$lamp" rgb
 done
+
+oiiotool=target/openimageio/bin/oiiotool
+layers=$work/layers.exr
+sed 's/^resolution = .*/resolution = [320, 180]/' scenes/lecture.toml > "$small"
+"$candela" render "$small" --layers lights,depth,normal --samples 64 -o "$layers" --quiet
+"$candela" tonemap "$layers" -o "$work/layer-beauty.png"
+for light in key fill front; do
+    rgb=R=light_$light.R,G=light_$light.G,B=light_$light.B
+    "$oiiotool" "$layers" --ch "$rgb,A" -o "$work/light.exr"
+    "$candela" tonemap "$work/light.exr" -o "$work/layer-$light.png"
+done
+# 4 m are white and 9 m black; N from -1 to 1 is 0 to 1.
+"$oiiotool" "$layers" --ch R=Z,G=Z,B=Z --mulc -0.2 --addc 1.8 -d uint8 -o "$work/layer-depth.png"
+"$oiiotool" "$layers" --ch R=N.X,G=N.Y,B=N.Z --mulc 0.5 --addc 0.5 -d uint8 -o "$work/layer-normal.png"
+"$oiiotool" "$work/layer-beauty.png" "$work/layer-key.png" "$work/layer-fill.png" \
+    "$work/layer-front.png" "$work/layer-depth.png" "$work/layer-normal.png" \
+    --mosaic:pad=4 3x2 --ch R,G,B -d uint8 -o docs/pictures/layers.png
 
 for name; do
     scene=scenes/$name.toml

@@ -335,8 +335,8 @@ fn same_bytes_for_any_number_of_threads() {
     }
 }
 
-/// Layers of every kind in one part: sorted by name, whatever their order in the film, and only
-/// light becomes HALF.
+/// Layers of every kind in one part: sorted by name, whatever their order in the film, and
+/// distances stay FLOAT.
 #[test]
 fn channels_beside_rgba_come_back_in_every_compression() {
     let channel = |name: &str, kind| Channel {
@@ -347,7 +347,7 @@ fn channels_beside_rgba_come_back_in_every_compression() {
         list: vec![
             channel("light_key.R", ChannelKind::Light),
             channel("Z", ChannelKind::Data),
-            channel("N.X", ChannelKind::Data),
+            channel("N.X", ChannelKind::Direction),
             channel("B2", ChannelKind::Light),
         ],
         attributes: vec![("about".to_owned(), "the layers".to_owned())],
@@ -372,14 +372,14 @@ fn channels_beside_rgba_come_back_in_every_compression() {
             let decoded = decode(&path);
             let place = |name| decoded.channels.iter().position(|c| c == name).unwrap();
             let places = ["light_key.R", "Z", "N.X", "B2"].map(place);
-            let light = |value| match precision {
+            let asked = |value| match precision {
                 Precision::Float => value,
                 Precision::Half => as_half(value),
             };
             for pixel in 0..SIZE {
                 let [key, z, n, b2] = values(pixel);
                 let stored = decoded.pixel(pixel % 101, pixel / 101);
-                let expected = [light(key), z, n, light(b2)];
+                let expected = [asked(key), z, asked(n), asked(b2)];
                 // DWA has losses in colors alone, which it knows by their names.
                 let exact = usize::from(!compression.is_lossless(precision));
                 let found = places.map(|place| stored[place]);
@@ -394,7 +394,7 @@ fn channels_beside_rgba_come_back_in_every_compression() {
     }
     let info = oiiotool(folder.path(), "--info -v a.exr");
     let list = "channel list: R (half), G (half), B (half), A (half), Z (float), B2 (half), \
-                N.X (float), light_key.R (half)";
+                N.X (half), light_key.R (half)";
     for expected in [list, "about: \"the layers\""] {
         assert!(info.contains(expected), "no `{expected}` in\n{info}");
     }

@@ -30,6 +30,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "world",
             "visibility",
             "shading",
+            "math",
             "lanes",
             "scene",
             "units",

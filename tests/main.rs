@@ -18,6 +18,7 @@ mod generate;
 mod images;
 mod invariance;
 mod layering;
+mod layers;
 mod openimageio;
 mod oracle;
 mod spectral_image;

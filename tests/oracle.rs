@@ -94,7 +94,7 @@ fn error(actual: [f32; 4], expected: &Sample, floor: f64) -> f64 {
 
 /// Whether rounding may decide at this pixel: something else is seen, or another light arrives, a
 /// hair's breadth away.
-fn is_edge(oracle: &Oracle, [x, y]: [usize; 2]) -> bool {
+pub(crate) fn is_edge(oracle: &Oracle, [x, y]: [usize; 2]) -> bool {
     let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
     let center = oracle.decisions(x, y);
     let steps = [-NEARBY, 0.0, NEARBY];

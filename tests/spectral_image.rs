@@ -28,6 +28,7 @@ fn bands_of(scene: &Scene, samples: u32, wavelengths: Wavelengths) -> Film {
         samples,
         layers: Layers {
             spectral: Some(wavelengths),
+            ..Layers::default()
         },
         ..Options::default()
     };
@@ -181,6 +182,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
     let options = Options {
         layers: Layers {
             spectral: Some(Wavelengths::default()),
+            ..Layers::default()
         },
         ..Options::default()
     };
@@ -248,6 +250,7 @@ fn a_part_has_the_bands_of_the_whole() {
             window: Some(window),
             layers: Layers {
                 spectral: Wavelengths::new(550, 650, 10),
+                ..Layers::default()
             },
             ..Options::default()
         };

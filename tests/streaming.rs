@@ -127,6 +127,7 @@ fn bands_are_streamed_as_well() {
             let options = Options {
                 layers: Layers {
                     spectral: Some(Wavelengths::default()),
+                    ..Layers::default()
                 },
                 ..Options::default()
             };

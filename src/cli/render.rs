@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use candela::display;
 use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
-use candela::film::{self, Channels, Counts, MAX_SAMPLES, Options, Window};
+use candela::film::{self, Channels, Counts, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
 use candela::output::{self, Unfinished};
 use candela::scene::Scene;
@@ -47,6 +47,8 @@ Examples:
       Only a part, at its place in the whole image
   candela render scene.toml --half --compression dwaa
       A small file
+  candela render scene.toml --layers lights,depth,normal
+      Also each light by itself, the distance and the normal, for compositing
   candela render scene.toml --layers spectral --wavelengths 400:700:10
       A spectral image: R, G, B, A and 31 bands")]
 pub(crate) struct Arguments {
@@ -128,6 +130,8 @@ struct Statistics<'a> {
     image: [u32; 2],
     window: [u32; 4],
     samples: u32,
+    /// What is made beside R, G, B, A.
+    layers: Vec<&'static str>,
     threads: usize,
     primary_rays: u64,
     shadow_rays: u64,
@@ -151,7 +155,7 @@ struct Seconds {
 
 impl Arguments {
     /// What is wrong with the options as they stand together.
-    pub(crate) fn misuse(&self) -> Option<&'static str> {
+    pub(crate) fn misuse(&self) -> Option<String> {
         self.layers.misuse()
     }
 }
@@ -205,7 +209,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     drop(scene);
     let whole = window.unwrap_or(Window::whole(world.resolution()));
     let layers = arguments.layers.layers();
-    let channels = layers.channels();
+    let channels = layers.channels(&world);
     let exr_options = ExrOptions {
         precision: if arguments.half {
             Precision::Half
@@ -222,7 +226,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     });
     let threads = rayon::current_num_threads();
     let pixels = film::memory(whole, &channels, &exr_options, threads);
-    fits_in_memory(pixels, table, &channels)?;
+    fits_in_memory(pixels, table, layers, &channels)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -267,6 +271,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             image: world.resolution(),
             window: [x, y, x + width, y + height],
             samples: arguments.samples,
+            layers: layers.names(),
             threads,
             primary_rays: counts.primary_rays,
             shadow_rays: counts.shadow_rays,
@@ -287,7 +292,12 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
 
 /// Whether the system would give the memory for so many bytes of pixels under way, and for a table of
 /// so many numbers for the bands of lights on materials.
-fn fits_in_memory(pixels: u64, table: u64, channels: &Channels) -> Result<(), Failure> {
+fn fits_in_memory(
+    pixels: u64,
+    table: u64,
+    layers: Layers,
+    channels: &Channels,
+) -> Result<(), Failure> {
     let mut rows: Vec<u8> = Vec::new();
     let mut bands: Vec<f64> = Vec::new();
     let fits = usize::try_from(pixels).is_ok_and(|count| rows.try_reserve_exact(count).is_ok())
@@ -305,9 +315,12 @@ fn fits_in_memory(pixels: u64, table: u64, channels: &Channels) -> Result<(), Fa
         )
         .into());
     }
-    let fewer = match channels.list.len() {
-        0 => "",
-        _ => "fewer --wavelengths or ",
+    let fewer = if layers.spectral.is_some() {
+        "fewer --wavelengths or "
+    } else if !channels.list.is_empty() {
+        "fewer --layers or "
+    } else {
+        ""
     };
     Err(format!(
         "the rows of the image that are rendered at once take {gigabytes:.1} GB of memory, more than \
@@ -369,7 +382,7 @@ fn summarize(
     );
     warn(
         report.small_in_half,
-        "values of layers below 6.1e-5, of which HALF keeps few digits",
+        "values of layers of light below 6.1e-5, of which HALF keeps few digits",
     );
     // Nowhere is left to report that the messages themselves cannot be written.
     let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
@@ -482,21 +495,21 @@ fn count(text: &str, most: u32) -> Result<u32, String> {
 
 #[cfg(test)]
 mod tests {
-    use candela::film::Layers;
     use candela::world::Wavelengths;
 
     use super::*;
 
     #[test]
     fn what_does_not_fit_in_memory_is_said() {
-        let channels = Layers {
+        let layers = Layers {
             spectral: Some(Wavelengths::default()),
-        }
-        .channels();
-        assert!(fits_in_memory(1000, 1000, &channels).is_ok());
+            ..Layers::default()
+        };
+        let channels = layers.channels(&World::new(&Scene::builtin()).unwrap());
+        assert!(fits_in_memory(1000, 1000, layers, &channels).is_ok());
         // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
         let message = |table| {
-            let error = fits_in_memory(1000, table, &channels).unwrap_err();
+            let error = fits_in_memory(1000, table, layers, &channels).unwrap_err();
             error.to_string()
         };
         for table in [1 << 58, u64::MAX] {
@@ -516,18 +529,17 @@ mod tests {
             message(1 << 58)
         );
 
-        let rows = |channels| {
-            fits_in_memory(1 << 61, 0, channels)
-                .unwrap_err()
-                .to_string()
+        let rows = |layers, channels| {
+            let error = fits_in_memory(1 << 61, 0, layers, channels).unwrap_err();
+            error.to_string()
         };
+        let message = rows(layers, &channels);
+        assert!(message.contains("2305843009.2 GB"), "{message}");
         assert!(
-            rows(&channels).contains("2305843009.2 GB"),
-            "{}",
-            rows(&channels)
+            message.contains("fewer --wavelengths or a smaller"),
+            "{message}"
         );
-        assert!(rows(&channels).contains("fewer --wavelengths or a smaller"));
-        let message = rows(&Channels::default());
+        let message = rows(Layers::default(), &Channels::default());
         assert!(
             message.contains("choose a smaller `resolution`"),
             "{message}"

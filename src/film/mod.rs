@@ -3,12 +3,13 @@
 mod bands;
 pub mod exr;
 mod layers;
+mod passes;
 mod render;
 mod sampling;
 mod strips;
 mod turns;
 
-pub use layers::{Channel, ChannelKind, Channels, Layers};
+pub use layers::{BACKGROUND_DEPTH, BACKGROUND_LIGHT, Channel, ChannelKind, Channels, Layers};
 pub use render::{Counts, MAX_SAMPLES, Options, render, render_with};
 pub use strips::{memory, render_exr};
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
-use super::bands::{self, Geometry, Place};
+use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
 use crate::lanes::{Door, Kernel, LANES, Lanes, Words};
@@ -43,8 +43,8 @@ pub struct Counts {
     pub shadow_rays: u64,
     /// Times that a light was exactly on the point it should light (d = 0) and added nothing.
     pub singular: u64,
-    /// Channels of pixels, bands among them, whose radiance is beyond ± the largest f32, and became
-    /// that.
+    /// Channels of pixels, those of layers among them, whose value is beyond ± the largest f32, and
+    /// became that.
     pub clamped: u64,
 }
 
@@ -133,7 +133,7 @@ pub(super) fn set_up<T>(
     let frame = Frame {
         resolution,
         window: options.window.unwrap_or(Window::whole(resolution)),
-        channels: options.layers.channels(),
+        channels: options.layers.channels(world),
         metadata: metadata(world, options, plan),
     };
     let sampler = Sampler::new(options.samples);
@@ -143,7 +143,7 @@ pub(super) fn set_up<T>(
         samples: options.samples,
         door: options.door,
         sampler: &sampler,
-        bands: bands.as_ref(),
+        passes: Passes::new(world, options.layers, bands.as_ref()),
     };
     render(work, frame)
 }
@@ -184,7 +184,7 @@ pub(super) struct Work<'w> {
     samples: u32,
     door: Door,
     sampler: &'w Sampler,
-    bands: Option<&'w Bands>,
+    passes: Option<Passes<'w>>,
 }
 
 /// What a thread needs for a tile, to be used for the next as well.
@@ -219,6 +219,8 @@ struct Batch {
     len: usize,
     /// The samples of pixel after pixel.
     runs: Vec<Run>,
+    /// Of each sample its pixel, by its place among the pixels of the tile.
+    pixels: [u32; BATCH],
     /// The place in the image of each sample's pixel.
     corners: [[u32; BATCH]; 2],
     /// What scrambles each sample, and what is scrambled.
@@ -233,6 +235,7 @@ impl Default for Batch {
         Self {
             len: 0,
             runs: Vec::with_capacity(BATCH),
+            pixels: [0; BATCH],
             corners: [[0; BATCH]; 2],
             seeds: [[0; BATCH]; 2],
             sequence: [[0; BATCH]; 2],
@@ -263,6 +266,7 @@ impl Batch {
                 pixel: next.pixel,
                 slots: slots.clone(),
             });
+            self.pixels[slots.clone()].fill(next.pixel as u32);
             for dimension in 0..2 {
                 self.corners[dimension][slots.clone()].fill(place[dimension]);
                 self.seeds[dimension][slots.clone()].fill(seeds[dimension]);
@@ -277,6 +281,11 @@ impl Batch {
                 (next.pixel, next.sample) = (next.pixel + 1, 0);
             }
         }
+    }
+
+    /// Of each sample its pixel, by its place among the pixels of the tile.
+    fn pixels(&self) -> &[u32] {
+        &self.pixels[..self.len]
     }
 
     /// Places the samples in the image.
@@ -349,9 +358,7 @@ impl Work<'_> {
         let inside = |[column, row]: &&[u32; 2]| *column < width && *row < height;
         pixels.extend(Z_ORDER.iter().filter(inside));
         sums.clear();
-        let mut spectral = self
-            .bands
-            .map(|bands| SpectralSums::new(bands, pixels.len()));
+        let mut passes = self.passes.map(|passes| passes.sums(pixels.len()));
         let mut counts = Counts::default();
         let mut next = Next::default();
         while next.pixel < pixels.len() {
@@ -360,43 +367,20 @@ impl Work<'_> {
             let [xs, ys] = &batch.positions;
             self.visibility
                 .see(simd, [xs, ys], batch.len, tracing, points);
-            match &mut spectral {
-                None => {
-                    shading::radiance(simd, world, self.visibility, points, tracing, shaded, None);
-                }
-                Some(spectral) => {
-                    let places: Vec<Option<Place>> = (batch.runs.iter())
-                        .flat_map(|run| run.slots.clone().map(|slot| (run.pixel, slot)))
-                        .map(|(pixel, slot)| {
-                            let material = points.material[slot] as usize;
-                            points
-                                .is_hit(slot)
-                                .then(|| spectral.geometry.place(pixel, material))
-                        })
-                        .collect();
-                    let mut add = |term: Term| {
-                        let place = places[term.point].expect("a term is of a point that is hit");
-                        spectral.geometry.add(place, &term);
-                    };
-                    shading::radiance(
-                        simd,
-                        world,
-                        self.visibility,
-                        points,
-                        tracing,
-                        shaded,
-                        Some(&mut add),
-                    );
-                }
+            {
+                let passes = passes.as_mut();
+                let mut each = passes.and_then(|passes| passes.see(batch.pixels(), points));
+                let each = each.as_mut().map(|each| each as &mut dyn FnMut(Term));
+                shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
             }
             let background = world.background().0.0;
             for run in &batch.runs {
                 sums.add(run, points, &shaded.radiance, background);
             }
-            if let Some(spectral) = &mut spectral {
+            if let Some(passes) = &mut passes {
                 // The last pixel may have samples in the next batch.
                 if let Some(run) = batch.runs.last() {
-                    spectral.finish(run.pixel);
+                    passes.finish(run.pixel);
                 }
             }
             counts = counts.and(Counts {
@@ -413,54 +397,18 @@ impl Work<'_> {
             }
             counts.clamped += clamped;
         }
-        if let Some(mut spectral) = spectral {
-            spectral.finish(pixels.len());
-            for (place, &[column, row]) in pixels.iter().enumerate() {
-                let misses = samples - sums.hits[place];
-                let bands = tile.values[row as usize]
-                    .chunks_exact_mut(spectral.bands.wavelengths().count())
+        if let Some(mut passes) = passes {
+            passes.finish(pixels.len());
+            for (pixel, &[column, row]) in pixels.iter().enumerate() {
+                let values = tile.values[row as usize]
+                    .chunks_exact_mut(passes.channels())
                     .nth(column as usize)
-                    .expect("the film has room for the bands of every pixel");
-                counts.clamped += spectral.mean(place, misses, samples, bands);
+                    .expect("the film has room for the layers of every pixel");
+                let misses = samples - sums.hits[pixel];
+                counts.clamped += passes.means(pixel, misses, samples, values);
             }
         }
         counts
-    }
-}
-
-/// The bands of a tile's pixels.
-struct SpectralSums<'b> {
-    bands: &'b Bands,
-    geometry: Geometry,
-    /// Pixel by pixel, band by band.
-    sums: Vec<f64>,
-}
-
-impl<'b> SpectralSums<'b> {
-    fn new(bands: &'b Bands, pixels: usize) -> Self {
-        Self {
-            bands,
-            geometry: Geometry::new(bands.lights()),
-            sums: vec![0.0; pixels * bands.wavelengths().count()],
-        }
-    }
-
-    /// Of the pixels before `end` no more samples come.
-    fn finish(&mut self, end: usize) {
-        self.geometry.finish(end, self.bands, &mut self.sums);
-    }
-
-    /// The bands of a finished pixel, and how many are beyond the largest f32.
-    fn mean(&mut self, pixel: usize, misses: u32, samples: u32, mean: &mut [f32]) -> u64 {
-        let sums = &mut self.sums[pixel * mean.len()..][..mean.len()];
-        bands::add_scaled(sums, f64::from(misses), self.bands.background());
-        let mut clamped = 0;
-        for (mean, sum) in mean.iter_mut().zip(sums) {
-            let (value, is_clamped) = narrowed(*sum / f64::from(samples));
-            *mean = value;
-            clamped += u64::from(is_clamped);
-        }
-        clamped
     }
 }
 
@@ -567,7 +515,7 @@ impl PixelSums {
 }
 
 /// Here, and nowhere before, light becomes f32; whether it was beyond the largest.
-fn narrowed(light: f64) -> (f32, bool) {
+pub(super) fn narrowed(light: f64) -> (f32, bool) {
     let largest = f64::from(f32::MAX);
     if light.is_nan() {
         // Two lights at the very point, one of a color beyond the gamut: ∞ − ∞ is too large as well.

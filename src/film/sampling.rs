@@ -77,10 +77,10 @@ fn sobol(index: u32) -> u32 {
 fn scrambled<S: Simd>(simd: S, fraction: Words<S>, seed: Words<S>) -> Words<S> {
     let odd = seed.shifted_down(16) | Words::splat(simd, 1);
     let bits = reversed(simd, fraction);
-    let bits = bits ^ bits * Words::splat(simd, 0x3d20_adea);
+    let bits = bits ^ (bits * Words::splat(simd, 0x3d20_adea));
     let bits = (bits + seed) * odd;
-    let bits = bits ^ bits * Words::splat(simd, 0x0552_6c56);
-    let bits = bits ^ bits * Words::splat(simd, 0x53a2_2864);
+    let bits = bits ^ (bits * Words::splat(simd, 0x0552_6c56));
+    let bits = bits ^ (bits * Words::splat(simd, 0x53a2_2864));
     reversed(simd, bits)
 }
 

@@ -1,6 +1,6 @@
 //! L1: the ray through a point of the image, r(t) = o + t ω.
 
-use super::vector::{Vector, ZERO, add, cross, scale, subtract, unit};
+use super::vector::{Vector, ZERO, add, cross, dot, scale, subtract, unit};
 use crate::scene;
 
 /// L1: r(t) = o + t ω. ω has unit length, so that t is a distance in meters.
@@ -76,6 +76,11 @@ impl Camera {
                 orthographic_ray(&self.frame, half_height, image)
             }
         }
+    }
+
+    /// How far a point is along the view axis: z of camera space.
+    pub(super) fn depth(&self, point: Vector) -> f64 {
+        dot(point, self.frame.forward)
     }
 
     /// Image space → the image plane: x to the right, y up, (0, 0) in the middle, y = ±1 at the

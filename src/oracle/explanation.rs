@@ -58,6 +58,9 @@ pub struct HitTerms {
     pub to_viewer: [f64; 3],
     /// t of L1: from the eye, or from the image plane of an orthographic camera, to p.
     pub distance: f64,
+    /// How far p is from the eye, or from the plane through it, along the view axis: `Z` of
+    /// `--layers depth`.
+    pub depth: f64,
 }
 
 /// The constants of L5 and L7.
@@ -148,6 +151,7 @@ impl Oracle {
             geometric_normal: hit.geometric_normal,
             to_viewer: hit.to_viewer,
             distance: hit.distance,
+            depth: self.camera.depth(hit.position),
         }
     }
 

@@ -25,6 +25,7 @@ mod triangle;
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
+use surface::Known;
 pub use surface::{BATCH, PACKETS, Points};
 pub(crate) use surface::{Column, columns};
 
@@ -269,15 +270,11 @@ impl<'w> Visibility<'w> {
             if again != 0 {
                 self.ask_nearest(simd, &rays, &mut nearest, stack);
             }
-            points.fill(
-                simd,
-                self,
-                packet,
-                &rays,
-                &nearest,
-                canvas.first_met(packet),
-                bits & !again,
-            );
+            let known = Known {
+                slots: canvas.first_met(packet),
+                met: bits & !again,
+            };
+            points.fill(simd, self, packet, &rays, &nearest, known);
             if self.is_smooth {
                 let ray = |slot: usize| {
                     let varying = DVec3::from_array(varying_at(varying, slot));

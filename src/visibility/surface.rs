@@ -143,6 +143,15 @@ struct Source {
     material: u32,
 }
 
+/// What some rays of a packet are known to hit first.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'s> {
+    /// The slot of each ray's shape; [`NOTHING`] where it hits nothing.
+    pub(super) slots: &'s [u32],
+    /// One bit for each ray that it is known of.
+    pub(super) met: u32,
+}
+
 impl Points {
     /// Forgets all points.
     pub(super) fn begin(&mut self) {
@@ -169,8 +178,8 @@ impl Points {
         ];
     }
 
-    /// Makes the points of a packet from the nearest hits of some rays, and for the others, `met`, from
-    /// what they are known to hit first.
+    /// Makes the points of a packet from the nearest hits of some rays, and for the others from what they
+    /// are known to hit first.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(
         &mut self,
@@ -179,8 +188,7 @@ impl Points {
         packet: usize,
         rays: &Rays<S>,
         nearest: &Nearest<S>,
-        slots: &[u32],
-        met: u32,
+        Known { slots, met }: Known<'_>,
     ) {
         let world = visibility.world;
         let first_lane = packet * LANES;

@@ -5,7 +5,7 @@ use std::fs;
 use tempfile::TempDir;
 
 use super::{RESOLUTION, candela, fails, files, folder, image, output, succeeds, text};
-use crate::openimageio::decode;
+use crate::openimageio::{decode, oiiotool};
 
 /// The ball, one of its lights orange: on colored surfaces that is another color as spectra than as
 /// RGB, where white light is the same.
@@ -104,12 +104,25 @@ fn wrong_layers_are_wrong_usage() {
     for (options, expected) in [
         ("--layers spectrl", "did you mean `spectral`?"),
         ("--layers spectral,normals", "did you mean `normal`?"),
-        ("--layers xyz", "there is no layer `xyz`; there is spectral"),
+        ("--layers light", "did you mean `lights`?"),
         (
-            "--layers spectral,lights",
-            "layer `lights` is not supported yet",
+            "--layers Z",
+            "there is no layer `Z`; there is lights, depth",
         ),
-        ("--layers depth", "layer `depth` is not supported yet"),
+        (
+            "--layers xyz",
+            "there is no layer `xyz`; there is lights, depth, normal, spectral",
+        ),
+        (
+            "--layers depth,shadow",
+            "layer `shadow` is not supported yet; there is lights, depth, normal, spectral",
+        ),
+        ("--layers depth,lights,depth", "--layers has `depth` twice"),
+        (
+            "--layers normal --layers depth,normal",
+            "--layers has `normal` twice",
+        ),
+        ("--layers lights,,depth", "there is no layer ``"),
         ("--layers spectral,", "there is no layer ``"),
         ("--wavelengths 400:700:10", "--layers spectral"),
         ("--layers spectral --transport rgb", "--transport rgb"),
@@ -140,6 +153,126 @@ fn wrong_layers_are_wrong_usage() {
     assert_eq!(files(folder), before);
 }
 
+/// In any order, with and without bands, the file is the same; it says what is in it.
+#[test]
+fn layers_of_all_kinds_together() {
+    let folder = folder();
+    let folder = folder.path();
+    let expected = "--layers lights,depth,normal,spectral --wavelengths 400:700:100";
+    succeeds(folder, &format!("render ball.toml -o a.exr {expected}"));
+    let other = "--layers normal,spectral --layers depth,lights --wavelengths 400:700:100";
+    succeeds(
+        folder,
+        &format!("render ball.toml -o b.exr --threads 1 {other}"),
+    );
+    let bytes = |name| fs::read(folder.join(name)).unwrap();
+    assert!(bytes("a.exr") == bytes("b.exr"));
+
+    let all = decode(&folder.join("a.exr"));
+    // The file has them sorted by name; OpenImageIO puts R, G, B, A and Z first.
+    let lights = ["background", "fill", "key"];
+    let lights = lights.map(|name| ["R", "G", "B"].map(|c| format!("light_{name}.{c}")));
+    let mut found = all.channels.clone();
+    let mut expected = lights.concat();
+    for name in ["R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z"] {
+        expected.push(name.to_owned());
+    }
+    for nm in [400, 500, 600, 700] {
+        expected.push(format!("S0.{nm},000000nm"));
+    }
+    found.sort();
+    expected.sort();
+    assert_eq!(found, expected);
+    let info = oiiotool(folder, "--info -v a.exr");
+    assert!(
+        info.contains("candela:layers: \"lights,depth,normal,spectral\""),
+        "{info}"
+    );
+
+    // R, G, B and A are what they are without.
+    succeeds(folder, "render ball.toml -o c.exr --transport spectral");
+    let pixels = |name| image(folder, name).pixels;
+    assert!(pixels("a.exr") == pixels("c.exr"));
+    let part = "render ball.toml -o part.exr --layers lights,depth --crop 20,10,31,29 --samples 4 \
+                --stats part.json --preview part.png";
+    succeeds(folder, part);
+    let stats = fs::read_to_string(folder.join("part.json")).unwrap();
+    let stats: serde_json::Value = serde_json::from_str(&stats).unwrap();
+    assert_eq!(stats["layers"], serde_json::json!(["lights", "depth"]));
+    let part = decode(&folder.join("part.exr"));
+    assert_eq!(part.channels.len(), 4 + 3 * 3 + 1);
+    assert_eq!(part.data_window, [20, 10, 11, 19]);
+    assert_eq!(part.display_window, [0, 0, 60, 40]);
+}
+
+/// The names of lights are such that only the background's can make a channel twice.
+#[test]
+fn a_light_that_is_called_background() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = fs::read_to_string(folder.join("ball.toml")).unwrap();
+    let named = scene.replace("lights.key", "lights.background");
+    fs::write(folder.join("named.toml"), &named).unwrap();
+    let message = fails(folder, "render named.toml --layers lights", 1);
+    for part in ["`light_background`", "rename the light", "`background` out"] {
+        assert!(message.contains(part), "{message}");
+    }
+    assert!(!files(folder).contains(&"named.exr".to_owned()));
+    succeeds(folder, "render named.toml --layers depth");
+    // Where the background is black, the name is free.
+    let line = "background = [0.1, 0.2, 0.4]\n";
+    assert!(named.contains(line));
+    fs::write(folder.join("black.toml"), named.replace(line, "")).unwrap();
+    succeeds(folder, "render black.toml --layers lights");
+    let decoded = decode(&folder.join("black.exr"));
+    assert_eq!(decoded.channels.len(), 4 + 2 * 3);
+
+    // Spaces and letters of any script, as long as a name may be.
+    let long = "ñ".repeat(100);
+    let named = scene.replace("lights.key", "lights.\"left key\"");
+    let named = named.replace("lights.fill", &format!("lights.\"{long}\""));
+    fs::write(folder.join("script.toml"), named).unwrap();
+    succeeds(folder, "render script.toml --layers lights");
+    let info = oiiotool(folder, "--info -v script.exr");
+    for name in ["left key", &long] {
+        assert!(info.contains(&format!("light_{name}.R")), "{info}");
+    }
+}
+
+/// Each of 100 lights, and the background, has three channels of four bytes.
+#[test]
+fn lights_that_fit_no_memory_are_refused() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut scene = fs::read_to_string(folder.join("ball.toml")).unwrap();
+    for number in 0..98 {
+        scene += &format!("[lights.l{number}.point]\nposition = [0, 9, 0]\nintensity = 1\n");
+    }
+    let large = scene.replace("[60, 40]", "[65536, 65536]");
+    fs::write(folder.join("large.toml"), large).unwrap();
+    let message = limited(folder, "render large.toml --layers lights --threads 2");
+    // Strips of 65536 × 16 × (16 + 101 · 12) bytes and their blocks, 13 at once.
+    for part in ["16.7 GB", "choose fewer --layers or", "--crop"] {
+        assert!(message.contains(part), "{message}");
+    }
+}
+
+/// What a command says that fails in no more than 16 GB of addresses.
+fn limited(folder: &std::path::Path, arguments: &str) -> String {
+    let mut command = std::process::Command::new("sh");
+    command
+        .current_dir(folder)
+        .args([
+            "-c",
+            &format!("ulimit -v 16000000 && exec \"$0\" {arguments}"),
+        ])
+        .arg(candela(folder, "").get_program());
+    let output = command.output().unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    message
+}
+
 /// Asked for the memory before hours of rendering: 471 bands of the largest image.
 #[test]
 fn bands_that_fit_no_memory_are_refused() {
@@ -151,15 +284,7 @@ fn bands_that_fit_no_memory_are_refused() {
     let options = "--layers spectral --wavelengths 360:830:1";
     // A strip of 65536 × 16 × (16 + 471 · 4) bytes is 2 GB, a block is as large, and of both together two
     // threads want 13 at once, more than a process may ask for here.
-    let limited = "ulimit -v 16000000 && exec \"$0\" render large.toml --threads 2 ";
-    let mut command = std::process::Command::new("sh");
-    command
-        .current_dir(folder)
-        .args(["-c", &format!("{limited}{options}")])
-        .arg(candela(folder, "").get_program());
-    let output = command.output().unwrap();
-    let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{message}");
+    let message = limited(folder, &format!("render large.toml --threads 2 {options}"));
     for part in ["25.9 GB", "--wavelengths", "--crop"] {
         assert!(message.contains(part), "{message}");
     }

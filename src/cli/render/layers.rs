@@ -1,7 +1,7 @@
 //! `--layers`, `--wavelengths` and `--transport`: what is rendered beside R, G, B and A, and what it
 //! asks of the way of light.
 
-use candela::film::Layers;
+use candela::film::{BACKGROUND_LIGHT, Layers};
 use candela::scene::diagnostic::nearest;
 use candela::scene::{Scene, Transport};
 use candela::spectrum::{FIRST, LAST};
@@ -13,29 +13,32 @@ use super::Failure;
 /// A layer that is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Layer {
+    Lights,
+    Depth,
+    Normal,
     Spectral,
 }
 
 impl Layer {
-    const ALL: [Self; 1] = [Self::Spectral];
+    const ALL: [Self; 4] = [Self::Lights, Self::Depth, Self::Normal, Self::Spectral];
 
     const fn name(self) -> &'static str {
         match self {
+            Self::Lights => "lights",
+            Self::Depth => "depth",
+            Self::Normal => "normal",
             Self::Spectral => "spectral",
         }
     }
 }
 
 /// Layers that have a name but are not made yet.
-const PLANNED: [&str; 12] = [
-    "lights",
+const PLANNED: [&str; 9] = [
     "diffuse",
     "specular",
     "albedo",
     "irradiance",
-    "depth",
     "position",
-    "normal",
     "shadow",
     "cryptomatte",
     "error",
@@ -45,11 +48,21 @@ const PLANNED: [&str; 12] = [
 /// The options about layers.
 #[derive(Debug, clap::Args)]
 pub(super) struct LayerArguments {
-    /// What the EXR holds beside R, G, B and A, separated by commas; today only `spectral`: L(λ)
-    /// in W/(m² sr nm), one channel `S0.550,000000nm` for each of --wavelengths, in the layout of
-    /// spectral EXR images (JCGT 2021)
+    /// What the EXR holds beside R, G, B and A, separated by commas: `lights`, each light's share as
+    /// `light_NAME.R`, `.G`, `.B`; `depth`, the distance along the view axis as `Z`; `normal`, in
+    /// world space, as `N.X`, `.Y`, `.Z`; `spectral`, L(λ) as `S0.550,000000nm`, …, at --wavelengths
     ///
-    /// Bands are made in the same pass as R, G and B, and leave these as they are. A scene with
+    /// All are made in the same pass as R, G, B and A, and leave these as they are.
+    ///
+    /// lights: in cd/m², through the box filter like R, G and B. They add up to R, G and B, with
+    /// `light_background` among them where the scene has a background.
+    ///
+    /// depth: in scene units, of the pixel's nearest sample; 1e10 where nothing is hit. Always FLOAT.
+    ///
+    /// normal: as the equation uses it, turned towards the viewer, through the box filter; 0 where
+    /// nothing is hit.
+    ///
+    /// spectral: in W/(m² sr nm), in the layout of spectral EXR images (JCGT 2021). A scene with
     /// `transport = "auto"` carries light spectrally then. The cost is in proportion to bands and
     /// pixels, not to samples: 41 bands take about a fifth longer to render at 4 samples a pixel, 4
     /// bytes for each band and pixel, and several seconds to compress where the image is large.
@@ -74,26 +87,44 @@ pub(super) struct LayerArguments {
 
 impl LayerArguments {
     /// What is wrong with the options as they stand together.
-    pub(super) fn misuse(&self) -> Option<&'static str> {
+    pub(super) fn misuse(&self) -> Option<String> {
+        let twice = Layer::ALL
+            .into_iter()
+            .find(|&layer| self.layers.iter().filter(|&&other| other == layer).count() > 1);
+        if let Some(layer) = twice {
+            return Some(format!(
+                "--layers has `{}` twice; say it once",
+                layer.name()
+            ));
+        }
         if self.wavelengths.is_some() && !self.is_spectral() {
             return Some(
                 "--wavelengths says where the bands of --layers spectral are, which is not asked \
-                 for; add it, or leave --wavelengths out",
+                 for; add it, or leave --wavelengths out"
+                    .to_owned(),
             );
         }
-        (self.is_spectral() && self.transport == Some(Transport::Rgb)).then_some(
-            "--layers spectral needs light that is carried spectrally; leave --transport rgb out",
-        )
+        (self.is_spectral() && self.transport == Some(Transport::Rgb)).then(|| {
+            "--layers spectral needs light that is carried spectrally; leave --transport rgb out"
+                .to_owned()
+        })
+    }
+
+    fn has(&self, layer: Layer) -> bool {
+        self.layers.contains(&layer)
     }
 
     fn is_spectral(&self) -> bool {
-        self.layers.contains(&Layer::Spectral)
+        self.has(Layer::Spectral)
     }
 
     /// The layers to render.
     pub(super) fn layers(&self) -> Layers {
         let wavelengths = self.wavelengths.unwrap_or_default();
         Layers {
+            lights: self.has(Layer::Lights),
+            depth: self.has(Layer::Depth),
+            normal: self.has(Layer::Normal),
             spectral: self.is_spectral().then_some(wavelengths),
         }
     }
@@ -117,6 +148,17 @@ impl LayerArguments {
                  `transport = \"rgb\"`; remove that, or add --transport spectral"
                     .into(),
             );
+        }
+        // Of all names that a scene may hold, this alone can make a channel twice.
+        let channels = self.layers().channels(world).list;
+        let named = |name: &str| channels.iter().filter(|c| c.name == name).count();
+        if named(&format!("light_{BACKGROUND_LIGHT}.R")) > 1 {
+            return Err(format!(
+                "--layers lights gives the background's share the name \
+                 `light_{BACKGROUND_LIGHT}`, but there is a light `{BACKGROUND_LIGHT}`; rename the \
+                 light, or leave `background` out of [image]"
+            )
+            .into());
         }
         Ok(())
     }

@@ -45,19 +45,24 @@ impl ExrOptions {
             Precision::Half => 2,
         };
         let further = channels.list.iter().map(|channel| match channel.kind {
-            ChannelKind::Light => bytes(self.precision),
+            ChannelKind::Light | ChannelKind::Direction => bytes(self.precision),
             ChannelKind::Data => bytes(Precision::Float),
         });
         let pixel: u64 = 4 * bytes(self.precision) + further.sum::<u64>();
-        let compression = exr::meta::attribute::Compression::from(self.compression);
-        let lines = u64::from(window.height).min(compression.scan_lines_per_block() as u64);
-        let block = pixel * u64::from(window.width) * lines;
-        if i32::try_from(block).is_ok() {
+        let block = |compression: Compression| {
+            let compression = exr::meta::attribute::Compression::from(compression);
+            let lines = u64::from(window.height).min(compression.scan_lines_per_block() as u64);
+            pixel * u64::from(window.width) * lines
+        };
+        let fits = |compression| i32::try_from(block(compression)).is_ok();
+        if fits(self.compression) {
             return Ok(());
         }
+        let others = [Compression::Zip, Compression::Zips];
         Err(LargeBlocks {
             compression: self.compression,
-            gigabytes: block as f64 / 1e9,
+            gigabytes: block(self.compression) as f64 / 1e9,
+            other: others.into_iter().find(|&other| fits(other)),
         })
     }
 }
@@ -66,11 +71,14 @@ impl ExrOptions {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "compression {compression} would make blocks of {gigabytes:.1} GB of so many channels, where \
-     OpenEXR's limit is 2.1 GB; choose zip, or render the image in parts with --crop"
+     OpenEXR's limit is 2.1 GB; {}render the image in parts with --crop",
+    .other.map_or_else(String::new, |other| format!("choose {other}, or "))
 )]
 pub struct LargeBlocks {
     compression: Compression,
     gigabytes: f64,
+    /// One that they do fit.
+    other: Option<Compression>,
 }
 
 /// What was written.
@@ -78,8 +86,8 @@ pub struct LargeBlocks {
 pub struct ExrReport {
     /// Values beyond ±65 504, stored as that; always 0 with [`Precision::Float`].
     pub clamped_to_half: u64,
-    /// Values of channels beside R, G, B, A that are not 0 but below the smallest normal half,
-    /// 6.1e-5, where it has fewer digits; always 0 with [`Precision::Float`].
+    /// Values of light beside R, G, B, A that are not 0 but below the smallest normal half, 6.1e-5,
+    /// where it has fewer digits; always 0 with [`Precision::Float`].
     pub small_in_half: u64,
     /// The file's length in bytes.
     pub bytes: u64,
@@ -205,13 +213,15 @@ pub fn primaries_of(interop_id: &str) -> Option<Primaries> {
 mod tests {
     use super::*;
     use crate::film::Layers;
-    use crate::world::Wavelengths;
+    use crate::scene::Scene;
+    use crate::world::{Wavelengths, World};
 
     #[test]
     fn blocks_have_a_limit() {
         let window = Window::whole([65_536, 65_536]);
         let every_nm = Layers {
             spectral: Wavelengths::new(360, 830, 1),
+            ..Layers::default()
         };
         let fits = |compression, channels: &Channels| {
             let options = ExrOptions {
@@ -223,10 +233,23 @@ mod tests {
         for compression in Compression::ALL {
             assert!(fits(compression, &Channels::default()));
         }
-        let channels = every_nm.channels();
+        let world = World::new(&Scene::builtin()).unwrap();
+        let channels = every_nm.channels(&world);
         assert!(fits(Compression::Zip, &channels));
         // 32 lines of 65536 pixels of 475 values of 4 bytes are 4 GB.
         assert!(!fits(Compression::Piz, &channels));
+        let message = |compression, window| {
+            let options = ExrOptions {
+                compression,
+                ..ExrOptions::default()
+            };
+            options.check(window, &channels).unwrap_err().to_string()
+        };
+        assert!(message(Compression::Piz, window).contains("; choose zip, or render"));
+        let wide = Window::whole([1 << 19, 1 << 16]);
+        assert!(message(Compression::Zip, wide).contains("; choose zips, or render"));
+        let wider = Window::whole([1 << 24, 1]);
+        assert!(message(Compression::Zips, wider).contains("; render the image in parts"));
         // But of one line they are not.
         let line = Window::whole([65_536, 1]);
         let options = ExrOptions {

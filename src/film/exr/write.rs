@@ -35,6 +35,8 @@ pub(super) struct FileChannel<'f> {
     name: &'f str,
     pub(super) precision: Precision,
     source: Source,
+    /// Whether digits that halves lose below their smallest normal one are worth a word.
+    is_small_counted: bool,
 }
 
 /// Where the values of a channel are.
@@ -106,15 +108,20 @@ impl Frame {
                 name,
                 precision,
                 source: Source::Pixels(place),
+                is_small_counted: false,
             });
         let further = self.channels.list.iter().enumerate();
         let further = further.map(|(place, channel)| FileChannel {
             name: &channel.name,
             precision: match channel.kind {
-                ChannelKind::Light => precision,
+                ChannelKind::Light | ChannelKind::Direction => precision,
                 ChannelKind::Data => Precision::Float,
             },
             source: Source::Values(place),
+            is_small_counted: match channel.kind {
+                ChannelKind::Light => true,
+                ChannelKind::Direction | ChannelKind::Data => false,
+            },
         });
         let mut channels: Vec<_> = rgba.chain(further).collect();
         channels.sort_by_key(|channel| channel.name);
@@ -173,18 +180,21 @@ impl Rows<'_> {
             let row = start..start + width;
             for channel in channels {
                 let precision = channel.precision;
-                match channel.source {
+                let stored = match channel.source {
                     Source::Pixels(place) => {
                         let pixels = self.pixels[row.clone()].iter();
                         let values = pixels.map(|pixel| pixel[place]);
-                        let stored = store(values, precision, bytes);
-                        halves.clamped += stored.clamped;
+                        store(values, precision, bytes)
                     }
                     Source::Values(place) => {
                         let pixels = row.clone();
                         let values = pixels.map(|pixel| self.values[pixel * further + place]);
-                        halves.add(store(values, precision, bytes));
+                        store(values, precision, bytes)
                     }
+                };
+                halves.clamped += stored.clamped;
+                if channel.is_small_counted {
+                    halves.small += stored.small;
                 }
             }
         }

@@ -50,6 +50,25 @@ fn the_image_has_its_top_left_first() {
     }
 }
 
+/// Of a plane across the view it is the same everywhere, and the distance along the ray is not.
+#[test]
+fn depth_is_along_the_view_axis() {
+    let eye = [1.0, 2.0, 8.0];
+    let hit = |camera: Camera, [px, py]: [f64; 2]| {
+        let scene = Builder::new([40, 20], camera).plane([0.0; 3], [0.0, 0.0, 1.0]);
+        scene.oracle().explain(px, py).hit.unwrap()
+    };
+    let ahead = [1.0, 2.0, 0.0];
+    for pixel in [[20.0, 10.0], [0.0, 0.0], [33.0, 7.0]] {
+        let seen = hit(perspective(eye, ahead, 50.0), pixel);
+        assert!((seen.depth - 8.0).abs() <= 8.0 * ROUNDING);
+        assert_eq!(seen.distance > 8.1, pixel != [20.0, 10.0]);
+        let parallel = hit(orthographic(eye, ahead, 3.0), pixel);
+        assert!((parallel.depth - 8.0).abs() <= 8.0 * ROUNDING);
+        assert!((parallel.distance - 8.0).abs() <= 8.0 * ROUNDING);
+    }
+}
+
 #[test]
 fn perspective_from_far_away_is_orthographic() {
     let ball = |camera| {

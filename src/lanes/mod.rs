@@ -7,11 +7,16 @@
 //! A kernel is written once, generic over the instruction set; [`Door::run`] is the only place that
 //! chooses one.
 
-use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
-use std::str::FromStr;
+mod door;
+mod narrow;
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f32x16, f64x8, mask32x16, mask64x8, u32x16, u64x8};
+use fearless_simd::{Simd, f64x8, mask64x8, u64x8};
+
+pub use door::{Door, Kernel, UnknownInstructions};
+pub use narrow::{SingleMask, Singles, Words, smallest_of_each};
 
 use crate::math::DVec3;
 
@@ -32,19 +37,6 @@ pub struct Mask<S: Simd>([mask64x8<S>; 2]);
 /// A u64 in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Ids<S: Simd>([u64x8<S>; 2]);
-
-/// An f32 in each lane: for what is decided with a margin, and asked again in f64 within it. Its
-/// products and sums may be fused, so that no pixel may depend on more than such a decision.
-#[derive(Clone, Copy, Debug)]
-pub struct Singles<S: Simd>(f32x16<S>);
-
-/// A truth value for each of [`Singles`].
-#[derive(Clone, Copy, Debug)]
-pub struct SingleMask<S: Simd>(mask32x16<S>);
-
-/// A u32 in each lane; sums and products are modulo 2³².
-#[derive(Clone, Copy, Debug)]
-pub struct Words<S: Simd>(u32x16<S>);
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -97,11 +89,9 @@ impl<S: Simd> Lanes<S> {
     /// [`inverse_root`](crate::math::inverse_root) of each, to the same bits.
     #[inline(always)]
     pub fn inverse_root(self, simd: S) -> Self {
-        let one = f32x16::splat(simd, 1.0);
-        let near = one / self.narrowed(simd).0.sqrt();
-        let (low, high) = simd.widen_f32x16(near);
+        let near = Singles::splat(simd, 1.0) / self.narrowed(simd).sqrt();
         let one = Self::splat(simd, 1.0);
-        let y = Self([low, high]);
+        let y = near.widened(simd);
         let y = y + y * ((one - self * y * y) * 0.5);
         y + y * ((one - self * y * y) * 0.5)
     }
@@ -184,187 +174,6 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn from_bits(bits: Ids<S>) -> Self {
         Self([f64x8::from_bits(bits.0[0]), f64x8::from_bits(bits.0[1])])
-    }
-}
-
-impl<S: Simd> Lanes<S> {
-    /// The nearest f32 of each.
-    #[inline(always)]
-    pub fn narrowed(self, simd: S) -> Singles<S> {
-        Singles(simd.narrow_f64x8(self.0[0], self.0[1]))
-    }
-}
-
-impl<S: Simd> Singles<S> {
-    /// The same number in every lane.
-    #[inline(always)]
-    pub fn splat(simd: S, value: f32) -> Self {
-        Self(f32x16::splat(simd, value))
-    }
-
-    /// The first [`LANES`] numbers of a slice.
-    #[inline(always)]
-    pub fn load(simd: S, numbers: &[f32]) -> Self {
-        Self(f32x16::from_slice(simd, &numbers[..LANES]))
-    }
-
-    /// Into the first [`LANES`] places of a slice.
-    #[inline(always)]
-    pub fn store(self, numbers: &mut [f32]) {
-        self.0.store_slice(&mut numbers[..LANES]);
-    }
-
-    /// self · factor + term, rounded once or twice.
-    #[inline(always)]
-    pub fn times_plus(self, factor: Self, term: Self) -> Self {
-        Self(self.0.mul_add(factor.0, term.0))
-    }
-
-    /// √
-    #[inline(always)]
-    pub fn sqrt(self) -> Self {
-        Self(self.0.sqrt())
-    }
-
-    /// The magnitude.
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        Self(self.0.abs())
-    }
-
-    /// The smaller of two numbers, neither NaN.
-    #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
-        Self(self.0.min(other.0))
-    }
-
-    /// The larger of two numbers, neither NaN.
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        Self(self.0.max(other.0))
-    }
-
-    /// The smallest of all; none may be NaN.
-    #[inline(always)]
-    pub fn smallest(self) -> f32 {
-        self.0.reduce_min()
-    }
-
-    /// The largest of all; none may be NaN.
-    #[inline(always)]
-    pub fn largest(self) -> f32 {
-        self.0.reduce_max()
-    }
-
-    /// Where it is below or equal.
-    #[inline(always)]
-    pub fn le(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_le(other.0))
-    }
-
-    /// Where it is above.
-    #[inline(always)]
-    pub fn gt(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_gt(other.0))
-    }
-
-    /// Where it is above or equal.
-    #[inline(always)]
-    pub fn ge(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_ge(other.0))
-    }
-}
-
-/// The smallest of each of sixteen, none NaN; side by side.
-#[inline(always)]
-pub fn smallest_of_each<S: Simd>(mut rows: [Singles<S>; LANES]) -> Singles<S> {
-    // Two rows become one with half as many of each, in turn; the last one has them in order.
-    let mut half = LANES / 2;
-    while half > 0 {
-        for row in 0..half {
-            let (first, second) = (rows[row].0, rows[row + half].0);
-            let (low, high) = first.interleave(second);
-            rows[row] = Singles(low.min(high));
-        }
-        half /= 2;
-    }
-    rows[0]
-}
-
-impl<S: Simd> Words<S> {
-    /// The same in every lane.
-    #[inline(always)]
-    pub fn splat(simd: S, value: u32) -> Self {
-        Self(u32x16::splat(simd, value))
-    }
-
-    /// The first [`LANES`] of a slice.
-    #[inline(always)]
-    pub fn load(simd: S, words: &[u32]) -> Self {
-        Self(u32x16::from_slice(simd, &words[..LANES]))
-    }
-
-    /// Into the first [`LANES`] places of a slice.
-    #[inline(always)]
-    pub fn store(self, words: &mut [u32]) {
-        self.0.store_slice(&mut words[..LANES]);
-    }
-
-    /// Where it is equal.
-    #[inline(always)]
-    pub fn eq(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_eq(other.0))
-    }
-
-    /// Where it is below.
-    #[inline(always)]
-    pub fn lt(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_lt(other.0))
-    }
-
-    /// Shifted towards the larger places.
-    #[inline(always)]
-    pub fn shifted_up(self, bits: u32) -> Self {
-        Self(self.0 << bits)
-    }
-
-    /// Shifted towards the smaller places.
-    #[inline(always)]
-    pub fn shifted_down(self, bits: u32) -> Self {
-        Self(self.0 >> bits)
-    }
-
-    /// As f64, exactly.
-    #[inline(always)]
-    pub fn widened(self, simd: S) -> Lanes<S> {
-        let (low, high) = simd.widen_u32x16(self.0);
-        Lanes([simd.cvt_f64_u64x8(low), simd.cvt_f64_u64x8(high)])
-    }
-}
-
-impl<S: Simd> SingleMask<S> {
-    /// From one bit for each lane, the first lane lowest.
-    #[inline(always)]
-    pub fn from_bits(simd: S, bits: u32) -> Self {
-        Self(mask32x16::from_bitmask(simd, u64::from(bits)))
-    }
-
-    /// One bit for each lane, the first lane lowest.
-    #[inline(always)]
-    pub fn to_bits(self) -> u32 {
-        self.0.to_bitmask() as u32
-    }
-
-    /// `yes` where it is true, else `no`.
-    #[inline(always)]
-    pub fn select(self, yes: Singles<S>, no: Singles<S>) -> Singles<S> {
-        Singles(self.0.select(yes.0, no.0))
-    }
-
-    /// `yes` where it is true, else `no`.
-    #[inline(always)]
-    pub fn select_words(self, yes: Words<S>, no: Words<S>) -> Words<S> {
-        Words(self.0.select(yes.0, no.0))
     }
 }
 
@@ -486,42 +295,6 @@ impl<S: Simd> Mask<S> {
             y: self.select(yes.y, no.y),
             z: self.select(yes.z, no.z),
         }
-    }
-}
-
-macro_rules! of_registers {
-    ($($type:ident: $trait:ident $method:ident $operator:tt)*) => {$(
-        impl<S: Simd> $trait for $type<S> {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Self(self.0 $operator other.0)
-            }
-        }
-    )*};
-}
-
-of_registers! {
-    Singles: Add add +
-    Singles: Sub sub -
-    Singles: Mul mul *
-    Singles: Div div /
-    Words: Add add +
-    Words: Mul mul *
-    Words: BitAnd bitand &
-    Words: BitOr bitor |
-    Words: BitXor bitxor ^
-    SingleMask: BitAnd bitand &
-    SingleMask: BitOr bitor |
-}
-
-impl<S: Simd> Not for SingleMask<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
     }
 }
 
@@ -715,107 +488,6 @@ impl<S: Simd> Neg for Vectors<S> {
             y: -self.y,
             z: -self.z,
         }
-    }
-}
-
-/// Which instructions the kernels use. All give the same bits.
-#[derive(Clone, Copy, Debug)]
-pub struct Door(Level);
-
-impl PartialEq for Door {
-    fn eq(&self, other: &Self) -> bool {
-        std::mem::discriminant(&self.0) == std::mem::discriminant(&other.0)
-    }
-}
-
-impl Eq for Door {}
-
-/// A kernel: one body for all instruction sets. What it calls must be inlined into it, since only
-/// what is inside is compiled for the instructions chosen.
-pub trait Kernel {
-    /// What it comes to.
-    type Output;
-
-    /// The body; marked `#[inline(always)]`.
-    fn run<S: Simd>(self, simd: S) -> Self::Output;
-}
-
-impl Default for Door {
-    /// The widest instructions that the machine has.
-    fn default() -> Self {
-        Self(Level::new())
-    }
-}
-
-/// A name that is none of an instruction set, or of one that the machine lacks.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is not an instruction set of this machine, expected one of {available}")]
-pub struct UnknownInstructions {
-    name: String,
-    available: String,
-}
-
-impl Door {
-    /// Those of this machine with their names, the widest first.
-    pub fn available() -> Vec<(&'static str, Self)> {
-        let level = Level::new();
-        #[cfg(target_arch = "x86_64")]
-        let levels = [
-            ("avx512", level.as_avx512().map(Simd::level)),
-            ("avx2", level.as_avx2().map(Simd::level)),
-            ("sse2", level.as_sse2().map(Simd::level)),
-        ];
-        #[cfg(target_arch = "aarch64")]
-        let levels = [("neon", level.as_neon().map(Simd::level))];
-        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-        let levels = [("scalar", Some(level))];
-        levels
-            .into_iter()
-            .filter_map(|(name, level)| Some((name, Self(level?))))
-            .collect()
-    }
-
-    /// Runs a kernel, compiled for these instructions.
-    #[inline(always)]
-    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        // Not by the crate's `dispatch!` where it can be helped: it would compile every kernel also
-        // for the levels in between.
-        #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = self.0.as_avx512() {
-            simd.vectorize(
-                #[inline(always)]
-                || kernel.run(simd),
-            )
-        } else if let Some(simd) = self.0.as_avx2() {
-            simd.vectorize(
-                #[inline(always)]
-                || kernel.run(simd),
-            )
-        } else {
-            let simd = self.0.as_sse2().expect("every x86-64 has SSE2");
-            simd.vectorize(
-                #[inline(always)]
-                || kernel.run(simd),
-            )
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        fearless_simd::dispatch!(self.0, simd => kernel.run(simd))
-    }
-}
-
-impl FromStr for Door {
-    type Err = UnknownInstructions;
-
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        let available = Self::available();
-        let found = available.iter().find(|(known, _)| *known == name);
-        found.map(|(_, door)| *door).ok_or_else(|| {
-            let names: Vec<&str> = available.iter().map(|(name, _)| *name).collect();
-            UnknownInstructions {
-                name: name.to_owned(),
-                available: names.join(", "),
-            }
-        })
     }
 }
 

@@ -1,0 +1,245 @@
+//! Numbers of 32 bits, sixteen of which are one register.
+
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
+
+use super::{LANES, Lanes};
+
+/// An f32 in each lane: for what is decided with a margin, and asked again in f64 within it. Its
+/// products and sums may be fused, so that no pixel may depend on more than such a decision.
+#[derive(Clone, Copy, Debug)]
+pub struct Singles<S: Simd>(f32x16<S>);
+
+/// A truth value for each of [`Singles`].
+#[derive(Clone, Copy, Debug)]
+pub struct SingleMask<S: Simd>(mask32x16<S>);
+
+/// A u32 in each lane; sums and products are modulo 2³².
+#[derive(Clone, Copy, Debug)]
+pub struct Words<S: Simd>(u32x16<S>);
+
+impl<S: Simd> Lanes<S> {
+    /// The nearest f32 of each.
+    #[inline(always)]
+    pub fn narrowed(self, simd: S) -> Singles<S> {
+        Singles(simd.narrow_f64x8(self.0[0], self.0[1]))
+    }
+}
+
+impl<S: Simd> Singles<S> {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(simd: S, value: f32) -> Self {
+        Self(f32x16::splat(simd, value))
+    }
+
+    /// The first [`LANES`] numbers of a slice.
+    #[inline(always)]
+    pub fn load(simd: S, numbers: &[f32]) -> Self {
+        Self(f32x16::from_slice(simd, &numbers[..LANES]))
+    }
+
+    /// Into the first [`LANES`] places of a slice.
+    #[inline(always)]
+    pub fn store(self, numbers: &mut [f32]) {
+        self.0.store_slice(&mut numbers[..LANES]);
+    }
+
+    /// As f64, exactly.
+    #[inline(always)]
+    pub fn widened(self, simd: S) -> Lanes<S> {
+        let (low, high) = simd.widen_f32x16(self.0);
+        Lanes([low, high])
+    }
+
+    /// self · factor + term, rounded once or twice.
+    #[inline(always)]
+    pub fn times_plus(self, factor: Self, term: Self) -> Self {
+        Self(self.0.mul_add(factor.0, term.0))
+    }
+
+    /// √
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    /// The magnitude.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    /// The smaller of two numbers, neither NaN.
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+
+    /// The larger of two numbers, neither NaN.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+
+    /// The smallest of all; none may be NaN.
+    #[inline(always)]
+    pub fn smallest(self) -> f32 {
+        self.0.reduce_min()
+    }
+
+    /// The largest of all; none may be NaN.
+    #[inline(always)]
+    pub fn largest(self) -> f32 {
+        self.0.reduce_max()
+    }
+
+    /// Where it is below or equal.
+    #[inline(always)]
+    pub fn le(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_le(other.0))
+    }
+
+    /// Where it is above.
+    #[inline(always)]
+    pub fn gt(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_gt(other.0))
+    }
+
+    /// Where it is above or equal.
+    #[inline(always)]
+    pub fn ge(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_ge(other.0))
+    }
+}
+
+/// The smallest of each of sixteen, none NaN; side by side.
+#[inline(always)]
+pub fn smallest_of_each<S: Simd>(mut rows: [Singles<S>; LANES]) -> Singles<S> {
+    // Two rows become one with half as many of each, in turn; the last one has them in order.
+    let mut half = LANES / 2;
+    while half > 0 {
+        for row in 0..half {
+            let (first, second) = (rows[row].0, rows[row + half].0);
+            let (low, high) = first.interleave(second);
+            rows[row] = Singles(low.min(high));
+        }
+        half /= 2;
+    }
+    rows[0]
+}
+
+impl<S: Simd> Words<S> {
+    /// The same in every lane.
+    #[inline(always)]
+    pub fn splat(simd: S, value: u32) -> Self {
+        Self(u32x16::splat(simd, value))
+    }
+
+    /// The first [`LANES`] of a slice.
+    #[inline(always)]
+    pub fn load(simd: S, words: &[u32]) -> Self {
+        Self(u32x16::from_slice(simd, &words[..LANES]))
+    }
+
+    /// Into the first [`LANES`] places of a slice.
+    #[inline(always)]
+    pub fn store(self, words: &mut [u32]) {
+        self.0.store_slice(&mut words[..LANES]);
+    }
+
+    /// Where it is equal.
+    #[inline(always)]
+    pub fn eq(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_eq(other.0))
+    }
+
+    /// Where it is below.
+    #[inline(always)]
+    pub fn lt(self, other: Self) -> SingleMask<S> {
+        SingleMask(self.0.simd_lt(other.0))
+    }
+
+    /// Shifted towards the larger places.
+    #[inline(always)]
+    pub fn shifted_up(self, bits: u32) -> Self {
+        Self(self.0 << bits)
+    }
+
+    /// Shifted towards the smaller places.
+    #[inline(always)]
+    pub fn shifted_down(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
+    }
+
+    /// As f64, exactly.
+    #[inline(always)]
+    pub fn widened(self, simd: S) -> Lanes<S> {
+        let (low, high) = simd.widen_u32x16(self.0);
+        Lanes([simd.cvt_f64_u64x8(low), simd.cvt_f64_u64x8(high)])
+    }
+}
+
+impl<S: Simd> SingleMask<S> {
+    /// From one bit for each lane, the first lane lowest.
+    #[inline(always)]
+    pub fn from_bits(simd: S, bits: u32) -> Self {
+        Self(mask32x16::from_bitmask(simd, u64::from(bits)))
+    }
+
+    /// One bit for each lane, the first lane lowest.
+    #[inline(always)]
+    pub fn to_bits(self) -> u32 {
+        self.0.to_bitmask() as u32
+    }
+
+    /// `yes` where it is true, else `no`.
+    #[inline(always)]
+    pub fn select(self, yes: Singles<S>, no: Singles<S>) -> Singles<S> {
+        Singles(self.0.select(yes.0, no.0))
+    }
+
+    /// `yes` where it is true, else `no`.
+    #[inline(always)]
+    pub fn select_words(self, yes: Words<S>, no: Words<S>) -> Words<S> {
+        Words(self.0.select(yes.0, no.0))
+    }
+}
+
+macro_rules! of_registers {
+    ($($type:ident: $trait:ident $method:ident $operator:tt)*) => {$(
+        impl<S: Simd> $trait for $type<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0 $operator other.0)
+            }
+        }
+    )*};
+}
+
+of_registers! {
+    Singles: Add add +
+    Singles: Sub sub -
+    Singles: Mul mul *
+    Singles: Div div /
+    Words: Add add +
+    Words: Mul mul *
+    Words: BitAnd bitand &
+    Words: BitOr bitor |
+    Words: BitXor bitxor ^
+    SingleMask: BitAnd bitand &
+    SingleMask: BitOr bitor |
+}
+
+impl<S: Simd> Not for SingleMask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
