@@ -220,6 +220,8 @@ fn library() -> Vec<PathBuf> {
 fn only_allowed_arrows() {
     let arrows: Vec<String> = library()
         .iter()
+        // What only tests may make its worlds from scenes.
+        .filter(|path| !path.ends_with("tests.rs"))
         .flat_map(|path| forbidden(path, &fs::read_to_string(path).unwrap()))
         .collect();
     assert!(

@@ -22,6 +22,9 @@ mod sphere;
 mod surface;
 mod triangle;
 
+#[cfg(test)]
+mod tests;
+
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
@@ -90,6 +93,8 @@ pub struct Visibility<'w> {
     is_smooth: bool,
     /// A point amid the shapes.
     somewhere: DVec3,
+    /// Whether canvases decide what they can, as they do but in tests.
+    uses_canvas: bool,
 }
 
 /// What a thread needs to trace batches, to be used again and again.
@@ -184,6 +189,7 @@ impl<'w> Visibility<'w> {
             spheres,
             triangles,
             is_smooth,
+            uses_canvas: true,
         }
     }
 
@@ -232,7 +238,7 @@ impl<'w> Visibility<'w> {
         let (eye, forward) = (camera.eye(), camera.forward().get());
         let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
         let asked: [u32; PACKETS] = std::array::from_fn(|packet| first_lanes(count, packet));
-        let has_canvas = is_perspective && {
+        let has_canvas = self.uses_canvas && is_perspective && {
             let middle = varying_at(varying, count / 2);
             let distance = (self.somewhere - eye.0).length();
             canvas.unit = if distance > 0.0 { distance } else { 1.0 };
@@ -480,7 +486,8 @@ impl<'w> Visibility<'w> {
             }
             (canvas.unit, canvas.ends) = (size, Some([least, most]));
             canvas.error = points.largest_error + light.0.length() * (2.0 * ROUNDING);
-            let has_canvas = is_worth
+            let has_canvas = self.uses_canvas
+                && is_worth
                 && canvas.stretch(
                     simd,
                     light.0,

@@ -1,0 +1,314 @@
+//! The canvas against packets alone: two ways to the same bits.
+
+use std::fmt::Write as _;
+
+use super::*;
+use crate::lanes::{Door, Kernel};
+use crate::scene::Scene;
+
+/// Columns and rows of the images.
+const RESOLUTION: [u32; 2] = [64, 48];
+
+/// The part of the rays of an ordinary scene that the canvas may leave to the packets.
+const ASKED_AGAIN: f64 = 0.01;
+
+/// Numbers without order from 0 to 1: multiples of irrational ones.
+fn scattered(index: u32, dimension: u32) -> f64 {
+    let step = f64::from(dimension * 2 + 3).sqrt();
+    ((f64::from(index) + 1.0) * step).fract()
+}
+
+/// A scene in some place and size: coordinates x are written as place + size · x.
+struct Writer {
+    text: String,
+    size: f64,
+    place: [f64; 3],
+    objects: u32,
+}
+
+impl Writer {
+    fn new(size: f64, place: [f64; 3], vertical_fov: f64, eye: [f64; 3]) -> Self {
+        let mut writer = Self {
+            text: String::new(),
+            size,
+            place,
+            objects: 0,
+        };
+        let [width, height] = RESOLUTION;
+        let (eye, middle) = (writer.point(eye), writer.point([0.0; 3]));
+        let _ = write!(
+            writer.text,
+            "[image]\nresolution = [{width}, {height}]\n\
+             [camera.perspective]\neye = {eye}\nlook_at = {middle}\nvertical_fov = {vertical_fov}\n\
+             [materials.m.phong]\ndiffuse = 0.5\n",
+        );
+        writer
+    }
+
+    fn point(&self, [x, y, z]: [f64; 3]) -> String {
+        let [x, y, z] = [
+            self.place[0] + self.size * x,
+            self.place[1] + self.size * y,
+            self.place[2] + self.size * z,
+        ];
+        format!("[{x:e}, {y:e}, {z:e}]")
+    }
+
+    fn light(&mut self, position: [f64; 3]) {
+        let position = self.point(position);
+        self.objects += 1;
+        let _ = write!(
+            self.text,
+            "[lights.l{}.point]\nposition = {position}\nintensity = 1\n",
+            self.objects,
+        );
+    }
+
+    fn object(&mut self, shape: &str, rest: &str) {
+        self.objects += 1;
+        let _ = write!(
+            self.text,
+            "[objects.o{}.{shape}]\nmaterial = \"m\"\n{rest}\n",
+            self.objects,
+        );
+    }
+
+    fn triangle(&mut self, corners: [[f64; 3]; 3]) {
+        let [a, b, c] = corners.map(|corner| self.point(corner));
+        self.object("triangle", &format!("vertices = [{a}, {b}, {c}]"));
+    }
+
+    fn sphere(&mut self, center: [f64; 3], radius: f64) {
+        let (center, radius) = (self.point(center), self.size * radius);
+        self.object("sphere", &format!("center = {center}\nradius = {radius:e}"));
+    }
+
+    fn plane(&mut self, point: [f64; 3], normal: [f64; 3]) {
+        let point = self.point(point);
+        self.object("plane", &format!("point = {point}\nnormal = {normal:?}"));
+    }
+
+    /// Triangles and spheres without order within 1 of the middle.
+    fn clutter(&mut self, triangles: u32, spheres: u32, largest: f64) {
+        let around = |index, dimension, spread: f64| {
+            [0, 1, 2].map(|axis| (scattered(index, dimension + axis) * 2.0 - 1.0) * spread)
+        };
+        for index in 0..triangles {
+            let middle = around(index, 0, 1.0);
+            self.triangle([3, 6, 9].map(|dimension| {
+                let offset = around(index, dimension, largest);
+                [0, 1, 2].map(|axis: usize| middle[axis] + offset[axis])
+            }));
+        }
+        for index in 0..spheres {
+            let radius = largest * (0.1 + 0.5 * scattered(index, 7));
+            self.sphere(around(index, 12, 1.0), radius);
+        }
+    }
+
+    fn lights(&mut self) {
+        for position in [[2.0, 3.0, 2.0], [-3.0, 1.0, 0.5], [0.1, 0.2, 0.0]] {
+            self.light(position);
+        }
+    }
+
+    /// Renders both ways; the part of all rays that the canvas left to the packets.
+    #[track_caller]
+    fn agrees(&self) -> f64 {
+        let scene = Scene::parse(&self.text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        let world = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let plan = Plan::new(&world);
+        let canvas = Visibility::new(&world, &plan);
+        let packets = Visibility {
+            uses_canvas: false,
+            ..Visibility::new(&world, &plan)
+        };
+        let compare = Compare {
+            world: &world,
+            ways: [&canvas, &packets],
+        };
+        Door::default().run(compare)
+    }
+}
+
+struct Compare<'w> {
+    world: &'w World,
+    ways: [&'w Visibility<'w>; 2],
+}
+
+impl Kernel for Compare<'_> {
+    type Output = f64;
+
+    fn run<S: Simd>(self, simd: S) -> f64 {
+        let [width, height] = RESOLUTION;
+        // A batch is 16 × 16 pixels, in squares of four by four.
+        let mut spaces = [Workspace::default(), Workspace::default()];
+        let mut points = [Points::default(), Points::default()];
+        let (mut asked, mut asked_again) = (0_u32, 0_u32);
+        for tile in 0..(width / 16) * (height / 16) {
+            let corner = [tile % (width / 16) * 16, tile / (width / 16) * 16];
+            let mut places = [Column::ZERO; 2];
+            for slot in 0..BATCH {
+                let (packet, lane) = (slot as u32 / 16, slot as u32 % 16);
+                let pixel = [packet % 4 * 4 + lane % 4, packet / 4 * 4 + lane / 4];
+                for axis in 0..2 {
+                    places[axis][slot] = f64::from(corner[axis] + pixel[axis]) + 0.5;
+                }
+            }
+            for way in 0..2 {
+                let (space, points) = (&mut spaces[way], &mut points[way]);
+                let places = [&places[0], &places[1]];
+                self.ways[way].see(simd, places, BATCH, space, points);
+            }
+            let again = |space: &Workspace, bits: &dyn Fn(usize) -> u32| -> u32 {
+                let again = |packet| (space.canvas.asked_again(packet) & bits(packet)).count_ones();
+                (0..PACKETS).map(again).sum()
+            };
+            asked += BATCH as u32;
+            asked_again += again(&spaces[0], &|_| u32::MAX);
+            let [seen, expected] = &points;
+            assert_eq!(seen.hit, expected.hit);
+            for slot in (0..BATCH).filter(|&slot| expected.is_hit(slot)) {
+                assert_eq!(seen.primitive[slot], expected.primitive[slot]);
+                let bits = |points: &Points| {
+                    let columns = [&points.position, &points.shading_normal];
+                    columns.map(|vector| vector.each_ref().map(|column| column[slot].to_bits()))
+                };
+                assert_eq!(bits(seen), bits(expected), "{:?}", seen.primitive[slot]);
+            }
+            for light in self.world.lights() {
+                let light = light.value.position;
+                let facing: [u32; PACKETS] =
+                    std::array::from_fn(|packet| seen.facing(simd, packet, light).above);
+                let [lit, expected] = [0, 1].map(|way: usize| {
+                    self.ways[way].lit(simd, light, &points[way], &facing, &mut spaces[way])
+                });
+                assert_eq!(lit, expected);
+                asked += facing.iter().map(|bits| bits.count_ones()).sum::<u32>();
+                asked_again += again(&spaces[0], &|packet| lit[packet]);
+            }
+        }
+        f64::from(asked_again) / f64::from(asked)
+    }
+}
+
+const EYE: [f64; 3] = [0.3, 1.1, 3.0];
+
+#[test]
+fn an_ordinary_scene_is_decided_by_the_canvas() {
+    let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE);
+    scene.clutter(300, 60, 0.2);
+    scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+    scene.lights();
+    let again = scene.agrees();
+    assert!(again < ASKED_AGAIN, "{again}");
+}
+
+#[test]
+fn size_and_place_make_no_difference() {
+    for (size, place) in [
+        (1e-6, [0.0; 3]),
+        (1e6, [0.0; 3]),
+        (1e-3, [100.0, -50.0, 7.0]),
+        (1e-30, [0.0; 3]),
+        (1e30, [0.0; 3]),
+    ] {
+        let mut scene = Writer::new(size, place, 40.0, EYE);
+        scene.clutter(100, 30, 0.3);
+        scene.plane([0.0, -1.0, 0.0], [0.1, 1.0, 0.2]);
+        scene.lights();
+        scene.agrees();
+    }
+}
+
+/// Neighbors share edges and corners, which rays pass through, and every triangle is there twice.
+#[test]
+fn edges_corners_and_ties() {
+    let mut scene = Writer::new(1.0, [0.0; 3], 50.0, [0.0, 0.0, 3.0]);
+    for twice in 0..2 {
+        for cell in 0..64_u32 {
+            let (x, y) = (
+                f64::from(cell % 8) / 4.0 - 1.0,
+                f64::from(cell / 8) / 4.0 - 1.0,
+            );
+            let height = |x: f64, y: f64| (x * 3.0).sin() * (y * 2.0).cos() * 0.2;
+            let corner = |dx: f64, dy: f64| {
+                let (x, y) = (x + dx / 4.0, y + dy / 4.0);
+                [x, y, height(x, y)]
+            };
+            let (a, b, c, d) = (
+                corner(0.0, 0.0),
+                corner(1.0, 0.0),
+                corner(1.0, 1.0),
+                corner(0.0, 1.0),
+            );
+            if twice == 0 {
+                scene.triangle([a, b, c]);
+                scene.triangle([a, c, d]);
+            } else {
+                scene.triangle([b, c, a]);
+                scene.triangle([d, a, c]);
+            }
+        }
+    }
+    // A light in the plane of some, and one at a corner.
+    scene.lights();
+    scene.light([-1.0, -1.0, 1.0]);
+    scene.light([3.0, 0.0, 0.0]);
+    scene.agrees();
+}
+
+#[test]
+fn slivers_and_triangles_around_the_viewer() {
+    let mut scene = Writer::new(1.0, [0.0; 3], 90.0, EYE);
+    for index in 0..60 {
+        let at = |dimension| scattered(index, dimension) * 2.0 - 1.0;
+        let a = [at(0), at(1), at(2)];
+        let b = [at(3), at(4), at(5)];
+        let far = [0, 1, 2].map(|axis: usize| a[axis] * 0.3 + b[axis] * 0.7 + 1e-9);
+        scene.triangle([a, b, far]);
+        // Edge-on, behind, and through the viewer's plane.
+        let edge_on = [0, 1, 2].map(|axis: usize| EYE[axis] * 0.5 + a[axis] * 0.5);
+        if index % 3 == 0 {
+            scene.triangle([edge_on, a, [at(6), at(7), at(8)]]);
+        }
+        scene.triangle([
+            [a[0] * 9.0, a[1] * 9.0, -4.0],
+            [b[0] * 9.0, b[1] * 9.0, 8.0],
+            [at(6) * 9.0, at(7) * 9.0, 8.0],
+        ]);
+    }
+    scene.lights();
+    scene.agrees();
+}
+
+/// The viewer and a light within a sphere, one on it, spheres that touch each other and a plane, a
+/// planet and pebbles.
+#[test]
+fn spheres_around_and_beside() {
+    let mut scene = Writer::new(1.0, [0.0; 3], 60.0, EYE);
+    scene.sphere([0.0; 3], 5.0);
+    scene.sphere([0.0, -1001.0, 0.0], 1000.0);
+    scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+    for index in 0..40_u32 {
+        let x = f64::from(index % 8) * 0.25 - 1.0;
+        let z = f64::from(index / 8) * 0.25 - 0.5;
+        scene.sphere([x, -0.875, z], 0.125);
+        scene.sphere([x, -0.7495, z], 5e-4);
+    }
+    scene.lights();
+    scene.light([0.0, 4.99, 0.0]);
+    scene.light([0.0, 7.0, 0.0]);
+    scene.light([0.0, 0.0, 5.0]);
+    scene.agrees();
+}
+
+/// A batch spans half of all directions.
+#[test]
+fn the_widest_view() {
+    let mut scene = Writer::new(1.0, [0.0; 3], 175.0, [0.0, 0.1, 0.2]);
+    scene.clutter(120, 40, 0.3);
+    scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+    scene.lights();
+    scene.agrees();
+}
