@@ -148,11 +148,11 @@ impl Kernel for Compare<'_> {
         for tile in 0..(width / 16) * (height / 16) {
             let corner = [tile % (width / 16) * 16, tile / (width / 16) * 16];
             let mut places = [Column::ZERO; 2];
-            for slot in 0..BATCH {
-                let (packet, lane) = (slot as u32 / 16, slot as u32 % 16);
-                let pixel = [packet % 4 * 4 + lane % 4, packet / 4 * 4 + lane / 4];
-                for axis in 0..2 {
-                    places[axis][slot] = f64::from(corner[axis] + pixel[axis]) + 0.5;
+            for (axis, places) in places.iter_mut().enumerate() {
+                for (slot, place) in (0..).zip(places.iter_mut()) {
+                    let (packet, lane): (u32, u32) = (slot / 16, slot % 16);
+                    let pixel = [packet % 4 * 4 + lane % 4, packet / 4 * 4 + lane / 4];
+                    *place = f64::from(corner[axis] + pixel[axis]) + 0.5;
                 }
             }
             for way in 0..2 {
