@@ -13,11 +13,6 @@ use super::search::Shape;
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
 
-/// How much a box gives way, per unit of distance of the ray's origin (in the tree's frame, and
-/// at least 1): rounding the origin to f32 moves it by 2⁻²⁴, and rounding boxes and origin in f64
-/// by far less. Four times that.
-pub(super) const BOX_GIVES_WAY: f32 = 4.0 * (f32::EPSILON / 2.0);
-
 /// The tree's frame is at most this power of two larger or smaller than the world: f32 boxes and
 /// rays stay far from overflow.
 const LARGEST_EXPONENT: i32 = 100;

@@ -12,8 +12,9 @@
 
 use fearless_simd::Simd;
 
+use super::Primitive;
 use super::surface::{BATCH, PACKETS};
-use crate::lanes::{LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
+use crate::lanes::{Ids, LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
 use crate::math::DVec3;
 
 /// The bound on the error of an affine or quadratic function of x and y, over the sum of the magnitudes
@@ -23,6 +24,9 @@ pub(super) const GIVES_WAY: f32 = 1.0 / (1 << 20) as f32;
 
 /// What an f64 may be off, relative to what it is compared with, to be as good as exact in f32.
 pub(super) const NEGLIGIBLE: f64 = 1.0 / (1 << 25) as f64;
+
+/// Rays all closer together than this, as a tangent, do not go on a canvas: f64 places shapes no better.
+const NARROWEST: f32 = 1.0 / (1 << 26) as f32;
 
 /// Rays whose depth is less than this part of the largest do not go on one canvas: f32 would end.
 const SHALLOWEST: f32 = 1e-30;
@@ -80,6 +84,13 @@ pub(super) struct Canvas {
     far: Row,
 }
 
+/// Which shape it is.
+#[derive(Clone, Copy)]
+pub(super) struct Who {
+    pub(super) slot: u32,
+    pub(super) primitive: Primitive,
+}
+
 /// What a shape says of the rays of a packet.
 #[derive(Clone, Copy)]
 pub(super) struct Claim<S: Simd> {
@@ -111,23 +122,32 @@ impl Extent {
 
 /// What is made of the claims.
 pub(super) trait Verdict: Copy {
-    /// Takes note of a claim of the shape in a slot.
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32, claim: Claim<S>);
+    /// Takes note of a claim of the shape.
+    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>);
 
-    /// The shape in a slot cannot be told from f32: all rays of a packet that may meet it are asked again.
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32);
+    /// The shape cannot be told from f32: all rays of a packet that may meet it are asked again.
+    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
 
     /// A shape that the end of a ray is on may hide it all the same: those are asked again.
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32);
+    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
 }
 
 /// What is the first that a primary ray meets?
 #[derive(Clone, Copy)]
 pub(super) struct First;
 
-/// Which points does the light reach? With the slot of the shape that each is on.
+/// Which points does the light reach? With what each is on.
 #[derive(Clone, Copy)]
-pub(super) struct Reached<'p>(pub(super) &'p [u32; BATCH]);
+pub(super) struct Reached<'p>(pub(super) &'p [u64; BATCH]);
+
+impl Reached<'_> {
+    /// The points of a packet that are on a shape.
+    #[inline(always)]
+    fn are_on<S: Simd>(self, simd: S, packet: usize, who: Who) -> SingleMask<S> {
+        let on = Ids::load(simd, &self.0[packet * LANES..]);
+        SingleMask::from_bits(simd, on.eq(who.primitive.lanes(simd)).to_bits())
+    }
+}
 
 impl Default for Canvas {
     fn default() -> Self {
@@ -228,9 +248,8 @@ impl Canvas {
         smallest_of_each(far).store(&mut self.far.0);
         let [left, right, bottom, top] = self.bounds(simd);
         self.extent = [f64::from(right.max(-left)), f64::from(top.max(-bottom))];
-        shallowest.smallest() > SHALLOWEST
-            && right.max(-left) <= WIDEST
-            && top.max(-bottom) <= WIDEST
+        let widest = right.max(-left).max(top).max(-bottom);
+        shallowest.smallest() > SHALLOWEST && (NARROWEST..WIDEST).contains(&widest)
     }
 
     /// Whether the origin and the ends of all rays are on one side of a plane, which is clear of them.
@@ -257,20 +276,17 @@ impl Canvas {
         ]
     }
 
-    /// For each axis the range of d of all rays that still ask.
+    /// The rectangle around all rays that still ask, with what f32 takes away.
     #[inline(always)]
-    pub(super) fn directions<S: Simd>(&self, simd: S) -> [[f64; 2]; 3] {
-        let [left, right, bottom, top] = self.bounds(simd).map(f64::from);
-        let [u, v, w] = self.axes;
-        let give = f64::from(GIVES_WAY) * (self.extent[0] + self.extent[1]);
-        std::array::from_fn(|axis| {
-            let (x0, x1) = (u[axis] * left, u[axis] * right);
-            let (y0, y1) = (v[axis] * bottom, v[axis] * top);
-            [
-                w[axis] + x0.min(x1) + y0.min(y1) - give,
-                w[axis] + x0.max(x1) + y0.max(y1) + give,
-            ]
-        })
+    pub(super) fn rectangle<S: Simd>(&self, simd: S) -> [f64; 4] {
+        let [left, right, bottom, top] = self.bounds(simd);
+        let [give_x, give_y] = self.extent.map(|extent| extent * f64::from(GIVES_WAY));
+        [
+            f64::from(left) - give_x,
+            f64::from(right) + give_x,
+            f64::from(bottom) - give_y,
+            f64::from(top) + give_y,
+        ]
     }
 
     /// The largest depth along w that is of interest to any ray.
@@ -335,14 +351,7 @@ impl Canvas {
 
 impl Verdict for First {
     #[inline(always)]
-    fn hear<S: Simd>(
-        self,
-        simd: S,
-        canvas: &mut Canvas,
-        packet: usize,
-        slot: u32,
-        claim: Claim<S>,
-    ) {
+    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
         let first = packet * LANES;
         let least = Singles::load(simd, &canvas.least.0[first..]);
         let maybe = claim.maybe & claim.most.ge(least);
@@ -362,35 +371,31 @@ impl Verdict for First {
             .select(claim.most, most)
             .store(&mut canvas.most.0[first..]);
         let slots = Words::load(simd, &canvas.slots[first..]);
-        let slots = is_nearer.select_words(Words::splat(simd, slot), slots);
+        let slots = is_nearer.select_words(Words::splat(simd, who.slot), slots);
         slots.store(&mut canvas.slots[first..]);
         canvas.doubtful[packet] = canvas.doubtful[packet] & !nearer | doubt;
         canvas.far.0[packet] = least.smallest();
     }
 
     #[inline(always)]
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, _: u32) {
+    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, _: Who) {
         canvas.undecided[packet] |= canvas.asking(simd, packet).to_bits();
     }
 
     #[inline(always)]
-    fn doubt_own<S: Simd>(self, _: S, _: &mut Canvas, _: usize, _: u32) {}
+    fn doubt_own<S: Simd>(self, _: S, _: &mut Canvas, _: usize, _: Who) {}
 }
 
 impl Verdict for Reached<'_> {
     #[inline(always)]
-    fn hear<S: Simd>(
-        self,
-        simd: S,
-        canvas: &mut Canvas,
-        packet: usize,
-        slot: u32,
-        claim: Claim<S>,
-    ) {
+    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
         let first = packet * LANES;
-        let own = Words::load(simd, &self.0[first..]).eq(Words::splat(simd, slot));
         let least = Singles::load(simd, &canvas.least.0[first..]);
-        let maybe = claim.maybe & claim.most.ge(least) & !own;
+        let maybe = claim.maybe & claim.most.ge(least);
+        if maybe.to_bits() == 0 {
+            return;
+        }
+        let maybe = maybe & !self.are_on(simd, packet, who);
         let bits = maybe.to_bits();
         if bits == 0 {
             return;
@@ -409,14 +414,14 @@ impl Verdict for Reached<'_> {
     }
 
     #[inline(always)]
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32) {
-        let own = Words::load(simd, &self.0[packet * LANES..]).eq(Words::splat(simd, slot));
+    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who) {
+        let own = self.are_on(simd, packet, who);
         canvas.undecided[packet] |= (canvas.asking(simd, packet) & !own).to_bits();
     }
 
     #[inline(always)]
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, slot: u32) {
-        let own = Words::load(simd, &self.0[packet * LANES..]).eq(Words::splat(simd, slot));
+    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who) {
+        let own = self.are_on(simd, packet, who);
         canvas.undecided[packet] |= (canvas.asking(simd, packet) & own).to_bits();
     }
 }

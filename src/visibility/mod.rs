@@ -10,6 +10,7 @@
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
 //! are asked together, nor on the instruction set.
 
+mod beam;
 mod builder;
 mod bvh;
 mod canvas;
@@ -35,7 +36,7 @@ pub(crate) use surface::{Column, columns};
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
 use crate::world::{Plan, Projection, World};
-use canvas::{Canvas, First, Reached};
+use canvas::{Canvas, First, Reached, Who};
 use outline::Outlines;
 use packet::{EMPTY_STACK, Ends, Nearest, Packet, Rays, Shadow, Stack};
 use search::Search;
@@ -54,6 +55,11 @@ const PLANES: u32 = 2 << 30;
 /// Rays whose directions differ by more than this part of their length do not share a canvas: at a
 /// silhouette, points of the object and points far behind it would be enclosed in one shaft.
 const MOST_SPREAD: f64 = 1.0 / 16.0;
+
+/// So many shapes are soon told, whatever is enclosed: rays that share a canvas may then differ as much as
+/// [`MOST_SPREAD_AMID_FEW`].
+const FEW_SHAPES: usize = 64;
+const MOST_SPREAD_AMID_FEW: f64 = 1.0;
 
 /// Fewer rays than this are not worth a canvas.
 const FEW: u32 = 8;
@@ -93,6 +99,8 @@ pub struct Visibility<'w> {
     is_smooth: bool,
     /// A point amid the shapes.
     somewhere: DVec3,
+    /// How much the directions of rays on one canvas may differ, as a part of their length.
+    most_spread: f64,
     /// Whether canvases decide what they can, as they do but in tests.
     uses_canvas: bool,
 }
@@ -176,6 +184,7 @@ impl<'w> Visibility<'w> {
                 Facet::new(primitive, triangles.vertices(index))
             })
         });
+        let shapes = triangles.len() + world.spheres().len();
         let is_smooth = triangles.meshes().iter().any(|mesh| mesh.normals.is_some());
         let triangles = Search::new(facets.collect(), plan.triangles());
         let balls = world.spheres().iter();
@@ -189,6 +198,11 @@ impl<'w> Visibility<'w> {
             spheres,
             triangles,
             is_smooth,
+            most_spread: if shapes <= FEW_SHAPES {
+                MOST_SPREAD_AMID_FEW
+            } else {
+                MOST_SPREAD
+            },
             uses_canvas: true,
         }
     }
@@ -308,8 +322,11 @@ impl<'w> Visibility<'w> {
     ) {
         for (index, plane) in self.world.planes().iter().enumerate() {
             let (point, normal) = (plane.point.0, plane.normal.get());
-            let slot = PLANES | index as u32;
-            outline::cast_plane(simd, point, normal, slot, canvas, verdict);
+            let who = Who {
+                slot: PLANES | index as u32,
+                primitive: Primitive::whole(plane.object),
+            };
+            outline::cast_plane(simd, point, normal, who, canvas, verdict);
         }
         self.spheres.cast(simd, canvas, outlines, stack, verdict);
         self.triangles.cast(simd, canvas, outlines, stack, verdict);
@@ -443,7 +460,7 @@ impl<'w> Visibility<'w> {
         let [least, most] = points.bounds;
         let mut range = Some([least - light.0, most - light.0]).filter(|[least, most]| {
             let size = least.abs().max(most.abs()).max_element();
-            (*most - *least).max_element() <= size * MOST_SPREAD
+            (*most - *least).max_element() <= size * self.most_spread
         });
         while let Some(group) = groups.pop() {
             let range = range.take().or_else(|| {
@@ -466,7 +483,7 @@ impl<'w> Visibility<'w> {
                 members += bits.count_ones();
             }
             let is_worth = members >= FEW;
-            if is_worth && spread[widest] > size * MOST_SPREAD {
+            if is_worth && spread[widest] > size * self.most_spread {
                 // Points too far apart for one shaft part into groups.
                 let middle = Lanes::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
                 let mut lower = group;
@@ -497,7 +514,7 @@ impl<'w> Visibility<'w> {
                     |packet| way(simd, points, packet, light),
                 );
             if has_canvas {
-                self.cast(simd, canvas, outlines, stack, Reached(&points.slots));
+                self.cast(simd, canvas, outlines, stack, Reached(&points.primitive));
             }
             for (packet, bits) in group.into_iter().enumerate() {
                 if bits == 0 {

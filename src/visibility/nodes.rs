@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-pub(super) use super::bvh::{BOX_GIVES_WAY, WIDTH};
+pub(super) use super::bvh::WIDTH;
 use super::bvh::{Bvh, Child, Member};
 use super::search::Shape;
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict};
+use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict, Who};
 use crate::lanes::{LANES, SingleMask, Singles, Vectors};
 use crate::math::DVec3;
 
@@ -41,23 +41,34 @@ impl Affines {
     }
 
     /// Takes edge functions, with the sign that makes them positive inside and over their magnitudes;
-    /// whether these are above what they may be off.
+    /// whether these are in the range in which they are worth something.
     #[inline(always)]
     fn store_edge<S: Simd>(
         &mut self,
         edge: SingleVectors<S>,
         sign: Singles<S>,
         extent: [Singles<S>; 2],
-        error: Singles<S>,
+        [error, most]: [Singles<S>; 2],
     ) -> SingleMask<S> {
         let magnitude = edge.magnitude(extent);
         self.store(edge.times(sign / magnitude));
-        magnitude.gt(error)
+        magnitude.gt(error) & magnitude.le(most)
     }
 }
 
-/// Numbers below this are near the end of f32.
+/// Numbers below this, or above its reciprocal, are near the ends of f32.
 const LEAST: f32 = 1e-30;
+
+/// A triangle smaller than this part of its distance has corners that rounding puts in one place: 2⁹ times
+/// what an f64 may be off.
+const SMALLEST: f32 = 1.0 / (1_u64 << 44) as f32;
+
+/// How much a corner's place on the canvas is off by the rounding of its way in f64, times the size of the
+/// way over its depth: eight roundings of 2⁻⁵³, and eight times that.
+const NOISE: f32 = 1.0 / (1_u64 << 47) as f32;
+
+/// A sphere smaller than this many times the error of the points may have points of its own anywhere.
+const SMALLEST_RADIUS: f64 = 128.0;
 
 /// A vector in each lane.
 #[derive(Clone, Copy)]
@@ -176,16 +187,25 @@ impl Outlines {
         let ac_size = SingleVectors::of(simd, ac).taxicab();
         let size = a32.taxicab() + ab_size + ac_size;
         let nearest = a32.z.min(b32.z).min(c32.z);
-        let is_before = nearest.gt(size * give);
+        let least = Singles::splat(simd, LEAST);
+        // Corners that are one and the same as far as the rounding of their way can tell are anywhere.
+        let smallest = size * Singles::splat(simd, SMALLEST);
+        let has_size = ab_size.min(ac_size).gt(smallest);
+        let is_before = has_size & nearest.gt((size * give).max(least));
         let (in_a, in_b, in_c) = (one / a32.z, one / b32.z, one / c32.z);
+        let noise = size * in_a.max(in_b).max(in_c) * Singles::splat(simd, NOISE);
         let (ax, bx, cx) = (a32.x * in_a, b32.x * in_b, c32.x * in_c);
         let (ay, by, cy) = (a32.y * in_a, b32.y * in_b, c32.y * in_c);
         let (left, right) = (ax.min(bx).min(cx), ax.max(bx).max(cx));
         let (bottom, top) = (ay.min(by).min(cy), ay.max(by).max(cy));
-        let left = is_before.select(left - (left.abs() + extent_x) * give, zero - infinite);
-        let right = is_before.select(right + (right.abs() + extent_x) * give, infinite);
-        let bottom = is_before.select(bottom - (bottom.abs() + extent_y) * give, zero - infinite);
-        let top = is_before.select(top + (top.abs() + extent_y) * give, infinite);
+        let left = left - (left.abs() + extent_x) * give - noise;
+        let left = is_before.select(left, zero - infinite);
+        let right = right + (right.abs() + extent_x) * give + noise;
+        let right = is_before.select(right, infinite);
+        let bottom = bottom - (bottom.abs() + extent_y) * give - noise;
+        let bottom = is_before.select(bottom, zero - infinite);
+        let top = top + (top.abs() + extent_y) * give + noise;
+        let top = is_before.select(top, infinite);
         let most = in_a.max(in_b).max(in_c) * (one + give);
         let most = is_before.select(most, infinite);
         let [all_left, all_right, all_bottom, all_top] = canvas.bounds(simd);
@@ -214,20 +234,28 @@ impl Outlines {
         let normal_size = normal.taxicab();
         let negligible = Singles::splat(simd, NEGLIGIBLE as f32);
         let error = Singles::splat(simd, (canvas.error * over_unit / NEGLIGIBLE) as f32);
-        let least = Singles::splat(simd, LEAST);
         let thickness = size * negligible;
-        let is_clear = volume.abs().gt(normal_size * (thickness + error))
+        // Errors of a sliver's normal and of a grazing view multiply, and so do the guards: the volume is
+        // above what rounding makes of edges of these lengths at this distance.
+        let is_clear = has_size
+            & volume.abs().gt(normal_size * (thickness + error))
+            & volume.abs().gt(ab_size * ac_size * thickness)
             & volume.abs().gt(least)
-            & normal_size.gt(ab_size * ac_size * negligible);
+            & normal_size.gt(least);
         let sign = volume.gt(zero).select(one, zero - one);
         let extent = [extent_x, extent_y];
+        // Of the longest edge, opposite of the first corner: rounding on the way to a corner moves all.
+        let edge_range = [
+            (thickness * bc_size).max(least),
+            Singles::splat(simd, 1.0 / LEAST),
+        ];
         let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
         let edge = SingleVectors::of(simd, b.cross(bc));
-        let is_a_told = opposite_a.store_edge(edge, sign, extent, (thickness * bc_size).max(least));
+        let is_a_told = opposite_a.store_edge(edge, sign, extent, edge_range);
         let edge = SingleVectors::of(simd, ac.cross(a));
-        let is_b_told = opposite_b.store_edge(edge, sign, extent, (thickness * ac_size).max(least));
+        let is_b_told = opposite_b.store_edge(edge, sign, extent, edge_range);
         let edge = SingleVectors::of(simd, a.cross(ab));
-        let is_c_told = opposite_c.store_edge(edge, sign, extent, (thickness * ab_size).max(least));
+        let is_c_told = opposite_c.store_edge(edge, sign, extent, edge_range);
         let closeness = normal.times(one / volume);
         let magnitude = closeness.magnitude(extent);
         let is_told = is_clear
@@ -256,7 +284,7 @@ impl Outlines {
         &self,
         simd: S,
         index: usize,
-        slot: u32,
+        who: Who,
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
@@ -273,7 +301,7 @@ impl Outlines {
             let packet = packets.trailing_zeros() as usize;
             packets &= packets - 1;
             if is_untold {
-                verdict.abstain(simd, canvas, packet, slot);
+                verdict.abstain(simd, canvas, packet, who);
                 continue;
             }
             let dots = canvas.dots(simd, packet);
@@ -292,7 +320,7 @@ impl Outlines {
                 least: closeness - error,
                 most: closeness + error,
             };
-            verdict.hear(simd, canvas, packet, slot, claim);
+            verdict.hear(simd, canvas, packet, who, claim);
         }
     }
 }
@@ -303,7 +331,7 @@ pub(super) fn cast_plane<S: Simd>(
     simd: S,
     point: DVec3,
     normal: DVec3,
-    slot: u32,
+    who: Who,
     canvas: &mut Canvas,
     verdict: impl Verdict,
 ) {
@@ -328,7 +356,7 @@ pub(super) fn cast_plane<S: Simd>(
         let packet = packets.trailing_zeros() as usize;
         packets &= packets - 1;
         if !is_told {
-            verdict.abstain(simd, canvas, packet, slot);
+            verdict.abstain(simd, canvas, packet, who);
             continue;
         }
         let closeness = closeness.at(simd, canvas.dots(simd, packet));
@@ -339,7 +367,7 @@ pub(super) fn cast_plane<S: Simd>(
             least: closeness - error,
             most: closeness + error,
         };
-        verdict.hear(simd, canvas, packet, slot, claim);
+        verdict.hear(simd, canvas, packet, who, claim);
     }
 }
 
@@ -357,10 +385,20 @@ pub(super) fn cast_sphere<S: Simd>(
     center: DVec3,
     radius: f64,
     shows_outside: bool,
-    slot: u32,
+    who: Who,
     canvas: &mut Canvas,
     verdict: impl Verdict,
 ) {
+    if radius <= canvas.error * SMALLEST_RADIUS {
+        let mut packets = canvas.meets(simd, &Extent::EVERYTHING);
+        while packets != 0 {
+            let packet = packets.trailing_zeros() as usize;
+            packets &= packets - 1;
+            verdict.abstain(simd, canvas, packet, who);
+            verdict.doubt_own(simd, canvas, packet, who);
+        }
+        return;
+    }
     let from_origin = center - canvas.origin;
     let [u, v, w] = canvas.axes;
     let (x, y, z) = (u.dot(from_origin), v.dot(from_origin), w.dot(from_origin));
@@ -421,12 +459,12 @@ pub(super) fn cast_sphere<S: Simd>(
         let packet = packets.trailing_zeros() as usize;
         packets &= packets - 1;
         if !is_told {
-            verdict.abstain(simd, canvas, packet, slot);
-            verdict.doubt_own(simd, canvas, packet, slot);
+            verdict.abstain(simd, canvas, packet, who);
+            verdict.doubt_own(simd, canvas, packet, who);
             continue;
         }
         if !own_is_safe {
-            verdict.doubt_own(simd, canvas, packet, slot);
+            verdict.doubt_own(simd, canvas, packet, who);
         }
         let [x, y] = canvas.dots(simd, packet);
         let discriminant = x.times_plus(
@@ -447,7 +485,7 @@ pub(super) fn cast_sphere<S: Simd>(
             least: closeness - error,
             most: surely.select(most, most + edge_error),
         };
-        verdict.hear(simd, canvas, packet, slot, claim);
+        verdict.hear(simd, canvas, packet, who, claim);
     }
 }
 
@@ -460,12 +498,13 @@ fn disc_extent(canvas: &Canvas, [x, y, z]: [f64; 3], radius: f64) -> Extent {
     }
     let give = f64::from(GIVES_WAY);
     let width = nearest * (z + radius);
+    let noise = (x.abs() + y.abs() + z + radius) / nearest * f64::from(NOISE);
     let sides = |across: f64, extent: f64| {
         let root = radius * (across * across + width).sqrt();
         let [least, most] = [(across * z - root) / width, (across * z + root) / width];
         [
-            (least - (least.abs() + extent) * give) as f32,
-            (most + (most.abs() + extent) * give) as f32,
+            (least - (least.abs() + extent) * give - noise) as f32,
+            (most + (most.abs() + extent) * give + noise) as f32,
         ]
     };
     Extent {

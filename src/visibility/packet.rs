@@ -1,9 +1,9 @@
 //! Sixteen rays at a time: what they are, what they ask, and their way down a tree.
 
-use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8};
+use fearless_simd::Simd;
 
 use super::Primitive;
+use super::beam::{Beam, range};
 use super::canvas::Canvas;
 use super::nodes::{Entry, Node, Tree, WIDTH};
 use super::search::Shape;
@@ -184,48 +184,14 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
     }
 }
 
-/// How much farther the end of a ray in a box is taken to be: the slab test's roundings.
-const SLAB_GIVES_WAY: f32 = 1.0 + 16.0 * f32::EPSILON;
-
-/// A direction's component shorter than this, of about 1, counts as this: over the size of the
-/// tree it moves no coordinate by more than a box gives way.
-const SMALLEST_COMPONENT: f32 = 1e-18;
-
-/// Farther from a tree than this, in its own size, no ray tells its boxes apart.
-const FARTHEST: f64 = 1e30;
-
 /// Rays whose directions differ by more than this part of their length do not share a shaft: at a
 /// silhouette, points of the object and points far behind it would be enclosed in one.
 const MOST_SPREAD: f64 = 1.0 / 64.0;
 
-/// What some rays have in common in a tree's frame: for each axis a range of origins and of 1/ω.
-#[derive(Clone, Copy, Debug)]
-struct Shaft {
-    /// For each axis: 0 if the rays enter a box by its lower plane, 1 if by its upper.
-    enters_by: [usize; 3],
-    /// What is subtracted from the lower planes and from the upper ones, with a margin.
-    origins: [[f32; 2]; 3],
-    inverse: [[f32; 2]; 3],
-    /// Infinite for an axis along which the rays have no common direction, else 0.
-    open: [f32; 3],
-    /// A ray's t in the tree's frame over that in the world.
-    stretch: f64,
-}
-
-/// The range of the numbers in some lanes.
-#[inline(always)]
-fn range<S: Simd>(simd: S, column: Lanes<S>, asked: Mask<S>) -> [f64; 2] {
-    let infinite = Lanes::splat(simd, f64::INFINITY);
-    [
-        -asked.select(-column, -infinite).largest(),
-        asked.select(column, -infinite).largest(),
-    ]
-}
-
 /// How far apart some rays are.
 struct Spread {
-    origins: [[f64; 2]; 3],
-    directions: [[f64; 2]; 3],
+    /// The middle of their directions.
+    middle: DVec3,
     /// One bit for each of those that should go without the others; 0 if all are alike.
     parted: u32,
 }
@@ -241,14 +207,6 @@ impl Spread {
             range(simd, d.y, asked),
             range(simd, d.z, asked),
         ];
-        let origins = match rays.shared_origin {
-            Some(origin) => origin.to_array().map(|o| [o, o]),
-            None => [
-                range(simd, rays.origin.x, asked),
-                range(simd, rays.origin.y, asked),
-                range(simd, rays.origin.z, asked),
-            ],
-        };
         let (mut widest, mut width, mut length) = (0, 0.0, 0.0);
         for (axis, [least, most]) in directions.into_iter().enumerate() {
             if most - least > width {
@@ -260,105 +218,18 @@ impl Spread {
         if width > length * MOST_SPREAD {
             let [least, most] = directions[widest];
             let middle = Lanes::splat(simd, least * 0.5 + most * 0.5);
-            let column = if widest == 0 {
-                d.x
-            } else if widest == 1 {
-                d.y
-            } else {
-                d.z
-            };
-            parted = column.lt(middle).to_bits() & bits;
+            parted = d.component(widest).lt(middle).to_bits() & bits;
         }
+        let [x, y, z] = directions;
         Self {
-            origins,
-            directions,
+            middle: DVec3::new(
+                x[0] * 0.5 + x[1] * 0.5,
+                y[0] * 0.5 + y[1] * 0.5,
+                z[0] * 0.5 + z[1] * 0.5,
+            ),
             // Neither part is empty, unless rounding makes it so.
             parted: if parted == bits { 0 } else { parted },
         }
-    }
-}
-
-impl Shaft {
-    #[inline(always)]
-    fn new(tree: &Tree, origins: [[f64; 2]; 3], directions: [[f64; 2]; 3]) -> Self {
-        let center = tree.center.to_array();
-        let mut reach = 0.0_f64;
-        let mut longest = 0.0_f64;
-        for axis in 0..3 {
-            for end in 0..2 {
-                reach = reach.max(((origins[axis][end] - center[axis]) * tree.scale).abs());
-                longest = longest.max((directions[axis][end] * tree.scale).abs());
-            }
-        }
-        // Directions about 1 long, whatever their length in the world.
-        let stretch = power_of_two_below(longest);
-        let margin = if reach < FARTHEST {
-            (reach as f32 + 1.0) * super::nodes::BOX_GIVES_WAY
-        } else {
-            // Too far away to tell anything apart: every box may be met.
-            f32::MAX / 4.0
-        };
-        let mut shaft = Self {
-            enters_by: [0; 3],
-            origins: [[0.0; 2]; 3],
-            inverse: [[0.0; 2]; 3],
-            open: [0.0; 3],
-            stretch,
-        };
-        for axis in 0..3 {
-            let in_frame = |origin: f64| {
-                ((origin - center[axis]) * tree.scale).clamp(-FARTHEST, FARTHEST) as f32
-            };
-            // A box's lower plane is farthest behind the origin that is farthest on, and the upper
-            // one farthest ahead of the one farthest back.
-            shaft.origins[axis] = [
-                in_frame(origins[axis][1]) + margin,
-                in_frame(origins[axis][0]) - margin,
-            ];
-            let [least, most] = directions[axis].map(|d| (d * tree.scale / stretch) as f32);
-            let (least, most) = (least.next_down(), most.next_up());
-            if least >= SMALLEST_COMPONENT || most <= -SMALLEST_COMPONENT {
-                shaft.enters_by[axis] = usize::from(most < 0.0);
-                shaft.inverse[axis] = [(1.0 / most).next_down(), (1.0 / least).next_up()];
-            } else {
-                shaft.open[axis] = f32::INFINITY;
-            }
-        }
-        shaft
-    }
-
-    /// t of the world in the tree's frame, at least.
-    #[inline(always)]
-    fn limit(&self, t: f64) -> f32 {
-        (t * self.stretch) as f32 * SLAB_GIVES_WAY
-    }
-
-    /// One bit for each child of a node whose box a ray might meet up to `limit`, and where it
-    /// enters at the earliest.
-    #[inline(always)]
-    fn meet<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, [f32; WIDTH]) {
-        let mut enters = f32x8::splat(simd, 0.0);
-        let mut leaves = f32x8::splat(simd, f32::INFINITY);
-        for axis in 0..3 {
-            let near = self.enters_by[axis];
-            let far = 1 - near;
-            let to_near =
-                f32x8::from_slice(simd, &node.planes[axis][near]) - self.origins[axis][near];
-            let to_far = f32x8::from_slice(simd, &node.planes[axis][far]) - self.origins[axis][far];
-            let [slow, fast] = self.inverse[axis];
-            let (a, b) = (to_near * slow, to_near * fast);
-            let (c, d) = (to_far * slow, to_far * fast);
-            let near = a.simd_lt(b).select(a, b);
-            let far = c.simd_gt(d).select(c, d) + self.open[axis];
-            enters = near.simd_gt(enters).select(near, enters);
-            leaves = far.simd_lt(leaves).select(far, leaves);
-        }
-        let leaves = leaves * SLAB_GIVES_WAY;
-        let meets = enters.simd_le(leaves) & enters.simd_le(limit);
-        let bits = meets.to_bitmask() as u32 & node.present;
-        let mut at = [0.0; WIDTH];
-        enters.store_slice(&mut at);
-        (bits, at)
     }
 }
 
@@ -384,12 +255,12 @@ pub(super) fn descend<S: Simd, Q: Question<S>>(
     packet: &Packet<S>,
     question: &mut Q,
     stack: &mut Stack,
-    mut show: impl FnMut(u32, u32, &mut Q),
+    mut show: impl FnMut(u32, u32, &Beam, &mut Q),
 ) {
     if question.asked() == 0 {
         return;
     }
-    // Rays too unlike for one shaft part into groups.
+    // Rays too unlike for one beam part into groups.
     let mut groups = [0; LANES];
     groups[0] = question.asked();
     let mut waiting = 1;
@@ -397,15 +268,11 @@ pub(super) fn descend<S: Simd, Q: Question<S>>(
     while waiting > 0 {
         waiting -= 1;
         let group = groups[waiting];
-        let Spread {
-            origins,
-            directions,
-            parted,
-        } = Spread::of(simd, &packet.rays, group);
+        let Spread { middle, parted } = Spread::of(simd, &packet.rays, group);
         if parted == 0 {
-            let shaft = Shaft::new(tree, origins, directions);
+            let (beam, pace) = Beam::of(simd, tree, &packet.rays, middle, group);
             question.only(simd, group);
-            descend_shaft(simd, tree, &shaft, question, stack, &mut show);
+            descend_beam(simd, tree, &beam, pace, question, stack, &mut show);
             left |= question.asked();
         } else {
             groups[waiting] = group & parted;
@@ -417,16 +284,17 @@ pub(super) fn descend<S: Simd, Q: Question<S>>(
 }
 
 #[inline(always)]
-fn descend_shaft<S: Simd, Q: Question<S>>(
+fn descend_beam<S: Simd, Q: Question<S>>(
     simd: S,
     tree: &Tree,
-    shaft: &Shaft,
+    beam: &Beam,
+    pace: f64,
     question: &mut Q,
     stack: &mut Stack,
-    show: &mut impl FnMut(u32, u32, &mut Q),
+    show: &mut impl FnMut(u32, u32, &Beam, &mut Q),
 ) {
-    let mut limit = shaft.limit(question.limit(simd));
-    let mut height = open(simd, &tree.nodes[0], shaft, limit, stack, 0);
+    let mut limit = beam.limit(question.limit(simd) * pace);
+    let mut height = open(simd, &tree.nodes[0], beam, limit, stack, 0);
     while height > 0 {
         height -= 1;
         let Entry { child, count, at } = stack[height];
@@ -435,14 +303,14 @@ fn descend_shaft<S: Simd, Q: Question<S>>(
         }
         if count == 0 {
             let node = &tree.nodes[child as usize];
-            height = open(simd, node, shaft, limit, stack, height);
+            height = open(simd, node, beam, limit, stack, height);
             continue;
         }
-        show(child, count, question);
+        show(child, count, beam, question);
         if question.asked() == 0 {
             return;
         }
-        limit = shaft.limit(question.limit(simd));
+        limit = beam.limit(question.limit(simd) * pace);
     }
 }
 
@@ -456,10 +324,9 @@ pub(super) fn sweep<S: Simd>(
     stack: &mut Stack,
     mut show: impl FnMut(u32, u32, &mut Canvas),
 ) {
-    let origins = canvas.origin.to_array().map(|o| [o, o]);
-    let shaft = Shaft::new(tree, origins, canvas.directions(simd));
-    let mut limit = shaft.limit(canvas.depth(simd));
-    let mut height = open(simd, &tree.nodes[0], &shaft, limit, stack, 0);
+    let beam = Beam::from_point(tree, canvas.origin, canvas.axes, canvas.rectangle(simd));
+    let mut limit = beam.limit(canvas.depth(simd));
+    let mut height = open(simd, &tree.nodes[0], &beam, limit, stack, 0);
     while height > 0 {
         height -= 1;
         let Entry { child, count, at } = stack[height];
@@ -468,25 +335,25 @@ pub(super) fn sweep<S: Simd>(
         }
         if count == 0 {
             let node = &tree.nodes[child as usize];
-            height = open(simd, node, &shaft, limit, stack, height);
+            height = open(simd, node, &beam, limit, stack, height);
         } else {
             show(child, count, canvas);
-            limit = shaft.limit(canvas.depth(simd));
+            limit = beam.limit(canvas.depth(simd));
         }
     }
 }
 
-/// Puts the children of a node that the shaft meets on the stack, the nearest on top; its new height.
+/// Puts the children of a node that the beam meets on the stack, the nearest on top; its new height.
 #[inline(always)]
 fn open<S: Simd>(
     simd: S,
     node: &Node,
-    shaft: &Shaft,
+    beam: &Beam,
     limit: f32,
     stack: &mut Stack,
     bottom: usize,
 ) -> usize {
-    let (mut bits, at) = shaft.meet(simd, node, limit);
+    let (mut bits, at) = beam.meet(simd, node, limit);
     let mut height = bottom;
     while bits != 0 {
         let child = bits.trailing_zeros() as usize;
@@ -505,11 +372,4 @@ fn open<S: Simd>(
         height += 1;
     }
     height
-}
-
-/// The largest power of two that is not above a length, to be divided by; 1 for a length of 0.
-fn power_of_two_below(length: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff << 52;
-    let power = f64::from_bits(length.to_bits() & EXPONENT);
-    if power > 0.0 { power } else { 1.0 }
 }

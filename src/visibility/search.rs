@@ -3,6 +3,7 @@
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
+use super::beam::Beam;
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict};
 use super::nodes::{Leaf, Tree};
@@ -44,6 +45,9 @@ pub(super) trait Block<T>: Send + Sync {
     /// One of them, by its place.
     fn get(&self, place: usize) -> T;
 
+    /// One bit for each of them that the rays of a beam might meet.
+    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
+
     /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow.
     fn cast<S: Simd>(
         &self,
@@ -59,6 +63,9 @@ pub(super) trait Block<T>: Send + Sync {
 /// A shape that is this many times larger than the middle one is kept out of the tree: its boxes
 /// give way in proportion to the whole, and a planet would blur the pebbles on it.
 const OUTSIZED: f64 = 1000.0;
+
+/// Slots of one kind: of triangles 1e9 in 86 GB.
+const MOST_PLACES: usize = 1 << 30;
 
 /// All shapes of one kind.
 #[derive(Debug)]
@@ -92,6 +99,8 @@ impl<T: Shape> Search<T> {
             }));
             tree
         });
+        let places = blocks.len() * T::WIDTH;
+        assert!(places <= MOST_PLACES, "memory ends before slots do");
         Self {
             blocks,
             listed: listed.len(),
@@ -219,10 +228,17 @@ impl<T: Shape> Search<T> {
                 question,
                 stack,
                 #[inline(always)]
-                |block, count, question| {
-                    for place in 0..count as usize {
-                        let shape = self.get(block * T::WIDTH as u32 + place as u32);
-                        question.ask(simd, packet, &shape);
+                |block, count, beam, question| {
+                    let count = count as usize;
+                    let blocks = &self.blocks[block as usize..];
+                    for (block, first) in blocks.iter().zip((0..count).step_by(T::WIDTH)) {
+                        let mut near = block.near(simd, beam);
+                        near &= (1 << T::WIDTH.min(count - first)) - 1;
+                        while near != 0 {
+                            let place = near.trailing_zeros() as usize;
+                            near &= near - 1;
+                            question.ask(simd, packet, &block.get(place));
+                        }
                     }
                 },
             );

@@ -2,8 +2,9 @@
 
 use fearless_simd::Simd;
 
+use super::beam::Beam;
 use super::bvh::Bounds;
-use super::canvas::{Canvas, NEGLIGIBLE, Verdict};
+use super::canvas::{Canvas, NEGLIGIBLE, Verdict, Who};
 use super::outline::{Outlines, cast_sphere};
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
@@ -115,6 +116,10 @@ impl Block<Self> for Ball {
         *self
     }
 
+    fn near<S: Simd>(&self, _: S, _: &Beam) -> u32 {
+        1
+    }
+
     #[inline(always)]
     fn cast<S: Simd>(
         &self,
@@ -126,15 +131,12 @@ impl Block<Self> for Ball {
         verdict: impl Verdict,
     ) {
         let (center, radius) = (self.center.0, self.radius);
-        cast_sphere(
-            simd,
-            center,
-            radius,
-            self.shows_outside,
+        let who = Who {
             slot,
-            canvas,
-            verdict,
-        );
+            primitive: self.primitive(),
+        };
+        let shows_outside = self.shows_outside;
+        cast_sphere(simd, center, radius, shows_outside, who, canvas, verdict);
     }
 }
 

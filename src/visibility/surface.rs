@@ -68,8 +68,6 @@ pub struct Points {
     pub(crate) cos_viewer: Column,
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
-    /// The slot of what is hit, where it is known.
-    pub(super) slots: [u32; BATCH],
     /// The largest of `error`, and the least and the largest coordinates.
     pub(super) largest_error: f64,
     pub(super) bounds: [DVec3; 2],
@@ -94,7 +92,6 @@ impl Default for Points {
             shading_normal: [NONE; 3],
             cos_viewer: NONE,
             primitive: [0; BATCH],
-            slots: [NOTHING; BATCH],
             largest_error: 0.0,
             bounds: [DVec3::ZERO; 2],
             ranges: [[Row([0.0; LANES]); 3]; 2],
@@ -215,7 +212,6 @@ impl Points {
             is_curved = Mask::from_bits(simd, if source.is_curved { bits } else { 0 });
             let lanes = first_lane..first_lane + LANES;
             self.primitive[lanes.clone()].fill(primitive.0);
-            self.slots[lanes.clone()].fill(slots[first]);
             self.material[lanes].fill(source.material);
             self.is_uniform[packet] = true;
         } else if asked == 0 && below(simd, slots, SPHERES) & bits == bits {
@@ -231,7 +227,6 @@ impl Points {
             reference = unit(simd, (b - a).cross(c - a), bits);
             tangent = a;
             is_curved = Mask::from_bits(simd, 0);
-            self.slots[first_lane..first_lane + LANES].copy_from_slice(slots);
             let (mut object, mut material) = (u32::MAX, 0);
             let mut are_uniform = true;
             for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
@@ -253,10 +248,6 @@ impl Points {
             sources.take(world, asked);
             let lanes = first_lane..first_lane + LANES;
             self.primitive[lanes.clone()].copy_from_slice(&sources.primitive);
-            self.slots[lanes.clone()].copy_from_slice(slots);
-            for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
-                self.slots[first_lane + lane] = NOTHING;
-            }
             self.material[lanes].copy_from_slice(&sources.material);
             let material = sources.material[first];
             let others = |lane: usize| bits >> lane & 1 == 1 && sources.material[lane] != material;

@@ -312,3 +312,59 @@ fn the_widest_view() {
     scene.lights();
     scene.agrees();
 }
+
+const HEAD: &str = "[image]\nresolution = [64, 48]\n[materials.m.phong]\ndiffuse = 0.5\n";
+
+/// A scene as it is written.
+#[track_caller]
+fn agrees(text: &str) {
+    let scene = Writer {
+        text: format!("{HEAD}{text}"),
+        size: 1.0,
+        place: [0.0; 3],
+        objects: 0,
+    };
+    scene.agrees();
+}
+
+/// Beside the far triangle, the depth of the near one is less than the smallest f32.
+#[test]
+fn depths_beyond_f32() {
+    agrees(
+        "[camera.perspective]\neye = [0, 0, 1e-20]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+         [objects.far.triangle]\nmaterial = \"m\"\n\
+         vertices = [[0, 0, -1e20], [1e20, 0, -1e20], [0, 1e20, -1e20]]\n\
+         [objects.near.triangle]\nmaterial = \"m\"\n\
+         vertices = [[-1e-21, -1e-21, 0], [3e-21, 0, 0], [0, 3e-21, 0]]\n",
+    );
+}
+
+/// From far enough away the corners of a triangle are in one place, which no ray passes around.
+#[test]
+fn triangles_without_extent() {
+    for distance in [1e14, 1e15, 1e16, 1e17, 1e18] {
+        agrees(&format!(
+            "[camera.perspective]\neye = [0, 0, {distance:e}]\nlook_at = [0, 0, 0]\n\
+             vertical_fov = 40\n\
+             [objects.a.triangle]\nmaterial = \"m\"\n\
+             vertices = [[-1, -1, 0], [1, 0, 0.3], [0, 1, 0.1]]\n",
+        ));
+    }
+}
+
+/// Suns and telescopes: rays almost parallel.
+#[test]
+fn far_away() {
+    for distance in [1e6, 1e9, 1.5e11, 1e13] {
+        let towards = [0.3 * distance, 0.7 * distance, 0.4 * distance];
+        let mut scene = Writer::new(1.0, [0.0; 3], 10.0, EYE);
+        scene.clutter(300, 60, 0.1);
+        scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+        scene.light(towards);
+        scene.agrees();
+        let mut scene = Writer::new(1.0, [0.0; 3], 100.0 / distance, towards);
+        scene.clutter(200, 60, 0.2);
+        scene.lights();
+        scene.agrees();
+    }
+}

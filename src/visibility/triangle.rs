@@ -9,8 +9,9 @@
 
 use fearless_simd::Simd;
 
+use super::beam::Beam;
 use super::bvh::Bounds;
-use super::canvas::{Canvas, Verdict};
+use super::canvas::{Canvas, Verdict, Who};
 use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
@@ -93,7 +94,8 @@ fn passes_through<S: Simd>(
         let zero = Lanes::splat(simd, 0.0);
         let positive = u.ge(zero) & v.ge(zero) & w.ge(zero);
         let negative = u.le(zero) & v.le(zero) & w.le(zero);
-        passes = passes | ((positive | negative) & shear.rays);
+        // Corners so far away that they are all in one place enclose nothing: neither sign.
+        passes = passes | ((positive | negative) & !(positive & negative) & shear.rays);
     }
     passes
 }
@@ -221,6 +223,18 @@ pub(super) struct Facets {
     primitives: [Primitive; LANES],
 }
 
+impl Facets {
+    #[inline(always)]
+    fn corners<S: Simd>(&self, simd: S) -> [Vectors<S>; 3] {
+        let [a, b, c] = &self.corners;
+        [
+            Vectors::load(simd, [&a[0], &a[1], &a[2]]),
+            Vectors::load(simd, [&b[0], &b[1], &b[2]]),
+            Vectors::load(simd, [&c[0], &c[1], &c[2]]),
+        ]
+    }
+}
+
 impl Block<Facet> for Facets {
     fn of(shapes: &[Facet]) -> Self {
         let mut facets = Self {
@@ -252,6 +266,11 @@ impl Block<Facet> for Facets {
     }
 
     #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
+        beam.may_meet(simd, self.corners(simd))
+    }
+
+    #[inline(always)]
     fn cast<S: Simd>(
         &self,
         simd: S,
@@ -261,18 +280,16 @@ impl Block<Facet> for Facets {
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
-        let [a, b, c] = &self.corners;
-        let corners = [
-            Vectors::load(simd, [&a[0], &a[1], &a[2]]),
-            Vectors::load(simd, [&b[0], &b[1], &b[2]]),
-            Vectors::load(simd, [&c[0], &c[1], &c[2]]),
-        ];
-        outlines.draw(simd, canvas, corners, bits);
+        outlines.draw(simd, canvas, self.corners(simd), bits);
         let mut left = outlines.of_interest;
         while left != 0 {
             let place = left.trailing_zeros();
             left &= left - 1;
-            outlines.cast(simd, place as usize, slot + place, canvas, verdict);
+            let who = Who {
+                slot: slot + place,
+                primitive: self.primitives[place as usize],
+            };
+            outlines.cast(simd, place as usize, who, canvas, verdict);
         }
     }
 }
