@@ -33,7 +33,7 @@ use crate::world::{Plan, World};
 /// As [`Film::write_exr_to`](super::Film::write_exr_to); rendering ends with the first.
 ///
 /// # Panics
-/// As [`render`](super::render).
+/// As [`render`](super::render()).
 pub fn render_exr(
     world: &World,
     plan: &Plan,

@@ -86,7 +86,7 @@ impl<S: Simd> Lanes<S> {
         Self([self.0[0].sqrt(), self.0[1].sqrt()])
     }
 
-    /// [`inverse_root`](crate::math::inverse_root) of each, to the same bits.
+    /// 1/√x, for x from 1e-30 to 1e30 to 4e-16 of it, and to the same bits as the scalar one of `math`.
     #[inline(always)]
     pub fn inverse_root(self, simd: S) -> Self {
         let near = Singles::splat(simd, 1.0) / self.narrowed(simd).sqrt();
