@@ -337,8 +337,7 @@ impl Canvas {
     /// One bit for each shadow ray of a packet whose end is not known to be dark.
     #[inline(always)]
     pub(super) fn reached<S: Simd>(&self, simd: S, packet: usize) -> u32 {
-        let least = Singles::load(simd, &self.least.0[packet * LANES..]);
-        (!least.ge(Singles::splat(simd, f32::INFINITY))).to_bits()
+        self.asking(simd, packet).to_bits()
     }
 
     /// The rays of a packet that still ask for something.

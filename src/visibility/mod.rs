@@ -2,11 +2,11 @@
 //!
 //! Rays come in batches that share something: the primary rays of a few pixels share the eye or a
 //! direction, the shadow rays to a point light share the light. All is asked here in such batches and
-//! answered for the whole batch: first interval arithmetic on the batch as a whole drops the shapes
-//! that none of its rays can meet, then packets of sixteen rays ask those that are left, side by side.
-//! Each kind of shape is searched on its own, through a list or a tree as the [`Plan`] says.
+//! answered for the whole batch: on a [`canvas`] before the point that its rays share, which decides in
+//! f32 what is certain, and for the few rays that are left in [`packet`]s of sixteen, in f64. Each kind of
+//! shape is searched on its own, through a list or a tree as the [`Plan`] says.
 //!
-//! Intersections are computed in f64. The tree's boxes are f32 and conservative, and ties are
+//! Every number of a point is computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
 //! are asked together, nor on the instruction set.
 
@@ -53,7 +53,7 @@ const SPHERES: u32 = 1 << 30;
 const PLANES: u32 = 2 << 30;
 
 /// Rays whose directions differ by more than this part of their length do not share a canvas: at a
-/// silhouette, points of the object and points far behind it would be enclosed in one shaft.
+/// silhouette, points of the object and points far behind it would be enclosed in one beam.
 const MOST_SPREAD: f64 = 1.0 / 16.0;
 
 /// So many shapes are soon told, whatever is enclosed: rays that share a canvas may then differ as much as
@@ -484,7 +484,7 @@ impl<'w> Visibility<'w> {
             }
             let is_worth = members >= FEW;
             if is_worth && spread[widest] > size * self.most_spread {
-                // Points too far apart for one shaft part into groups.
+                // Points too far apart for one beam part into groups.
                 let middle = Lanes::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
                 let mut lower = group;
                 for (packet, bits) in lower.iter_mut().enumerate() {

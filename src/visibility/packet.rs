@@ -1,4 +1,5 @@
-//! Sixteen rays at a time: what they are, what they ask, and their way down a tree.
+//! Sixteen rays at a time: what they are, what they ask, and their way down a tree. And the way of the
+//! rays on a canvas.
 
 use fearless_simd::Simd;
 
@@ -184,7 +185,7 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
     }
 }
 
-/// Rays whose directions differ by more than this part of their length do not share a shaft: at a
+/// Rays whose directions differ by more than this part of their length do not share a beam: at a
 /// silhouette, points of the object and points far behind it would be enclosed in one.
 const MOST_SPREAD: f64 = 1.0 / 64.0;
 

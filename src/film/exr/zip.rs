@@ -3,8 +3,9 @@
 //!
 //! The `exr` crate does the same with deflate at level 4, which spends six times as long on light in
 //! FLOAT as level 1: the low bytes of mantissas are noise, in which there is nothing to find. What
-//! there is to save are long repeats, such as a background, full coverage, or a channel equal to another,
-//! and level 1 finds these as well. Its files are 9 % larger (16.3 → 17.8 MB for 1920 × 1080). HALF has less noise, and is worth level 3.
+//! there is to save are long repeats, such as a background, full coverage, or a channel equal to
+//! another, and level 1 finds these as well. Its files are 9 % larger (16.3 → 17.8 MB for
+//! 1920 × 1080). HALF has less noise, and is worth level 3.
 
 use miniz_oxide::DataFormat;
 use miniz_oxide::deflate::core::{CompressorOxide, TDEFLFlush, TDEFLStatus, compress};
