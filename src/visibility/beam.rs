@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::ROUNDING;
-use super::nodes::{Node, Tree, WIDTH};
+use super::nodes::{Entry, Node, Tree, WIDTH};
 use super::packet::Rays;
 use crate::lanes::{Lanes, Mask, Vectors};
 use crate::math::DVec3;
@@ -18,6 +18,19 @@ const REACH: f64 = 2.0;
 
 /// Further from a tree than this, in its own size, no ray tells its boxes apart.
 const FARTHEST: f64 = 1e30;
+
+/// Boxes that wait to be opened at most: a tree is at most 64 nodes deep, and each leaves 7 behind.
+const STACK: usize = 64 * (WIDTH - 1) + 2 * WIDTH;
+
+/// Boxes that wait to be opened.
+pub(super) type Stack = [Entry; STACK];
+
+/// No boxes.
+pub(super) const EMPTY_STACK: Stack = [Entry {
+    child: 0,
+    count: 0,
+    at: 0.0,
+}; STACK];
 
 /// A direction n, and how far along it something reaches in a tree's frame.
 #[derive(Clone, Copy, Debug)]
@@ -169,7 +182,7 @@ impl Beam {
 
     /// A depth of the world in the tree's frame, at least, from where [`Self::meet`] counts.
     #[inline(always)]
-    pub(super) fn limit(&self, depth: f64) -> f32 {
+    fn limit(&self, depth: f64) -> f32 {
         let depth = depth * self.scale;
         let start = f64::from(self.start.offset);
         let limit = start + depth + (REACH + depth + start.abs()) * (4.0 * GIVES_WAY);
@@ -183,7 +196,7 @@ impl Beam {
     /// One bit for each child of a node whose box a ray might meet up to `limit`, and how deep the box
     /// begins.
     #[inline(always)]
-    pub(super) fn meet<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, [f32; WIDTH]) {
+    fn meet<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, [f32; WIDTH]) {
         let [left, right, bottom, top] = &self.sides;
         let begins = self.start.reach(simd, node, 0);
         let meets = left.reach(simd, node, 1).simd_ge(left.offset)
@@ -196,6 +209,38 @@ impl Beam {
         let mut at = [0.0; WIDTH];
         begins.store_slice(&mut at);
         (bits, at)
+    }
+
+    /// Goes down a tree to the leaves that a ray might meet, near ones first, and no deeper than `depth` of
+    /// the world. `show` is given a leaf's first block and how many shapes it has, and says how deep to
+    /// go from then on, if at all.
+    #[inline(always)]
+    pub(super) fn descend<S: Simd>(
+        &self,
+        simd: S,
+        tree: &Tree,
+        depth: f64,
+        stack: &mut Stack,
+        mut show: impl FnMut(u32, u32) -> Option<f64>,
+    ) {
+        let mut limit = self.limit(depth);
+        let mut height = self.open(simd, &tree.nodes[0], limit, stack, 0);
+        while height > 0 {
+            height -= 1;
+            let Entry { child, count, at } = stack[height];
+            if at > limit {
+                continue;
+            }
+            if count == 0 {
+                let node = &tree.nodes[child as usize];
+                height = self.open(simd, node, limit, stack, height);
+                continue;
+            }
+            let Some(depth) = show(child, count) else {
+                return;
+            };
+            limit = self.limit(depth);
+        }
     }
 
     /// One bit for each of sixteen triangles that a ray might meet, by their corners.
@@ -219,5 +264,36 @@ impl Beam {
             bits &= reaches.to_bits();
         }
         bits
+    }
+
+    /// Puts the children of a node that the beam meets on the stack, the nearest on top; its new height.
+    #[inline(always)]
+    fn open<S: Simd>(
+        &self,
+        simd: S,
+        node: &Node,
+        limit: f32,
+        stack: &mut Stack,
+        bottom: usize,
+    ) -> usize {
+        let (mut bits, at) = self.meet(simd, node, limit);
+        let mut height = bottom;
+        while bits != 0 {
+            let child = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let entry = Entry {
+                child: node.children[child],
+                count: node.counts[child],
+                at: at[child],
+            };
+            let mut place = height;
+            while place > bottom && stack[place - 1].at < entry.at {
+                stack[place] = stack[place - 1];
+                place -= 1;
+            }
+            stack[place] = entry;
+            height += 1;
+        }
+        height
     }
 }

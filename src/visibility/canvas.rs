@@ -19,7 +19,7 @@ use crate::math::DVec3;
 
 /// The bound on the error of an affine or quadratic function of x and y, over the sum of the magnitudes
 /// of its terms: the rounding of coefficients, of x and y, and of the operations to f32, 2⁻²⁴ each, at
-/// most ten, and what the set-up in f64 leaves.
+/// most fourteen, and what the set-up in f64 leaves.
 pub(super) const GIVES_WAY: f32 = 1.0 / (1 << 20) as f32;
 
 /// What an f64 may be off, relative to what it is compared with, to be as good as exact in f32.

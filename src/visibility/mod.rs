@@ -2,8 +2,8 @@
 //!
 //! Rays come in batches that share something: the primary rays of a few pixels share the eye or a
 //! direction, the shadow rays to a point light share the light. All is asked here in such batches and
-//! answered for the whole batch: on a [`canvas`] before the point that its rays share, which decides in
-//! f32 what is certain, and for the few rays that are left in [`packet`]s of sixteen, in f64. Each kind of
+//! answered for the whole batch: on a canvas before the point that its rays share, which decides in
+//! f32 what is certain, and for the few rays that are left in packets of sixteen, in f64. Each kind of
 //! shape is searched on its own, through a list or a tree as the [`Plan`] says.
 //!
 //! Every number of a point is computed in f64. The tree's boxes are f32 and conservative, and ties are
@@ -36,9 +36,10 @@ pub(crate) use surface::{Column, columns};
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
 use crate::world::{Plan, Projection, World};
+use beam::{EMPTY_STACK, Stack};
 use canvas::{Canvas, First, Reached, Who};
 use outline::Outlines;
-use packet::{EMPTY_STACK, Ends, Nearest, Packet, Rays, Shadow, Stack};
+use packet::{Ends, Nearest, Packet, Rays, Shadow};
 use search::Search;
 use triangle::Facet;
 

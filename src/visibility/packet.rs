@@ -1,12 +1,10 @@
-//! Sixteen rays at a time: what they are, what they ask, and their way down a tree. And the way of the
-//! rays on a canvas.
+//! Sixteen rays at a time: what they are, what they ask, and their way down a tree.
 
 use fearless_simd::Simd;
 
 use super::Primitive;
-use super::beam::{Beam, range};
-use super::canvas::Canvas;
-use super::nodes::{Entry, Node, Tree, WIDTH};
+use super::beam::{Beam, Stack, range};
+use super::nodes::Tree;
 use super::search::Shape;
 use super::triangle::{Shears, shears};
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
@@ -234,19 +232,6 @@ impl Spread {
     }
 }
 
-/// Boxes that wait to be opened at most: a tree is at most 64 nodes deep, and each leaves 7 behind.
-const STACK: usize = 64 * (WIDTH - 1) + 2 * WIDTH;
-
-/// Boxes that wait to be opened.
-pub(super) type Stack = [Entry; STACK];
-
-/// No boxes.
-pub(super) const EMPTY_STACK: Stack = [Entry {
-    child: 0,
-    count: 0,
-    at: 0.0,
-}; STACK];
-
 /// Shows a packet's question the leaves of a tree that its rays might meet, near ones first: `show` is
 /// given a leaf's first block and how many shapes it has.
 #[inline(always)]
@@ -273,7 +258,20 @@ pub(super) fn descend<S: Simd, Q: Question<S>>(
         if parted == 0 {
             let (beam, pace) = Beam::of(simd, tree, &packet.rays, middle, group);
             question.only(simd, group);
-            descend_beam(simd, tree, &beam, pace, question, stack, &mut show);
+            beam.descend(
+                simd,
+                tree,
+                question.limit(simd) * pace,
+                stack,
+                #[inline(always)]
+                |block, count| {
+                    show(block, count, &beam, question);
+                    (question.asked() != 0).then(
+                        #[inline(always)]
+                        || question.limit(simd) * pace,
+                    )
+                },
+            );
             left |= question.asked();
         } else {
             groups[waiting] = group & parted;
@@ -282,95 +280,4 @@ pub(super) fn descend<S: Simd, Q: Question<S>>(
         }
     }
     question.only(simd, left);
-}
-
-#[inline(always)]
-fn descend_beam<S: Simd, Q: Question<S>>(
-    simd: S,
-    tree: &Tree,
-    beam: &Beam,
-    pace: f64,
-    question: &mut Q,
-    stack: &mut Stack,
-    show: &mut impl FnMut(u32, u32, &Beam, &mut Q),
-) {
-    let mut limit = beam.limit(question.limit(simd) * pace);
-    let mut height = open(simd, &tree.nodes[0], beam, limit, stack, 0);
-    while height > 0 {
-        height -= 1;
-        let Entry { child, count, at } = stack[height];
-        if at > limit {
-            continue;
-        }
-        if count == 0 {
-            let node = &tree.nodes[child as usize];
-            height = open(simd, node, beam, limit, stack, height);
-            continue;
-        }
-        show(child, count, beam, question);
-        if question.asked() == 0 {
-            return;
-        }
-        limit = beam.limit(question.limit(simd) * pace);
-    }
-}
-
-/// Shows the leaves of a tree that the rays on a canvas might meet, near ones first: `show` is given a
-/// leaf's first block and how many shapes it has.
-#[inline(always)]
-pub(super) fn sweep<S: Simd>(
-    simd: S,
-    tree: &Tree,
-    canvas: &mut Canvas,
-    stack: &mut Stack,
-    mut show: impl FnMut(u32, u32, &mut Canvas),
-) {
-    let beam = Beam::from_point(tree, canvas.origin, canvas.axes, canvas.rectangle(simd));
-    let mut limit = beam.limit(canvas.depth(simd));
-    let mut height = open(simd, &tree.nodes[0], &beam, limit, stack, 0);
-    while height > 0 {
-        height -= 1;
-        let Entry { child, count, at } = stack[height];
-        if at > limit {
-            continue;
-        }
-        if count == 0 {
-            let node = &tree.nodes[child as usize];
-            height = open(simd, node, &beam, limit, stack, height);
-        } else {
-            show(child, count, canvas);
-            limit = beam.limit(canvas.depth(simd));
-        }
-    }
-}
-
-/// Puts the children of a node that the beam meets on the stack, the nearest on top; its new height.
-#[inline(always)]
-fn open<S: Simd>(
-    simd: S,
-    node: &Node,
-    beam: &Beam,
-    limit: f32,
-    stack: &mut Stack,
-    bottom: usize,
-) -> usize {
-    let (mut bits, at) = beam.meet(simd, node, limit);
-    let mut height = bottom;
-    while bits != 0 {
-        let child = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
-        let entry = Entry {
-            child: node.children[child],
-            count: node.counts[child],
-            at: at[child],
-        };
-        let mut place = height;
-        while place > bottom && stack[place - 1].at < entry.at {
-            stack[place] = stack[place - 1];
-            place -= 1;
-        }
-        stack[place] = entry;
-        height += 1;
-    }
-    height
 }

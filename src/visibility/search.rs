@@ -3,12 +3,12 @@
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
-use super::beam::Beam;
+use super::beam::{Beam, Stack};
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict};
 use super::nodes::{Leaf, Tree};
 use super::outline::Outlines;
-use super::packet::{Nearest, Packet, Question, Shadow, Stack, descend, sweep};
+use super::packet::{Nearest, Packet, Question, Shadow, descend};
 use crate::lanes::LANES;
 use crate::math::DVec3;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
@@ -167,13 +167,15 @@ impl<T: Shape> Search<T> {
             }
         }
         if let Some(tree) = &self.tree {
-            sweep(
+            let rectangle = canvas.rectangle(simd);
+            let beam = Beam::from_point(tree, canvas.origin, canvas.axes, rectangle);
+            beam.descend(
                 simd,
                 tree,
-                canvas,
+                canvas.depth(simd),
                 stack,
                 #[inline(always)]
-                |block, count, canvas| {
+                |block, count| {
                     let mut left = count as usize;
                     for block in block as usize.. {
                         let slot = T::SLOTS | (block * T::WIDTH) as u32;
@@ -184,6 +186,7 @@ impl<T: Shape> Search<T> {
                         }
                         left -= T::WIDTH;
                     }
+                    Some(canvas.depth(simd))
                 },
             );
         }
