@@ -41,25 +41,28 @@ pub(super) struct Tree {
     pub(super) scale: f64,
 }
 
-/// The shapes of a leaf.
+/// The shapes of a block.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
+pub(super) struct Members {
     /// The first in the order of the tree.
     pub(super) first: u32,
     pub(super) count: u32,
 }
 
 impl Tree {
-    /// A tree over shapes, the order of the shapes in its leaves, and the leaves. Each leaf has blocks
-    /// of [`Shape::WIDTH`] shapes for itself, one after the other from `first_block` on.
-    pub(super) fn new<T: Shape>(shapes: &[T], first_block: u32) -> (Self, Vec<u32>, Vec<Leaf>) {
+    /// A tree over shapes, the order of the shapes in its leaves, and the blocks, from `first_block` on.
+    /// Each leaf has blocks of [`Shape::WIDTH`] shapes for itself, one after the other.
+    pub(super) fn new<T: Shape>(shapes: &[T], first_block: u32) -> (Self, Vec<u32>, Vec<Members>) {
         let (bvh, order) = Bvh::new(shapes);
-        let mut leaves = Vec::with_capacity(shapes.len() / T::WIDTH * 2);
-        let mut block = first_block;
+        let mut blocks = Vec::with_capacity(shapes.len() / T::WIDTH * 2);
         let mut take = |first: u32, count: u32| {
-            leaves.push(Leaf { first, count });
-            let place = block;
-            block += count.div_ceil(T::WIDTH as u32);
+            let place = first_block + blocks.len() as u32;
+            for start in (0..count).step_by(T::WIDTH) {
+                blocks.push(Members {
+                    first: first + start,
+                    count: (count - start).min(T::WIDTH as u32),
+                });
+            }
             place
         };
         let nodes = bvh.nodes().iter();
@@ -71,7 +74,7 @@ impl Tree {
             center: bvh.center(),
             scale: bvh.scale(),
         };
-        (tree, order, leaves)
+        (tree, order, blocks)
     }
 
     /// Bytes of the nodes.

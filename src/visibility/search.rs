@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::beam::{Beam, Stack};
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict};
-use super::nodes::{Leaf, Tree};
+use super::nodes::{Members, Tree};
 use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Question, Shadow, descend};
 use crate::lanes::LANES;
@@ -85,17 +85,14 @@ impl<T: Shape> Search<T> {
         };
         let mut blocks: Vec<T::Block> = listed.chunks(T::WIDTH).map(T::Block::of).collect();
         let tree = (!treed.is_empty()).then(|| {
-            let (tree, order, leaves) = Tree::new(&treed, blocks.len() as u32);
-            blocks.par_extend(leaves.par_iter().flat_map_iter(|leaf| {
-                let Leaf { first, count } = *leaf;
+            let (tree, order, members) = Tree::new(&treed, blocks.len() as u32);
+            blocks.par_extend(members.par_iter().map(|&Members { first, count }| {
                 let order = &order[first as usize..(first + count) as usize];
-                order.chunks(T::WIDTH).map(|order| {
-                    let mut shapes = [treed[order[0] as usize]; LANES];
-                    for (shape, &index) in shapes.iter_mut().zip(order) {
-                        *shape = treed[index as usize];
-                    }
-                    T::Block::of(&shapes[..order.len()])
-                })
+                let mut shapes = [treed[order[0] as usize]; LANES];
+                for (shape, &index) in shapes.iter_mut().zip(order) {
+                    *shape = treed[index as usize];
+                }
+                T::Block::of(&shapes[..order.len()])
             }));
             tree
         });
