@@ -8,10 +8,9 @@ use super::Layers;
 use super::bands::{self, Geometry, Place};
 use super::layers::{BACKGROUND_DEPTH, has_background_share};
 use super::render::narrowed;
-use crate::lanes::LANES;
 use crate::math::DVec3;
 use crate::shading::Term;
-use crate::visibility::{Column, Points, columns};
+use crate::visibility::{Column, Points};
 use crate::world::{Bands, World};
 
 /// The pixel of each sample of a batch.
@@ -173,13 +172,10 @@ fn for_each_hit(
     vectors: &[Column; 3],
     mut each: impl FnMut(usize, DVec3),
 ) {
-    for (packet, samples) in batch.chunks(LANES).enumerate() {
-        let [xs, ys, zs] = columns(vectors, packet);
-        let lanes = samples.iter().zip(xs).zip(ys).zip(zs);
-        for (lane, (((&pixel, &x), &y), &z)) in lanes.enumerate() {
-            if points.hit[packet] >> lane & 1 == 1 {
-                each(pixel as usize, DVec3::new(x, y, z));
-            }
+    let [xs, ys, zs] = vectors;
+    for (slot, &pixel) in batch.iter().enumerate() {
+        if points.is_hit(slot) {
+            each(pixel as usize, DVec3::new(xs[slot], ys[slot], zs[slot]));
         }
     }
 }

@@ -10,7 +10,7 @@
 mod door;
 mod narrow;
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Range, Sub};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8, mask64x8, u64x8};
@@ -47,6 +47,16 @@ pub struct Vectors<S: Simd> {
     pub y: Lanes<S>,
     /// Along z.
     pub z: Lanes<S>,
+}
+
+/// The lanes with a bit, the first lane's lowest: in order.
+#[inline(always)]
+pub fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = (bits != 0).then(|| bits.trailing_zeros() as usize)?;
+        bits &= bits - 1;
+        Some(place)
+    })
 }
 
 impl<S: Simd> Lanes<S> {
@@ -156,6 +166,12 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn eq(self, other: Self) -> Mask<S> {
         Mask([self.0[0].simd_eq(other.0[0]), self.0[1].simd_eq(other.0[1])])
+    }
+
+    /// Where it is in a range.
+    #[inline(always)]
+    pub fn is_within(self, simd: S, range: Range<f64>) -> Mask<S> {
+        self.ge(Self::splat(simd, range.start)) & self.lt(Self::splat(simd, range.end))
     }
 
     /// Where it is above 0.

@@ -8,7 +8,7 @@ use fearless_simd::Simd;
 pub use power::power;
 use reflectance::{Surfaces, geometry};
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, ones};
 use crate::units::ReflectedIntensity;
 use crate::visibility::{Column, PACKETS, Points, Visibility, Workspace};
 use crate::world::{Lobes, World};
@@ -125,7 +125,7 @@ fn sum<S: Simd>(
             if let Some(each) = &mut each {
                 let diffuse = geometry.diffuse.to_array();
                 let specular = geometry.specular.to_array();
-                for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+                for lane in ones(bits) {
                     each(Term {
                         point: first + lane,
                         light: index,
@@ -161,7 +161,7 @@ fn gather<'t, S: Simd>(
 ) -> Lobes<[Lanes<S>; 3]> {
     let mut diffuse = [[0.0; LANES]; 3];
     let mut specular = [[0.0; LANES]; 3];
-    for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+    for lane in ones(bits) {
         let lobes = lobes(lane);
         for channel in 0..3 {
             diffuse[channel][lane] = lobes.diffuse.0.0[channel];

@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
 use fearless_simd::Simd;
 
-use crate::lanes::Lanes;
+use crate::lanes::{Door, Kernel, LANES, Lanes};
 
 /// 1/(2k + 1), the coefficients of artanh(s)/s in s². s² is at most (3 − 2√2)² ≈ 0.0295, so the
 /// first term left out is below 0.0295⁷ / 15 ≈ 1.3e-12 of the sum.
@@ -46,13 +46,27 @@ const MANTISSA: u64 = (1 << 52) - 1;
 ///
 /// A base above 1, as a cosine may be by rounding, counts as 1.
 pub fn power(base: f64, exponent: f64) -> f64 {
-    if base < f64::MIN_POSITIVE {
-        return 0.0;
-    }
-    exp2(exponent * log2(if base < 1.0 { base } else { 1.0 }))
+    let [result, ..] = Door::default().run(Power { base, exponent });
+    result
 }
 
-/// [`power`] in every lane, to the same bits.
+/// [`power`], in all lanes.
+struct Power {
+    base: f64,
+    exponent: f64,
+}
+
+impl Kernel for Power {
+    type Output = [f64; LANES];
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let base = Lanes::splat(simd, self.base);
+        powers(simd, base, Lanes::splat(simd, self.exponent)).to_array()
+    }
+}
+
+/// [`power`] in every lane.
 #[inline(always)]
 pub(super) fn powers<S: Simd>(simd: S, base: Lanes<S>, exponent: Lanes<S>) -> Lanes<S> {
     let one = Lanes::splat(simd, 1.0);
@@ -62,12 +76,13 @@ pub(super) fn powers<S: Simd>(simd: S, base: Lanes<S>, exponent: Lanes<S>) -> La
         return zero;
     }
     let base = is_above_zero.select(base.lt(one).select(base, one), one);
-    is_above_zero.select(exp2_lanes(simd, exponent * log2_lanes(simd, base)), zero)
+    is_above_zero.select(exp2(simd, exponent * log2(simd, base)), zero)
 }
 
-/// [`log2`] in every lane.
+/// log₂ x of normal numbers: with x = 2ᵉ m, m from 1/√2 to √2, log₂ x = e + 2 log₂ e · artanh(s),
+/// s = (m − 1)/(m + 1).
 #[inline(always)]
-fn log2_lanes<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
+fn log2<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let bits = x.to_bits();
     // An integer below 2⁵² in the digits of 2⁵² is that much more.
     const INTEGERS: f64 = (1_u64 << 52) as f64;
@@ -78,68 +93,27 @@ fn log2_lanes<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let exponent = is_large.select(exponent + 1.0, exponent);
     let mantissa = is_large.select(mantissa * 0.5, mantissa);
     let s = (mantissa - 1.0) / (mantissa + 1.0);
-    exponent + s * (2.0 * LOG2_E) * polynomial_lanes(simd, &ARTANH, s * s)
+    exponent + s * (2.0 * LOG2_E) * polynomial(simd, &ARTANH, s * s)
 }
 
-/// [`exp2`] in every lane.
+/// 2ˣ for x up to 1023: the integer part by the exponent's bits, the rest, at most ½, by the series
+/// of e^(x ln 2).
 #[inline(always)]
-fn exp2_lanes<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
+fn exp2<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
     let is_tiny = x.lt(Lanes::splat(simd, LOWEST_EXPONENT));
     let rounded = x + ROUNDS;
     let rest = (x - (rounded - ROUNDS)) * LN_2;
     // The lowest digits of `rounded` are the integer.
     let power = Lanes::from_bits(rounded.to_bits().plus(1023).shifted_up(52));
-    let result = polynomial_lanes(simd, &EXPONENTIAL, rest) * power;
+    let result = polynomial(simd, &EXPONENTIAL, rest) * power;
     is_tiny.select(Lanes::splat(simd, 0.0), result)
 }
 
-/// [`polynomial`] in every lane.
+/// Σ c_k xᵏ, even and odd powers apart: two chains of dependent sums in place of one.
 #[inline(always)]
-fn polynomial_lanes<S: Simd, const N: usize>(
-    simd: S,
-    coefficients: &[f64; N],
-    x: Lanes<S>,
-) -> Lanes<S> {
+fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: &[f64; N], x: Lanes<S>) -> Lanes<S> {
     let x2 = x * x;
     let (mut even, mut odd) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.0));
-    for pair in coefficients.chunks(2).rev() {
-        even = even * x2 + pair[0];
-        odd = odd * x2 + pair.get(1).copied().unwrap_or(0.0);
-    }
-    even + odd * x
-}
-
-/// log₂ x of a normal number: with x = 2ᵉ m, m from 1/√2 to √2, log₂ x = e + 2 log₂ e · artanh(s),
-/// s = (m − 1)/(m + 1).
-fn log2(x: f64) -> f64 {
-    let bits = x.to_bits();
-    let exponent = (bits >> 52) as i32 - 1023;
-    let mantissa = f64::from_bits((bits & MANTISSA) | 1.0_f64.to_bits());
-    let (exponent, mantissa) = if mantissa > SQRT_2 {
-        (exponent + 1, mantissa * 0.5)
-    } else {
-        (exponent, mantissa)
-    };
-    let s = (mantissa - 1.0) / (mantissa + 1.0);
-    let s2 = s * s;
-    f64::from(exponent) + s * (2.0 * LOG2_E) * polynomial(&ARTANH, s2)
-}
-
-/// 2ˣ for x up to 1023: the integer part by the exponent's bits, the rest, at most ½, by the series
-/// of e^(x ln 2).
-fn exp2(x: f64) -> f64 {
-    if x < LOWEST_EXPONENT {
-        return 0.0;
-    }
-    let integer = (x + ROUNDS) - ROUNDS;
-    let rest = (x - integer) * LN_2;
-    polynomial(&EXPONENTIAL, rest) * f64::from_bits(((integer as i64 + 1023) as u64) << 52)
-}
-
-/// Σ c_k xᵏ, even and odd powers apart: two chains of dependent sums in place of one.
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    let x2 = x * x;
-    let (mut even, mut odd) = (0.0, 0.0);
     for pair in coefficients.chunks(2).rev() {
         even = even * x2 + pair[0];
         odd = odd * x2 + pair.get(1).copied().unwrap_or(0.0);

@@ -75,9 +75,7 @@ pub(super) fn geometry<S: Simd>(
     let zero = Lanes::splat(simd, 0.0);
     let to_light = -Vectors::load(simd, columns(&points.position, packet)).minus(light.0);
     let square = to_light.dot(to_light);
-    let least = Lanes::splat(simd, SAFE_SQUARES.start);
-    let most = Lanes::splat(simd, SAFE_SQUARES.end);
-    let is_safe = square.ge(least) & square.lt(most);
+    let is_safe = square.is_within(simd, SAFE_SQUARES);
     let mut inverse = square.inverse_root(simd);
     let mut inverse_square = inverse * inverse;
     if (!is_safe).any() {

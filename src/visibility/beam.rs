@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x8};
 use super::ROUNDING;
 use super::nodes::{Entry, Node, Tree, WIDTH};
 use super::packet::Rays;
-use crate::lanes::{Lanes, Mask, Vectors};
+use crate::lanes::{Lanes, Mask, Vectors, ones};
 use crate::math::DVec3;
 
 /// By how much planes and depths give way, over the sum of the magnitudes that go into them: rounding a
@@ -276,11 +276,9 @@ impl Beam {
         stack: &mut Stack,
         bottom: usize,
     ) -> usize {
-        let (mut bits, at) = self.meet(simd, node, limit);
+        let (bits, at) = self.meet(simd, node, limit);
         let mut height = bottom;
-        while bits != 0 {
-            let child = bits.trailing_zeros() as usize;
-            bits &= bits - 1;
+        for child in ones(bits) {
             let entry = Entry {
                 child: node.children[child],
                 count: node.counts[child],

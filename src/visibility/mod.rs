@@ -459,10 +459,8 @@ impl<'w> Visibility<'w> {
         groups.push(*facing);
         // All points of the batch will often do.
         let [least, most] = points.bounds;
-        let mut range = Some([least - light.0, most - light.0]).filter(|[least, most]| {
-            let size = least.abs().max(most.abs()).max_element();
-            (*most - *least).max_element() <= size * self.most_spread
-        });
+        let mut range =
+            Some([least - light.0, most - light.0]).filter(|range| !self.is_wide(range));
         while let Some(group) = groups.pop() {
             let range = range.take().or_else(|| {
                 ranges(
@@ -476,15 +474,13 @@ impl<'w> Visibility<'w> {
             let Some([least, most]) = range else {
                 continue;
             };
-            let size = least.abs().max(most.abs()).max_element();
-            let spread = most - least;
-            let widest = spread.max_position();
             let mut members = 0;
             for bits in group {
                 members += bits.count_ones();
             }
             let is_worth = members >= FEW;
-            if is_worth && spread[widest] > size * self.most_spread {
+            if is_worth && self.is_wide(&[least, most]) {
+                let widest = (most - least).max_position();
                 // Points too far apart for one beam part into groups.
                 let middle = Lanes::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
                 let mut lower = group;
@@ -502,7 +498,8 @@ impl<'w> Visibility<'w> {
                     continue;
                 }
             }
-            (canvas.unit, canvas.ends) = (size, Some([least, most]));
+            canvas.unit = longest(&[least, most]);
+            canvas.ends = Some([least, most]);
             canvas.error = points.largest_error + light.0.length() * (2.0 * ROUNDING);
             let has_canvas = self.uses_canvas
                 && is_worth
@@ -536,10 +533,21 @@ impl<'w> Visibility<'w> {
         lit
     }
 
+    /// Whether directions in a range are too far apart for one canvas.
+    fn is_wide(&self, range: &[DVec3; 2]) -> bool {
+        let [least, most] = *range;
+        (most - least).max_element() > longest(range) * self.most_spread
+    }
+
     /// Bytes of the arrays and trees.
     pub fn memory(&self) -> usize {
         self.spheres.memory() + self.triangles.memory()
     }
+}
+
+/// The largest component of any direction in a range.
+fn longest([least, most]: &[DVec3; 2]) -> f64 {
+    least.abs().max(most.abs()).max_element()
 }
 
 /// From a light to the points of a packet.

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict, Who};
-use crate::lanes::{LANES, SingleMask, Singles, Vectors};
+use crate::lanes::{LANES, SingleMask, Singles, Vectors, ones};
 use crate::math::DVec3;
 
 /// A function c₀ + c₁ x + c₂ y on the canvas.
@@ -288,7 +288,7 @@ impl Outlines {
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
-        let mut packets = canvas.meets(simd, &self.extent(index));
+        let packets = canvas.meets(simd, &self.extent(index));
         let is_untold = self.untold >> index & 1 == 1;
         let edges = [
             self.edges[0].get(index),
@@ -297,9 +297,7 @@ impl Outlines {
         ];
         let closeness = self.closeness.get(index);
         let error = Singles::splat(simd, self.closeness_error.0[index]);
-        while packets != 0 {
-            let packet = packets.trailing_zeros() as usize;
-            packets &= packets - 1;
+        for packet in ones(packets) {
             if is_untold {
                 verdict.abstain(simd, canvas, packet, who);
                 continue;
@@ -351,10 +349,8 @@ pub(super) fn cast_plane<S: Simd>(
     let closeness = Affine([z as f32, x as f32, y as f32]);
     let error = Singles::splat(simd, magnitude as f32 * GIVES_WAY);
     let all = SingleMask::from_bits(simd, u32::from(u16::MAX));
-    let mut packets = canvas.meets(simd, &Extent::EVERYTHING);
-    while packets != 0 {
-        let packet = packets.trailing_zeros() as usize;
-        packets &= packets - 1;
+    let packets = canvas.meets(simd, &Extent::EVERYTHING);
+    for packet in ones(packets) {
         if !is_told {
             verdict.abstain(simd, canvas, packet, who);
             continue;
@@ -390,10 +386,8 @@ pub(super) fn cast_sphere<S: Simd>(
     verdict: impl Verdict,
 ) {
     if radius <= canvas.error * SMALLEST_RADIUS {
-        let mut packets = canvas.meets(simd, &Extent::EVERYTHING);
-        while packets != 0 {
-            let packet = packets.trailing_zeros() as usize;
-            packets &= packets - 1;
+        let packets = canvas.meets(simd, &Extent::EVERYTHING);
+        for packet in ones(packets) {
             verdict.abstain(simd, canvas, packet, who);
             verdict.doubt_own(simd, canvas, packet, who);
         }
@@ -403,7 +397,7 @@ pub(super) fn cast_sphere<S: Simd>(
     let [u, v, w] = canvas.axes;
     let (x, y, z) = (u.dot(from_origin), v.dot(from_origin), w.dot(from_origin));
     let extent = disc_extent(canvas, [x, y, z], radius);
-    let mut packets = canvas.meets(simd, &extent);
+    let packets = canvas.meets(simd, &extent);
     if packets == 0 {
         return;
     }
@@ -455,9 +449,7 @@ pub(super) fn cast_sphere<S: Simd>(
     let edge_error = Singles::splat(simd, root_scale as f32 * (2.0 * SURELY).sqrt());
     let root_scale = Singles::splat(simd, root_scale as f32);
     let zero = Singles::splat(simd, 0.0);
-    while packets != 0 {
-        let packet = packets.trailing_zeros() as usize;
-        packets &= packets - 1;
+    for packet in ones(packets) {
         if !is_told {
             verdict.abstain(simd, canvas, packet, who);
             verdict.doubt_own(simd, canvas, packet, who);
@@ -522,10 +514,7 @@ pub(super) fn side_by_side<S: Simd>(
     corners: impl Fn(usize) -> [DVec3; 3],
 ) -> [Vectors<S>; 3] {
     let mut columns = [[0.0; LANES]; 9];
-    let mut bits = bits;
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
+    for lane in ones(bits) {
         let [a, b, c] = corners(lane);
         columns[0][lane] = a.x;
         columns[1][lane] = a.y;

@@ -9,7 +9,7 @@ use super::canvas::{Canvas, Verdict};
 use super::nodes::{Members, Tree};
 use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Question, Shadow, descend};
-use crate::lanes::LANES;
+use crate::lanes::{LANES, ones};
 use crate::math::DVec3;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
 
@@ -121,11 +121,16 @@ impl<T: Shape> Search<T> {
         self.tree.as_ref().map(|tree| tree.center).or(first)
     }
 
-    /// The blocks of the listed shapes, each with the number of its first shape and how many it has.
-    fn listed(&self) -> impl Iterator<Item = (&T::Block, usize, usize)> {
-        let firsts = (0..self.listed).step_by(T::WIDTH);
-        let blocks = self.blocks.iter().zip(firsts);
-        blocks.map(|(block, first)| (block, first, T::WIDTH.min(self.listed - first)))
+    /// The blocks that so many shapes take from a block on, each with the number of its first shape and one
+    /// bit for each shape that it has.
+    #[inline(always)]
+    fn blocks(&self, first: usize, count: usize) -> impl Iterator<Item = (&T::Block, usize, u32)> {
+        let starts = (0..count).step_by(T::WIDTH);
+        let blocks = self.blocks[first..].iter().zip(starts);
+        blocks.map(move |(block, start)| {
+            let shapes = T::WIDTH.min(count - start);
+            (block, first * T::WIDTH + start, (1 << shapes) - 1)
+        })
     }
 
     /// Puts every shape that the rays on a canvas may meet on it.
@@ -153,13 +158,13 @@ impl<T: Shape> Search<T> {
         stack: &mut Stack,
         verdict: impl Verdict,
     ) {
-        for (block, first, count) in self.listed() {
-            let mut bits = 0;
-            for place in 0..count {
-                bits |= u32::from(!block.get(place).is_beside(canvas)) << place;
+        for (block, number, shapes) in self.blocks(0, self.listed) {
+            let mut bits = shapes;
+            for place in ones(shapes) {
+                bits &= !(u32::from(block.get(place).is_beside(canvas)) << place);
             }
             if bits != 0 {
-                let slot = T::SLOTS | first as u32;
+                let slot = T::SLOTS | number as u32;
                 block.cast(simd, bits, slot, outlines, canvas, verdict);
             }
         }
@@ -173,15 +178,9 @@ impl<T: Shape> Search<T> {
                 stack,
                 #[inline(always)]
                 |block, count| {
-                    let mut left = count as usize;
-                    for block in block as usize.. {
-                        let slot = T::SLOTS | (block * T::WIDTH) as u32;
-                        let bits = (1 << left.min(T::WIDTH)) - 1;
-                        self.blocks[block].cast(simd, bits, slot, outlines, canvas, verdict);
-                        if left <= T::WIDTH {
-                            break;
-                        }
-                        left -= T::WIDTH;
+                    for (block, number, bits) in self.blocks(block as usize, count as usize) {
+                        let slot = T::SLOTS | number as u32;
+                        block.cast(simd, bits, slot, outlines, canvas, verdict);
                     }
                     Some(canvas.depth(simd))
                 },
@@ -212,8 +211,8 @@ impl<T: Shape> Search<T> {
         question: &mut impl Question<S>,
         stack: &mut Stack,
     ) {
-        for (block, _, count) in self.listed() {
-            for place in 0..count {
+        for (block, _, shapes) in self.blocks(0, self.listed) {
+            for place in ones(shapes) {
                 if question.asked() == 0 {
                     return;
                 }
@@ -229,14 +228,8 @@ impl<T: Shape> Search<T> {
                 stack,
                 #[inline(always)]
                 |block, count, beam, question| {
-                    let count = count as usize;
-                    let blocks = &self.blocks[block as usize..];
-                    for (block, first) in blocks.iter().zip((0..count).step_by(T::WIDTH)) {
-                        let mut near = block.near(simd, beam);
-                        near &= (1 << T::WIDTH.min(count - first)) - 1;
-                        while near != 0 {
-                            let place = near.trailing_zeros() as usize;
-                            near &= near - 1;
+                    for (block, _, shapes) in self.blocks(block as usize, count as usize) {
+                        for place in ones(shapes & block.near(simd, beam)) {
                             question.ask(simd, packet, &block.get(place));
                         }
                     }

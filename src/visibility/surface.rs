@@ -4,8 +4,10 @@ use fearless_simd::Simd;
 
 use super::canvas::NOTHING;
 use super::packet::{Nearest, Rays};
-use super::{Primitive, ROUNDING, SPHERES, Visibility, outline, triangle};
-use crate::lanes::{LANES, Lanes, Mask, Vectors, Words};
+use super::search::Search;
+use super::triangle::{self, Facet};
+use super::{Primitive, ROUNDING, SPHERES, Visibility, outline};
+use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
 use crate::math::{DVec3, Direction, Point, SAFE_SQUARES};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 use crate::world::{Shape, World};
@@ -216,20 +218,11 @@ impl Points {
             self.is_uniform[packet] = true;
         } else if asked == 0 && below(simd, slots, SPHERES) & bits == bits {
             let triangles = &visibility.triangles;
-            let corners = outline::side_by_side(
-                simd,
-                bits,
-                #[inline(always)]
-                |lane| triangles.get(slots[lane]).vertices(),
-            );
-            let [a, b, c] = corners;
-            t = triangle::met(corners, rays, Mask::from_bits(simd, bits)).1;
-            reference = unit(simd, (b - a).cross(c - a), bits);
-            tangent = a;
+            (t, reference, tangent) = meet_triangles(simd, triangles, rays, slots, bits);
             is_curved = Mask::from_bits(simd, 0);
             let (mut object, mut material) = (u32::MAX, 0);
             let mut are_uniform = true;
-            for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            for lane in ones(bits) {
                 let primitive = triangles.get(slots[lane]).primitive();
                 self.primitive[first_lane + lane] = primitive.0;
                 let (of, _) = primitive.parts();
@@ -242,7 +235,7 @@ impl Points {
             }
             self.is_uniform[packet] = are_uniform;
         } else {
-            let mut sources = Sources::new(simd, nearest);
+            let mut sources = Sources::new(nearest);
             sources.ask_triangles(simd, visibility, rays, slots, found & met);
             sources.ask_others(simd, visibility, rays, slots, found & met);
             sources.take(world, asked);
@@ -250,8 +243,7 @@ impl Points {
             self.primitive[lanes.clone()].copy_from_slice(&sources.primitive);
             self.material[lanes].copy_from_slice(&sources.material);
             let material = sources.material[first];
-            let others = |lane: usize| bits >> lane & 1 == 1 && sources.material[lane] != material;
-            self.is_uniform[packet] = !(0..LANES).any(others);
+            self.is_uniform[packet] = ones(bits).all(|lane| sources.material[lane] == material);
             let [x, y, z] = &sources.reference;
             reference = Vectors::load(simd, [x, y, z]);
             let [x, y, z] = &sources.tangent;
@@ -315,10 +307,7 @@ impl Points {
         packet: usize,
         ray: impl Fn(usize) -> (DVec3, DVec3),
     ) {
-        for lane in 0..LANES {
-            if self.hit[packet] >> lane & 1 == 0 {
-                continue;
-            }
+        for lane in ones(self.hit[packet]) {
             let slot = packet * LANES + lane;
             let (object, triangle) = Primitive(self.primitive[slot]).parts();
             let Shape::Mesh(mesh) = world.objects()[object as usize].shape else {
@@ -391,6 +380,26 @@ fn below<S: Simd>(simd: S, slots: &[u32], end: u32) -> u32 {
         .to_bits()
 }
 
+/// Where some rays meet triangles, each its own: t, the unit normal, and a corner.
+#[inline(always)]
+fn meet_triangles<S: Simd>(
+    simd: S,
+    triangles: &Search<Facet>,
+    rays: &Rays<S>,
+    slots: &[u32],
+    bits: u32,
+) -> (Lanes<S>, Vectors<S>, Vectors<S>) {
+    let corners = outline::side_by_side(
+        simd,
+        bits,
+        #[inline(always)]
+        |lane| triangles.get(slots[lane]).vertices(),
+    );
+    let [a, b, c] = corners;
+    let (_, t) = triangle::met(corners, rays, Mask::from_bits(simd, bits));
+    (t, unit(simd, (b - a).cross(c - a), bits), a)
+}
+
 /// What the primitives of a packet's rays say about the points, ray by ray.
 struct Sources {
     t: [f64; LANES],
@@ -404,7 +413,7 @@ struct Sources {
 impl Sources {
     /// Those of the nearest hits, as far as they are known.
     #[inline(always)]
-    fn new<S: Simd>(_: S, nearest: &Nearest<S>) -> Self {
+    fn new<S: Simd>(nearest: &Nearest<S>) -> Self {
         Self {
             t: nearest.t.to_array(),
             primitive: nearest.primitive.to_array(),
@@ -418,7 +427,7 @@ impl Sources {
     /// Takes what the world says of the primitives of some rays.
     fn take(&mut self, world: &World, bits: u32) {
         let mut known = None;
-        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+        for lane in ones(bits) {
             let primitive = Primitive(self.primitive[lane]);
             let source = match known {
                 Some((of, source)) if of == primitive => source,
@@ -452,23 +461,14 @@ impl Sources {
         if bits == 0 {
             return;
         }
-        let corners = outline::side_by_side(
-            simd,
-            bits,
-            #[inline(always)]
-            |lane| visibility.triangles.get(slots[lane]).vertices(),
-        );
-        let [a, b, c] = corners;
-        let is_asked = Mask::from_bits(simd, bits);
-        let (_, t) = triangle::met(corners, rays, is_asked);
+        let (t, normal, _) = meet_triangles(simd, &visibility.triangles, rays, slots, bits);
         let t = t.to_array();
-        let normal = unit(simd, (b - a).cross(c - a), bits);
         let normal = [
             normal.x.to_array(),
             normal.y.to_array(),
             normal.z.to_array(),
         ];
-        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+        for lane in ones(bits) {
             let facet = visibility.triangles.get(slots[lane]);
             let (object, _) = facet.primitive().parts();
             self.t[lane] = t[lane];
@@ -507,7 +507,7 @@ impl Sources {
             let (primitive, t) = visibility.met(simd, slot, rays, bits);
             let t = t.to_array();
             let source = source(visibility.world, primitive);
-            for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            for lane in ones(bits) {
                 self.t[lane] = t[lane];
                 self.primitive[lane] = primitive.0;
                 self.put(lane, source);
@@ -553,9 +553,7 @@ fn source(world: &World, primitive: Primitive) -> Source {
 #[inline(always)]
 fn unit<S: Simd>(simd: S, vectors: Vectors<S>, asked: u32) -> Vectors<S> {
     let square = vectors.dot(vectors);
-    let least = Lanes::splat(simd, SAFE_SQUARES.start);
-    let most = Lanes::splat(simd, SAFE_SQUARES.end);
-    let is_safe = (square.ge(least) & square.lt(most)).to_bits();
+    let is_safe = square.is_within(simd, SAFE_SQUARES).to_bits();
     let units = vectors.times(square.inverse_root(simd));
     let unsafe_lanes = asked & !is_safe;
     if unsafe_lanes == 0 {
@@ -568,13 +566,11 @@ fn unit<S: Simd>(simd: S, vectors: Vectors<S>, asked: u32) -> Vectors<S> {
         vectors.y.to_array(),
         vectors.z.to_array(),
     ];
-    for lane in 0..LANES {
-        if unsafe_lanes >> lane & 1 == 1 {
-            let vector = DVec3::from_array(exact.map(|column| column[lane]));
-            let unit = Direction::new(vector).map_or(DVec3::ZERO, Direction::get);
-            for axis in 0..3 {
-                columns[axis][lane] = unit[axis];
-            }
+    for lane in ones(unsafe_lanes) {
+        let vector = DVec3::from_array(exact.map(|column| column[lane]));
+        let unit = Direction::new(vector).map_or(DVec3::ZERO, Direction::get);
+        for axis in 0..3 {
+            columns[axis][lane] = unit[axis];
         }
     }
     let [x, y, z] = &columns;

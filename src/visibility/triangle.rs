@@ -16,7 +16,7 @@ use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
 use super::{Primitive, ROUNDING};
-use crate::lanes::{LANES, Lanes, Mask, Vectors};
+use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::DVec3;
 use crate::world::geometry::{area_vector, from_shorter_edges};
 
@@ -281,15 +281,12 @@ impl Block<Facet> for Facets {
         verdict: impl Verdict,
     ) {
         outlines.draw(simd, canvas, self.corners(simd), bits);
-        let mut left = outlines.of_interest;
-        while left != 0 {
-            let place = left.trailing_zeros();
-            left &= left - 1;
+        for place in ones(outlines.of_interest) {
             let who = Who {
-                slot: slot + place,
-                primitive: self.primitives[place as usize],
+                slot: slot + place as u32,
+                primitive: self.primitives[place],
             };
-            outlines.cast(simd, place as usize, who, canvas, verdict);
+            outlines.cast(simd, place, who, canvas, verdict);
         }
     }
 }
