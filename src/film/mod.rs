@@ -1,6 +1,7 @@
 //! Radiance to pixels: the film, how it is filled, and the EXR that it becomes.
 
 mod bands;
+mod batch;
 pub mod exr;
 mod layers;
 mod passes;

@@ -6,15 +6,13 @@
 
 use super::Layers;
 use super::bands::{self, Geometry, Place};
+use super::batch::SampleRange;
 use super::layers::{BACKGROUND_DEPTH, has_background_share};
 use super::render::narrowed;
 use crate::math::DVec3;
 use crate::shading::Term;
 use crate::visibility::{Column, Points};
 use crate::world::{Bands, World};
-
-/// The pixel of each sample of a batch.
-type Batch = [u32];
 
 /// The layers to make, and what they are made from.
 #[derive(Clone, Copy)]
@@ -75,7 +73,7 @@ impl<'w> Sums<'w> {
     /// light, is to be told of each term of their sums.
     pub(super) fn see<'s>(
         &'s mut self,
-        batch: &'s Batch,
+        batch: SampleRange,
         points: &Points,
     ) -> Option<impl FnMut(Term) + use<'s, 'w>> {
         let Self {
@@ -100,7 +98,7 @@ impl<'w> Sums<'w> {
         }
         (lights.is_some() || spectral.is_some()).then_some(move |term: Term| {
             if let Some(lights) = lights {
-                lights.add(batch[term.point] as usize, &term);
+                lights.add(batch.pixel(term.point), &term);
             }
             if let Some(spectral) = spectral {
                 spectral.add(&term);
@@ -167,15 +165,15 @@ impl Output<'_> {
 
 /// Tells of each sample of a batch that hits something its pixel, and what the columns have of it.
 fn for_each_hit(
-    batch: &Batch,
+    batch: SampleRange,
     points: &Points,
     vectors: &[Column; 3],
     mut each: impl FnMut(usize, DVec3),
 ) {
     let [xs, ys, zs] = vectors;
-    for (slot, &pixel) in batch.iter().enumerate() {
+    for (slot, pixel) in batch.pixels().enumerate() {
         if points.is_hit(slot) {
-            each(pixel as usize, DVec3::new(xs[slot], ys[slot], zs[slot]));
+            each(pixel, DVec3::new(xs[slot], ys[slot], zs[slot]));
         }
     }
 }
@@ -217,15 +215,15 @@ impl<'w> LightSums<'w> {
         }
     }
 
-    fn add_background(&mut self, batch: &Batch, points: &Points) {
+    fn add_background(&mut self, batch: SampleRange, points: &Points) {
         let lights = self.world.lights().len();
         if self.shares == lights {
             return;
         }
         let background = self.world.background().0.0;
-        for (slot, &pixel) in batch.iter().enumerate() {
+        for (slot, pixel) in batch.pixels().enumerate() {
             if !points.is_hit(slot) {
-                let sum = &mut self.sums[lights * self.pixels + pixel as usize];
+                let sum = &mut self.sums[lights * self.pixels + pixel];
                 for (sum, channel) in sum.iter_mut().zip(background) {
                     *sum += channel;
                 }
@@ -253,7 +251,7 @@ impl Depths {
         }
     }
 
-    fn add(&mut self, batch: &Batch, points: &Points) {
+    fn add(&mut self, batch: SampleRange, points: &Points) {
         let Self {
             eye,
             forward,
@@ -297,12 +295,12 @@ impl<'b> SpectralSums<'b> {
         }
     }
 
-    fn see(&mut self, batch: &Batch, points: &Points) {
+    fn see(&mut self, batch: SampleRange, points: &Points) {
         let geometry = &mut self.geometry;
-        let samples = batch.iter().enumerate();
-        let places = samples.map(|(slot, &pixel)| {
+        let samples = batch.pixels().enumerate();
+        let places = samples.map(|(slot, pixel)| {
             let material = points.material[slot] as usize;
-            let place = || geometry.place(pixel as usize, material);
+            let place = || geometry.place(pixel, material);
             points.is_hit(slot).then(place)
         });
         self.places.clear();

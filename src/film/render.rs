@@ -1,20 +1,16 @@
 //! Radiance to pixels: the tiles of an image, their samples, and the box filter.
 
-use std::ops::Range;
-
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
+use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
-use crate::lanes::{Door, Kernel, LANES, Lanes, Words};
+use crate::lanes::{Door, Kernel, LANES, Lanes, Mask};
 use crate::shading::{self, Shaded, Term};
-use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
+use crate::visibility::{Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
-
-/// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
-pub(super) const TILE: u32 = 16;
 
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
@@ -190,117 +186,11 @@ pub(super) struct Work<'w> {
 /// What a thread needs for a tile, to be used for the next as well.
 #[derive(Default)]
 pub(super) struct Space {
-    /// Column and row of the tile's pixels.
-    pixels: Vec<[u32; 2]>,
-    sums: PixelSums,
     batch: Batch,
+    sums: PixelSums,
     tracing: Workspace,
     points: Points,
     shaded: Shaded,
-}
-
-/// The next sample of a tile.
-#[derive(Clone, Copy, Default)]
-struct Next {
-    pixel: usize,
-    sample: u32,
-}
-
-/// Samples of one pixel.
-struct Run {
-    /// The pixel, by its place among the pixels of the tile.
-    pixel: usize,
-    /// Their places in the batch.
-    slots: Range<usize>,
-}
-
-/// Samples that are traced and shaded together.
-struct Batch {
-    len: usize,
-    /// The samples of pixel after pixel.
-    runs: Vec<Run>,
-    /// Of each sample its pixel, by its place among the pixels of the tile.
-    pixels: [u32; BATCH],
-    /// The place in the image of each sample's pixel.
-    corners: [[u32; BATCH]; 2],
-    /// What scrambles each sample, and what is scrambled.
-    seeds: [[u32; BATCH]; 2],
-    sequence: [[u32; BATCH]; 2],
-    /// Each sample's place in the image.
-    positions: [Column; 2],
-}
-
-impl Default for Batch {
-    fn default() -> Self {
-        Self {
-            len: 0,
-            runs: Vec::with_capacity(BATCH),
-            pixels: [0; BATCH],
-            corners: [[0; BATCH]; 2],
-            seeds: [[0; BATCH]; 2],
-            sequence: [[0; BATCH]; 2],
-            positions: [Column::ZERO; 2],
-        }
-    }
-}
-
-impl Batch {
-    /// Takes the next samples of a tile at `corner`, pixel by pixel.
-    fn gather(
-        &mut self,
-        next: &mut Next,
-        sampler: &Sampler,
-        pixels: &[[u32; 2]],
-        corner: [u32; 2],
-    ) {
-        self.len = 0;
-        self.runs.clear();
-        while self.len < BATCH && next.pixel < pixels.len() {
-            let samples = sampler.samples() - next.sample;
-            let samples = samples.min((BATCH - self.len) as u32);
-            let slots = self.len..self.len + samples as usize;
-            let [column, row] = pixels[next.pixel];
-            let place = [corner[0] + column, corner[1] + row];
-            let seeds = sampler.seeds(place);
-            self.runs.push(Run {
-                pixel: next.pixel,
-                slots: slots.clone(),
-            });
-            self.pixels[slots.clone()].fill(next.pixel as u32);
-            for dimension in 0..2 {
-                self.corners[dimension][slots.clone()].fill(place[dimension]);
-                self.seeds[dimension][slots.clone()].fill(seeds[dimension]);
-            }
-            for (slot, sample) in slots.zip(next.sample..) {
-                let [first, second] = sampler.sequence(sample);
-                (self.sequence[0][slot], self.sequence[1][slot]) = (first, second);
-            }
-            self.len += samples as usize;
-            next.sample += samples;
-            if next.sample == sampler.samples() {
-                (next.pixel, next.sample) = (next.pixel + 1, 0);
-            }
-        }
-    }
-
-    /// Of each sample its pixel, by its place among the pixels of the tile.
-    fn pixels(&self) -> &[u32] {
-        &self.pixels[..self.len]
-    }
-
-    /// Places the samples in the image.
-    #[inline(always)]
-    fn place<S: Simd>(&mut self, simd: S, sampler: &Sampler) {
-        for first in (0..self.len).step_by(LANES) {
-            for dimension in 0..2 {
-                let sequence = &self.sequence[dimension][first..];
-                let seeds = &self.seeds[dimension][first..];
-                let corner = Words::load(simd, &self.corners[dimension][first..]);
-                let place = corner.widened(simd) + sampler.offsets(simd, sequence, seeds);
-                place.store(&mut self.positions[dimension][first..]);
-            }
-        }
-    }
 }
 
 /// One tile, on whatever instructions.
@@ -329,9 +219,7 @@ impl Work<'_> {
         })
     }
 
-    /// Renders all samples of a tile's pixels, batch by batch. Samples of one pixel follow each
-    /// other, and pixels come in an order that keeps neighbors together, so that the rays of a
-    /// batch, and any few of them in a row, are as alike as they can be.
+    /// Renders all samples of a tile's pixels, batch by batch.
     #[inline(always)]
     fn render<S: Simd>(self, simd: S, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
         let Self {
@@ -341,65 +229,56 @@ impl Work<'_> {
             ..
         } = self;
         let Space {
-            pixels,
-            sums,
             batch,
+            sums,
             tracing,
             points,
             shaded,
         } = space;
-        let Window {
-            x,
-            y,
-            width,
-            height,
-        } = tile.window;
-        pixels.clear();
-        let inside = |[column, row]: &&[u32; 2]| *column < width && *row < height;
-        pixels.extend(Z_ORDER.iter().filter(inside));
+        batch.begin(simd, sampler, tile.window);
         sums.clear();
-        let mut passes = self.passes.map(|passes| passes.sums(pixels.len()));
+        let mut passes = self.passes.map(|passes| passes.sums(batch.pixels().len()));
         let mut counts = Counts::default();
-        let mut next = Next::default();
-        while next.pixel < pixels.len() {
-            batch.gather(&mut next, sampler, pixels, [x, y]);
-            batch.place(simd, sampler);
-            let [xs, ys] = &batch.positions;
+        while batch.next(simd, sampler) {
             self.visibility
-                .see(simd, [xs, ys], batch.len, tracing, points);
+                .see(simd, batch.positions(), batch.len(), tracing, points);
             {
                 let passes = passes.as_mut();
-                let mut each = passes.and_then(|passes| passes.see(batch.pixels(), points));
+                let mut each = passes.and_then(|passes| passes.see(batch.range(), points));
                 let each = each.as_mut().map(|each| each as &mut dyn FnMut(Term));
                 shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
             }
             let background = world.background().0.0;
-            for run in &batch.runs {
-                sums.add(run, points, &shaded.radiance, background);
-            }
+            sums.add(
+                simd,
+                batch.range(),
+                points,
+                &mut shaded.radiance,
+                background,
+            );
             if let Some(passes) = &mut passes {
                 // The last pixel may have samples in the next batch.
-                if let Some(run) = batch.runs.last() {
-                    passes.finish(run.pixel);
-                }
+                passes.finish(batch.range().last_pixel());
             }
             counts = counts.and(Counts {
-                primary_rays: batch.len as u64,
+                primary_rays: batch.len() as u64,
                 shadow_rays: shaded.shadow_rays,
                 singular: shaded.singular,
                 clamped: 0,
             });
         }
-        for (first, pixels) in (0..).step_by(LANES).zip(pixels.chunks(LANES)) {
-            let (means, clamped) = sums.means(simd, first, pixels.len(), samples);
-            for (&[column, row], mean) in pixels.iter().zip(means) {
+        let mut pixels = batch.pixels();
+        for first in (0..pixels.len()).step_by(LANES) {
+            let count = pixels.len().min(LANES);
+            let (means, clamped) = sums.means(simd, first, count, samples);
+            for (mean, [column, row]) in means.into_iter().zip(pixels.by_ref()) {
                 tile.rows[row as usize][column as usize] = mean;
             }
             counts.clamped += clamped;
         }
         if let Some(mut passes) = passes {
-            passes.finish(pixels.len());
-            for (pixel, &[column, row]) in pixels.iter().enumerate() {
+            passes.finish(batch.pixels().len());
+            for (pixel, [column, row]) in batch.pixels().enumerate() {
                 let values = tile.values[row as usize]
                     .chunks_exact_mut(passes.channels())
                     .nth(column as usize)
@@ -412,35 +291,12 @@ impl Work<'_> {
     }
 }
 
-/// Column and row of the pixels of a tile along a Z-order curve: the even and the odd bits of the
-/// number. Four in a row are a square, and so are four of these.
-const Z_ORDER: [[u32; 2]; (TILE * TILE) as usize] = {
-    let mut order = [[0; 2]; (TILE * TILE) as usize];
-    let mut n = 0;
-    while n < order.len() {
-        let mut bit = 0;
-        while 1 << (2 * bit) < order.len() {
-            order[n][0] |= ((n >> (2 * bit) & 1) << bit) as u32;
-            order[n][1] |= ((n >> (2 * bit + 1) & 1) << bit) as u32;
-            bit += 1;
-        }
-        n += 1;
-    }
-    order
-};
-
 /// The box filter: the mean over the samples of each pixel of a tile, summed in f64.
 #[derive(Clone)]
 struct PixelSums {
     radiance: [Column; 3],
     hits: [u32; PIXELS],
 }
-
-/// Pixels of a tile.
-const PIXELS: usize = (TILE * TILE) as usize;
-
-/// A column has a place for each pixel of a tile.
-const _: () = assert!(PIXELS <= BATCH);
 
 impl Default for PixelSums {
     fn default() -> Self {
@@ -456,24 +312,45 @@ impl PixelSums {
         *self = Self::default();
     }
 
-    /// Adds some samples of a pixel, in their order.
-    fn add(&mut self, run: &Run, points: &Points, radiance: &[Column; 3], background: [f64; 3]) {
-        let pixel = run.pixel;
-        let [reds, greens, blues] = radiance;
-        let [red_sums, green_sums, blue_sums] = &mut self.radiance;
-        let (mut red, mut green, mut blue) = (red_sums[pixel], green_sums[pixel], blue_sums[pixel]);
-        for slot in run.slots.clone() {
-            let [r, g, b] = if points.is_hit(slot) {
-                self.hits[pixel] += 1;
-                [reds[slot], greens[slot], blues[slot]]
-            } else {
-                background
-            };
-            red += r;
-            green += g;
-            blue += b;
+    /// Adds the radiance of some samples, those of each pixel in their order; where they hit nothing,
+    /// that of the background.
+    #[inline(always)]
+    fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        range: SampleRange,
+        points: &Points,
+        radiance: &mut [Column; 3],
+        background: [f64; 3],
+    ) {
+        for (packet, &hit) in points.hit.iter().enumerate() {
+            let is_hit = Mask::from_bits(simd, hit);
+            for (column, background) in radiance.iter_mut().zip(background) {
+                let lanes = &mut column[packet * LANES..];
+                let background = Lanes::splat(simd, background);
+                is_hit
+                    .select(Lanes::load(simd, lanes), background)
+                    .store(lanes);
+            }
         }
-        (red_sums[pixel], green_sums[pixel], blue_sums[pixel]) = (red, green, blue);
+        for (sums, column) in self.radiance.iter_mut().zip(&*radiance) {
+            let column = &column.0[..];
+            match range.whole_pixels() {
+                Some((1, pixels)) => add_each::<1>(&mut sums[pixels], column),
+                Some((2, pixels)) => add_each::<2>(&mut sums[pixels], column),
+                Some((4, pixels)) => add_each::<4>(&mut sums[pixels], column),
+                Some((8, pixels)) => add_each::<8>(&mut sums[pixels], column),
+                Some((16, pixels)) => add_each::<16>(&mut sums[pixels], column),
+                _ => {
+                    for Run { pixel, slots } in range.runs() {
+                        sums[pixel] = column[slots].iter().fold(sums[pixel], |sum, l| sum + l);
+                    }
+                }
+            }
+        }
+        for Run { pixel, slots } in range.runs() {
+            self.hits[pixel] += points.hits(slots);
+        }
     }
 
     /// R, G, B, A of sixteen pixels, and how many channels of the first `count` are beyond the largest
@@ -511,6 +388,17 @@ impl PixelSums {
             mean[3] = (f64::from(hits) / samples) as f32;
         }
         (means, clamped)
+    }
+}
+
+/// Adds N numbers to each sum, one after the other.
+#[inline(always)]
+fn add_each<const N: usize>(sums: &mut [f64], column: &[f64]) {
+    let (numbers, _) = column.as_chunks::<N>();
+    for (sum, numbers) in sums.iter_mut().zip(numbers) {
+        for number in numbers {
+            *sum += number;
+        }
     }
 }
 

@@ -29,18 +29,22 @@ impl Sampler {
         self.sequence.len() as u32
     }
 
-    /// What scrambles the two dimensions for the pixel at column x and row y.
-    pub(super) fn seeds(&self, [x, y]: [u32; 2]) -> [u32; 2] {
+    /// What scrambles the two dimensions for the pixels at some columns x and rows y.
+    #[inline(always)]
+    pub(super) fn seeds<S: Simd>(&self, simd: S, [x, y]: [Words<S>; 2]) -> [Words<S>; 2] {
         if self.sequence.len() == 1 {
-            return [0; 2];
+            return [Words::splat(simd, 0); 2];
         }
-        let seed = hash(hash(x) ^ y);
-        [hash(seed ^ 1), hash(seed ^ 2)]
+        let seed = hash(simd, hash(simd, x) ^ y);
+        [
+            hash(simd, seed ^ Words::splat(simd, 1)),
+            hash(simd, seed ^ Words::splat(simd, 2)),
+        ]
     }
 
     /// The sequence before it is scrambled.
-    pub(super) fn sequence(&self, sample: u32) -> [u32; 2] {
-        self.sequence[sample as usize]
+    pub(super) fn sequence(&self, sample: usize) -> [u32; 2] {
+        self.sequence[sample]
     }
 
     /// Positions of samples within their pixels, from 0 to 1, dimension by dimension: from the sequence
@@ -103,12 +107,13 @@ fn swapped<S: Simd>(simd: S, bits: Words<S>, width: u32, mask: u32) -> Words<S> 
 
 /// A hash of 32 bits with full avalanche (Wellons 2018, "Prospecting for Hash Functions":
 /// lowbias32).
-fn hash(mut bits: u32) -> u32 {
-    bits ^= bits >> 16;
-    bits = bits.wrapping_mul(0x7feb_352d);
-    bits ^= bits >> 15;
-    bits = bits.wrapping_mul(0x846c_a68b);
-    bits ^ bits >> 16
+#[inline(always)]
+fn hash<S: Simd>(simd: S, bits: Words<S>) -> Words<S> {
+    let bits = bits ^ bits.shifted_down(16);
+    let bits = bits * Words::splat(simd, 0x7feb_352d);
+    let bits = bits ^ bits.shifted_down(15);
+    let bits = bits * Words::splat(simd, 0x846c_a68b);
+    bits ^ bits.shifted_down(16)
 }
 
 #[cfg(test)]
@@ -124,13 +129,18 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
             let Self(sampler, pixel) = self;
-            let seeds = sampler.seeds(pixel).map(|seed| [seed; LANES]);
-            (0..sampler.samples())
+            let [x, y] = pixel;
+            let seeds = sampler.seeds(simd, [Words::splat(simd, x), Words::splat(simd, y)]);
+            let mut columns = [[0; LANES]; 2];
+            for (column, seeds) in columns.iter_mut().zip(seeds) {
+                seeds.store(column);
+            }
+            (0..sampler.samples() as usize)
                 .map(|sample| {
                     let sequence = sampler.sequence(sample).map(|number| [number; LANES]);
                     [0, 1].map(|dimension: usize| {
                         sampler
-                            .offsets(simd, &sequence[dimension], &seeds[dimension])
+                            .offsets(simd, &sequence[dimension], &columns[dimension])
                             .to_array()[7]
                     })
                 })

@@ -16,8 +16,9 @@ use std::io::{self, Seek, Write};
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
+use super::batch::TILE;
 use super::exr::{ExrFile, ExrOptions, ExrReport, Packer};
-use super::render::{Counts, Options, Space, TILE, Tile, Work, set_up};
+use super::render::{Counts, Options, Space, Tile, Work, set_up};
 use super::turns::in_turn;
 use super::{Channels, Rows, Window};
 use crate::visibility::Visibility;

@@ -1,5 +1,7 @@
 //! The points of surfaces that primary rays hit.
 
+use std::ops::Range;
+
 use fearless_simd::Simd;
 
 use super::canvas::NOTHING;
@@ -298,6 +300,19 @@ impl Points {
     #[inline(always)]
     pub(crate) fn is_hit(&self, slot: usize) -> bool {
         self.hit[slot / LANES] >> (slot % LANES) & 1 == 1
+    }
+
+    /// How many rays of some slots hit something.
+    #[inline(always)]
+    pub(crate) fn hits(&self, slots: Range<usize>) -> u32 {
+        let packets = slots.start / LANES..slots.end.div_ceil(LANES);
+        packets.fold(0, |count, packet| {
+            let first = packet * LANES;
+            let start = slots.start.saturating_sub(first);
+            let end = (slots.end - first).min(LANES);
+            let lanes = (1 << end) - (1_u32 << start);
+            count + (self.hit[packet] & lanes).count_ones()
+        })
     }
 
     /// Puts interpolated normals where a smooth mesh is hit.
