@@ -193,21 +193,18 @@ impl SampleRange {
     /// The samples of pixel after pixel.
     #[inline(always)]
     pub(super) fn runs(self) -> impl Iterator<Item = Run> {
-        let Self {
-            samples,
-            first,
-            len,
-        } = self;
-        let mut next = 0;
+        let (mut pixel, mut start) = (self.pixel(0), 0);
+        // Of the first pixel some samples may have been in the batch before.
+        let mut left = (pixel + 1) * self.samples - self.first;
         std::iter::from_fn(move || {
-            let start = next;
-            (start < len).then(|| {
-                let pixel = self.pixel(start);
-                next = ((pixel + 1) * samples - first).min(len);
-                Run {
+            let end = (start + left).min(self.len);
+            (start < end).then(|| {
+                let run = Run {
                     pixel,
-                    slots: start..next,
-                }
+                    slots: start..end,
+                };
+                (pixel, start, left) = (pixel + 1, end, self.samples);
+                run
             })
         })
     }

@@ -10,7 +10,7 @@ use super::batch::SampleRange;
 use super::layers::{BACKGROUND_DEPTH, has_background_share};
 use super::render::narrowed;
 use crate::math::DVec3;
-use crate::shading::Term;
+use crate::shading::{Term, Terms};
 use crate::visibility::{Column, Points};
 use crate::world::{Bands, World};
 
@@ -75,7 +75,7 @@ impl<'w> Sums<'w> {
         &'s mut self,
         batch: SampleRange,
         points: &Points,
-    ) -> Option<impl FnMut(Term) + use<'s, 'w>> {
+    ) -> Option<impl FnMut(Terms<'_>) + use<'s, 'w>> {
         let Self {
             lights,
             depths,
@@ -96,12 +96,14 @@ impl<'w> Sums<'w> {
         if let Some(spectral) = spectral {
             spectral.see(batch, points);
         }
-        (lights.is_some() || spectral.is_some()).then_some(move |term: Term| {
-            if let Some(lights) = lights {
-                lights.add(batch.pixel(term.point), &term);
-            }
-            if let Some(spectral) = spectral {
-                spectral.add(&term);
+        (lights.is_some() || spectral.is_some()).then_some(move |terms: Terms<'_>| {
+            for term in terms.iter() {
+                if let Some(lights) = lights {
+                    lights.add(batch.pixel(term.point), &term);
+                }
+                if let Some(spectral) = spectral {
+                    spectral.add(&term);
+                }
             }
         })
     }

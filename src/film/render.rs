@@ -7,8 +7,8 @@ use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
-use crate::lanes::{Door, Kernel, LANES, Lanes, Mask};
-use crate::shading::{self, Shaded, Term};
+use crate::lanes::{Door, Kernel, LANES, Lanes};
+use crate::shading::{self, Shaded, Terms};
 use crate::visibility::{Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
 
@@ -245,17 +245,10 @@ impl Work<'_> {
             {
                 let passes = passes.as_mut();
                 let mut each = passes.and_then(|passes| passes.see(batch.range(), points));
-                let each = each.as_mut().map(|each| each as &mut dyn FnMut(Term));
+                let each = each.as_mut().map(|each| each as &mut dyn FnMut(Terms<'_>));
                 shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
             }
-            let background = world.background().0.0;
-            sums.add(
-                simd,
-                batch.range(),
-                points,
-                &mut shaded.radiance,
-                background,
-            );
+            sums.add(batch.range(), points, &shaded.radiance);
             if let Some(passes) = &mut passes {
                 // The last pixel may have samples in the next batch.
                 passes.finish(batch.range().last_pixel());
@@ -312,28 +305,10 @@ impl PixelSums {
         *self = Self::default();
     }
 
-    /// Adds the radiance of some samples, those of each pixel in their order; where they hit nothing,
-    /// that of the background.
+    /// Adds the radiance of some samples, those of each pixel in their order.
     #[inline(always)]
-    fn add<S: Simd>(
-        &mut self,
-        simd: S,
-        range: SampleRange,
-        points: &Points,
-        radiance: &mut [Column; 3],
-        background: [f64; 3],
-    ) {
-        for (packet, &hit) in points.hit.iter().enumerate() {
-            let is_hit = Mask::from_bits(simd, hit);
-            for (column, background) in radiance.iter_mut().zip(background) {
-                let lanes = &mut column[packet * LANES..];
-                let background = Lanes::splat(simd, background);
-                is_hit
-                    .select(Lanes::load(simd, lanes), background)
-                    .store(lanes);
-            }
-        }
-        for (sums, column) in self.radiance.iter_mut().zip(&*radiance) {
+    fn add(&mut self, range: SampleRange, points: &Points, radiance: &[Column; 3]) {
+        for (sums, column) in self.radiance.iter_mut().zip(radiance) {
             let column = &column.0[..];
             match range.whole_pixels() {
                 Some((1, pixels)) => add_each::<1>(&mut sums[pixels], column),

@@ -99,11 +99,17 @@ impl<S: Simd> Lanes<S> {
     /// 1/√x, for x from 1e-30 to 1e30 to 4e-16 of it, and to the same bits as the scalar one of `math`.
     #[inline(always)]
     pub fn inverse_root(self, simd: S) -> Self {
+        let y = self.nearly_inverse_root(simd);
+        y + y * ((Self::splat(simd, 1.0) - self * y * y) * 0.5)
+    }
+
+    /// 1/√x, for x from 1e-30 to 1e30 to 1e-13 of it: an f32 root, off by 2⁻²² at most, and one of Newton's
+    /// steps, which leaves 1.5 times the square of that.
+    #[inline(always)]
+    pub fn nearly_inverse_root(self, simd: S) -> Self {
         let near = Singles::splat(simd, 1.0) / self.narrowed(simd).sqrt();
-        let one = Self::splat(simd, 1.0);
         let y = near.widened(simd);
-        let y = y + y * ((one - self * y * y) * 0.5);
-        y + y * ((one - self * y * y) * 0.5)
+        y + y * ((Self::splat(simd, 1.0) - self * y * y) * 0.5)
     }
 
     /// The magnitude.

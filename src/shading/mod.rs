@@ -6,22 +6,23 @@ mod reflectance;
 use fearless_simd::Simd;
 
 pub use power::power;
-use reflectance::{Surfaces, geometry};
+use reflectance::{Ends, geometry};
 
-use crate::lanes::{LANES, Lanes, ones};
-use crate::units::ReflectedIntensity;
-use crate::visibility::{Column, PACKETS, Points, Visibility, Workspace};
+use crate::lanes::{LANES, Lanes, Mask, ones};
+use crate::visibility::{Column, Facing, PACKETS, Points, Visibility, Workspace};
 use crate::world::{Lobes, World};
 
 /// The light of a batch of points, and what it took.
 #[derive(Clone, Debug)]
 pub struct Shaded {
-    /// L_o of each point in cd/m², per primary; 0 where nothing is hit.
+    /// L_o of each point in cd/m², per primary; the background's where nothing is hit.
     pub radiance: [Column; 3],
     /// How many points were asked for a light's visibility (L4).
     pub shadow_rays: u64,
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
+    /// The lights that reach any point, and for each packet one bit for each point that they reach.
+    lit: Vec<(usize, [u32; PACKETS])>,
 }
 
 impl Default for Shaded {
@@ -30,7 +31,35 @@ impl Default for Shaded {
             radiance: [Column::ZERO; 3],
             shadow_rays: 0,
             singular: 0,
+            lit: Vec::new(),
         }
+    }
+}
+
+/// Terms of L9 without their color, of one light at the points of a packet.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms<'t> {
+    /// The first point of the packet, by its place in the batch.
+    first: usize,
+    /// One bit for each point that the light reaches.
+    bits: u32,
+    light: usize,
+    materials: &'t [u32],
+    geometry: &'t Lobes<[f64; LANES]>,
+}
+
+impl Terms<'_> {
+    /// One after the other.
+    pub fn iter(&self) -> impl Iterator<Item = Term> {
+        ones(self.bits).map(|lane| Term {
+            point: self.first + lane,
+            light: self.light,
+            material: self.materials[lane] as usize,
+            geometry: Lobes {
+                diffuse: self.geometry.diffuse[lane],
+                specular: self.geometry.specular[lane],
+            },
+        })
     }
 }
 
@@ -48,10 +77,10 @@ pub struct Term {
     pub geometry: Lobes<f64>,
 }
 
-/// L9: L_o(ω_o) = Σ_s L_i^s(p) r(ω_i^s, ω_o) V^s(p), light by light over a batch of points.
+/// L9: L_o(ω_o) = Σ_s L_i^s(p) r(ω_i^s, ω_o) V^s(p) over a batch of points.
 ///
-/// `each`, if there is one, is told of every term of the sum that is not hidden (L4): light by light,
-/// point by point within.
+/// `each`, if there is one, is told of all terms of the sum that are not hidden (L4): packet by packet,
+/// light by light within.
 #[inline(never)]
 pub(crate) fn radiance<S: Simd>(
     simd: S,
@@ -60,123 +89,151 @@ pub(crate) fn radiance<S: Simd>(
     points: &Points,
     space: &mut Workspace,
     shaded: &mut Shaded,
-    each: Option<&mut dyn FnMut(Term)>,
+    each: Option<&mut dyn FnMut(Terms<'_>)>,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || sum(simd, world, visibility, points, space, shaded, each),
+        || {
+            shaded.ask(simd, world, visibility, points, space);
+            shaded.sum(simd, world, points, each);
+        },
     );
 }
 
-#[inline(always)]
-fn sum<S: Simd>(
-    simd: S,
-    world: &World,
-    visibility: &Visibility<'_>,
-    points: &Points,
-    space: &mut Workspace,
-    shaded: &mut Shaded,
-    mut each: Option<&mut dyn FnMut(Term)>,
-) {
-    for column in &mut shaded.radiance {
-        column.fill(0.0);
-    }
-    (shaded.shadow_rays, shaded.singular) = (0, 0);
-    for (index, light) in world.lights().iter().enumerate() {
-        let position = light.value.position;
-        let mut above = [0; PACKETS];
-        for (packet, above) in above.iter_mut().enumerate() {
-            let facing = points.facing(simd, packet, position);
-            *above = facing.above;
-            shaded.shadow_rays += u64::from(facing.above.count_ones());
-            shaded.singular += u64::from(facing.at.count_ones());
-        }
-        let lit = visibility.lit(simd, position, points, &above, space);
-        let transport = world.transport(index);
-        for (packet, bits) in lit.into_iter().enumerate() {
-            if bits == 0 {
-                continue;
+impl Shaded {
+    /// L4: finds out which lights reach which points.
+    #[inline(always)]
+    fn ask<S: Simd>(
+        &mut self,
+        simd: S,
+        world: &World,
+        visibility: &Visibility<'_>,
+        points: &Points,
+        space: &mut Workspace,
+    ) {
+        self.lit.clear();
+        (self.shadow_rays, self.singular) = (0, 0);
+        for (index, light) in world.lights().iter().enumerate() {
+            let position = light.value.position;
+            let Facing { above, at } = points.facing(simd, position);
+            let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
+            self.shadow_rays += u64::from(asked);
+            self.singular += u64::from(at);
+            if asked > 0 {
+                let lit = visibility.lit(simd, position, points, &above, space);
+                self.lit.push((index, lit));
             }
+        }
+    }
+
+    /// Sums the terms of the lights that reach points, packet by packet.
+    #[inline(always)]
+    fn sum<S: Simd>(
+        &mut self,
+        simd: S,
+        world: &World,
+        points: &Points,
+        mut each: Option<&mut dyn FnMut(Terms<'_>)>,
+    ) {
+        let zero = Lanes::splat(simd, 0.0);
+        let background = world.background().0.0;
+        for (packet, &hit) in points.hit.iter().enumerate() {
             let first = packet * LANES;
             let materials = &points.material[first..first + LANES];
-            let (surfaces, reflected) = if points.is_uniform[packet] {
-                let material = materials[points.hit[packet].trailing_zeros() as usize] as usize;
-                (
-                    Surfaces::uniform(simd, &world.materials()[material].value),
-                    splat(simd, &transport[material]),
-                )
-            } else {
-                let material = |lane: usize| &world.materials()[materials[lane] as usize].value;
-                (
-                    Surfaces::mixed(simd, bits, material),
-                    gather(simd, bits, |lane| &transport[materials[lane] as usize]),
-                )
-            };
-            let geometry = geometry(simd, points, packet, position, &surfaces);
-            let is_lit = crate::lanes::Mask::from_bits(simd, bits);
-            for (channel, column) in shaded.radiance.iter_mut().enumerate() {
-                let before = Lanes::load(simd, &column[first..]);
-                let more = reflected.diffuse[channel] * geometry.diffuse
-                    + reflected.specular[channel] * geometry.specular;
-                is_lit
-                    .select(before + more, before)
-                    .store(&mut column[first..]);
+            let mut sums = [zero; 3];
+            if hit != 0 {
+                let mut groups = Groups::default();
+                groups.take(materials, hit, points.is_uniform[packet]);
+                let ends = Ends::load(simd, points, packet);
+                for &(light, ref lit) in &self.lit {
+                    let bits = lit[packet];
+                    if bits == 0 {
+                        continue;
+                    }
+                    let position = world.lights()[light].value.position;
+                    let transport = world.transport(light);
+                    let materials_of = world.materials();
+                    let geometry = geometry(simd, &ends, position, groups.get(), materials_of);
+                    for &Group { material, members } in groups.get() {
+                        let is_lit = Mask::from_bits(simd, bits & members);
+                        let diffuse = is_lit.select(geometry.diffuse, zero);
+                        let specular = is_lit.select(geometry.specular, zero);
+                        let reflected = &transport[material as usize];
+                        let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
+                        sums[0] = sums[0] + (diffuse * kd[0] + specular * ks[0]);
+                        sums[1] = sums[1] + (diffuse * kd[1] + specular * ks[1]);
+                        sums[2] = sums[2] + (diffuse * kd[2] + specular * ks[2]);
+                    }
+                    if let Some(each) = &mut each {
+                        each(Terms {
+                            first,
+                            bits,
+                            light,
+                            materials,
+                            geometry: &Lobes {
+                                diffuse: geometry.diffuse.to_array(),
+                                specular: geometry.specular.to_array(),
+                            },
+                        });
+                    }
+                }
             }
-            if let Some(each) = &mut each {
-                let diffuse = geometry.diffuse.to_array();
-                let specular = geometry.specular.to_array();
-                for lane in ones(bits) {
-                    each(Term {
-                        point: first + lane,
-                        light: index,
-                        material: materials[lane] as usize,
-                        geometry: Lobes {
-                            diffuse: diffuse[lane],
-                            specular: specular[lane],
-                        },
-                    });
+            let is_hit = Mask::from_bits(simd, hit);
+            for channel in 0..3 {
+                let background = Lanes::splat(simd, background[channel]);
+                let radiance = is_hit.select(sums[channel], background);
+                radiance.store(&mut self.radiance[channel][first..]);
+            }
+        }
+    }
+}
+
+/// The points of a packet with one material.
+#[derive(Clone, Copy, Debug, Default)]
+struct Group {
+    material: u32,
+    /// One bit for each.
+    members: u32,
+}
+
+/// The points of a packet, material by material.
+#[derive(Clone, Copy, Debug, Default)]
+struct Groups {
+    groups: [Group; LANES],
+    count: usize,
+}
+
+impl Groups {
+    /// Takes the points with a bit.
+    #[inline(always)]
+    fn take(&mut self, materials: &[u32], bits: u32, are_uniform: bool) {
+        if are_uniform {
+            let material = materials[bits.trailing_zeros() as usize];
+            self.groups[0] = Group {
+                material,
+                members: bits,
+            };
+            self.count = 1;
+            return;
+        }
+        for lane in ones(bits) {
+            let material = materials[lane];
+            let known = &mut self.groups[..self.count];
+            match known.iter_mut().find(|group| group.material == material) {
+                Some(group) => group.members |= 1 << lane,
+                None => {
+                    self.groups[self.count] = Group {
+                        material,
+                        members: 1 << lane,
+                    };
+                    self.count += 1;
                 }
             }
         }
     }
-}
 
-/// I · k of one material in all lanes, channel by channel.
-#[inline(always)]
-fn splat<S: Simd>(simd: S, lobes: &Lobes<ReflectedIntensity>) -> Lobes<[Lanes<S>; 3]> {
-    let ([r, g, b], [sr, sg, sb]) = (lobes.diffuse.0.0, lobes.specular.0.0);
-    let splat = |value: f64| Lanes::splat(simd, value);
-    Lobes {
-        diffuse: [splat(r), splat(g), splat(b)],
-        specular: [splat(sr), splat(sg), splat(sb)],
-    }
-}
-
-/// I · k of each lane's own material, for the lanes with a bit.
-#[inline(always)]
-fn gather<'t, S: Simd>(
-    simd: S,
-    bits: u32,
-    lobes: impl Fn(usize) -> &'t Lobes<ReflectedIntensity>,
-) -> Lobes<[Lanes<S>; 3]> {
-    let mut diffuse = [[0.0; LANES]; 3];
-    let mut specular = [[0.0; LANES]; 3];
-    for lane in ones(bits) {
-        let lobes = lobes(lane);
-        for channel in 0..3 {
-            diffuse[channel][lane] = lobes.diffuse.0.0[channel];
-            specular[channel][lane] = lobes.specular.0.0[channel];
-        }
-    }
-    let lanes = |[r, g, b]: [[f64; LANES]; 3]| {
-        [
-            Lanes::load(simd, &r),
-            Lanes::load(simd, &g),
-            Lanes::load(simd, &b),
-        ]
-    };
-    Lobes {
-        diffuse: lanes(diffuse),
-        specular: lanes(specular),
+    #[inline(always)]
+    fn get(&self) -> &[Group] {
+        &self.groups[..self.count]
     }
 }

@@ -79,6 +79,33 @@ pub(super) fn powers<S: Simd>(simd: S, base: Lanes<S>, exponent: Lanes<S>) -> La
     is_above_zero.select(exp2(simd, exponent * log2(simd, base)), zero)
 }
 
+/// Powers up to this come from multiplication: n factors, so n − 1 roundings of 2⁻⁵³ in effect, which are
+/// 2⁻³⁷ of the power at most.
+const LARGEST_WHOLE: u32 = 1 << 16;
+
+/// An exponent whose powers are best had by multiplication: a whole number.
+#[inline(always)]
+pub(super) fn whole_exponent(exponent: f64) -> Option<u32> {
+    let whole = exponent as u32;
+    (f64::from(whole) == exponent && (1..=LARGEST_WHOLE).contains(&whole)).then_some(whole)
+}
+
+/// baseⁿ in every lane for n from 1 to [`LARGEST_WHOLE`], by squares: a base below 0 counts as 0, one above 1
+/// as 1.
+#[inline(always)]
+pub(super) fn whole_powers<S: Simd>(simd: S, base: Lanes<S>, exponent: u32) -> Lanes<S> {
+    let base = base.max(Lanes::splat(simd, 0.0));
+    let base = base.min(Lanes::splat(simd, 1.0));
+    let mut result = base;
+    for bit in (0..exponent.ilog2()).rev() {
+        result = result * result;
+        if exponent >> bit & 1 == 1 {
+            result = result * base;
+        }
+    }
+    result
+}
+
 /// log₂ x of normal numbers: with x = 2ᵉ m, m from 1/√2 to √2, log₂ x = e + 2 log₂ e · artanh(s),
 /// s = (m − 1)/(m + 1).
 #[inline(always)]
@@ -149,6 +176,38 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    struct WholePower(f64, u32);
+
+    impl Kernel for WholePower {
+        type Output = [f64; LANES];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Self::Output {
+            whole_powers(simd, Lanes::splat(simd, self.0), self.1).to_array()
+        }
+    }
+
+    #[test]
+    fn whole_powers_agree_with_the_standard_library() {
+        /// 2⁻³⁷, and what the library's function may be off.
+        const ERROR: f64 = 1.1 / (1_u64 << 37) as f64;
+        for exponent in [1, 2, 3, 7, 20, 50, 80, 127, 1000, 65_535, 65_536] {
+            assert_eq!(whole_exponent(f64::from(exponent)), Some(exponent));
+            for step in 0..=1000 {
+                let base = 1.0 - f64::from(step) / (300.0 + f64::from(exponent) * 5.0);
+                let [power, ..] = Door::default().run(WholePower(base, exponent));
+                let expected = base.max(0.0).powf(f64::from(exponent));
+                let error = (power - expected).abs();
+                assert!(error <= ERROR * expected + 1e-300, "{base}^{exponent}");
+            }
+            assert_eq!(Door::default().run(WholePower(1.5, exponent))[0], 1.0);
+            assert_eq!(Door::default().run(WholePower(-1.5, exponent))[0], 0.0);
+        }
+        for exponent in [0.0, 0.5, 50.1, 65_537.0, 1e9, f64::MAX] {
+            assert_eq!(whole_exponent(exponent), None);
         }
     }
 

@@ -31,7 +31,7 @@ use rayon::prelude::*;
 
 use surface::Known;
 pub use surface::{BATCH, PACKETS, Points};
-pub(crate) use surface::{Column, columns};
+pub(crate) use surface::{Column, Facing, columns};
 
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
@@ -270,7 +270,6 @@ impl<'w> Visibility<'w> {
         if has_canvas {
             self.cast(simd, canvas, outlines, stack, First);
         }
-        points.begin();
         for (packet, bits) in asked.into_iter().enumerate() {
             if bits == 0 {
                 points.hit[packet] = 0;
@@ -308,7 +307,7 @@ impl<'w> Visibility<'w> {
                 points.interpolate(self.world, packet, ray);
             }
         }
-        points.end();
+        points.end(simd);
     }
 
     /// Puts all shapes that the rays on a canvas may meet on it.

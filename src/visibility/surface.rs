@@ -8,7 +8,7 @@ use super::canvas::NOTHING;
 use super::packet::{Nearest, Rays};
 use super::search::Search;
 use super::triangle::{self, Facet};
-use super::{Primitive, ROUNDING, SPHERES, Visibility, outline};
+use super::{Primitive, ROUNDING, SPHERES, Visibility, outline, ranges};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
 use crate::math::{DVec3, Direction, Point, SAFE_SQUARES};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
@@ -72,10 +72,10 @@ pub struct Points {
     pub(crate) cos_viewer: Column,
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
-    /// The largest of `error`, and the least and the largest coordinates.
+    /// The largest of `error` and of the coordinates of `tangent`, and the box around the positions.
     pub(super) largest_error: f64,
+    farthest_tangent: f64,
     pub(super) bounds: [DVec3; 2],
-    ranges: [[Row; 3]; 2],
     /// Its material, an index into [`World::materials`].
     pub(crate) material: [u32; BATCH],
     /// For each packet, whether all its points have one material.
@@ -97,25 +97,12 @@ impl Default for Points {
             cos_viewer: NONE,
             primitive: [0; BATCH],
             largest_error: 0.0,
+            farthest_tangent: 0.0,
             bounds: [DVec3::ZERO; 2],
-            ranges: [[Row([0.0; LANES]); 3]; 2],
             material: [0; BATCH],
             is_uniform: [true; PACKETS],
         }
     }
-}
-
-/// One number for each ray of a packet.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Row([f64; LANES]);
-
-/// Takes the numbers of some lanes into the ranges of each.
-#[inline(always)]
-fn grow<S: Simd>(simd: S, lanes: Mask<S>, numbers: Lanes<S>, least: &mut Row, most: &mut Row) {
-    let (low, high) = (Lanes::load(simd, &least.0), Lanes::load(simd, &most.0));
-    lanes.select(numbers, low).min(low).store(&mut least.0);
-    lanes.select(numbers, high).max(high).store(&mut most.0);
 }
 
 /// Three columns of a packet.
@@ -154,29 +141,31 @@ pub(super) struct Known<'s> {
 }
 
 impl Points {
-    /// Forgets all points.
-    pub(super) fn begin(&mut self) {
-        self.largest_error = 0.0;
-        let [least, most] = &mut self.ranges;
-        least.fill(Row([f64::INFINITY; LANES]));
-        most.fill(Row([f64::NEG_INFINITY; LANES]));
-    }
-
-    /// Has all points.
-    pub(super) fn end(&mut self) {
-        let [least, most] = &self.ranges;
-        let least = |axis: usize| least[axis].0.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = |axis: usize| {
-            most[axis]
-                .0
-                .iter()
-                .copied()
-                .fold(f64::NEG_INFINITY, f64::max)
-        };
-        self.bounds = [
-            DVec3::new(least(0), least(1), least(2)),
-            DVec3::new(most(0), most(1), most(2)),
-        ];
+    /// Knows all points, and what they have in common.
+    #[inline(always)]
+    pub(super) fn end<S: Simd>(&mut self, simd: S) {
+        let zero = Lanes::splat(simd, 0.0);
+        let (mut error, mut tangent) = (zero, zero);
+        for (packet, &hit) in self.hit.iter().enumerate() {
+            if hit == 0 {
+                continue;
+            }
+            let is_hit = Mask::from_bits(simd, hit);
+            let errors = Lanes::load(simd, &self.error[packet * LANES..]);
+            error = is_hit.select(errors, zero).max(error);
+            let tangents = Vectors::load(simd, columns(&self.tangent, packet)).largest();
+            tangent = is_hit.select(tangents, zero).max(tangent);
+        }
+        self.largest_error = error.largest();
+        self.farthest_tangent = tangent.largest();
+        let ranges = ranges(
+            simd,
+            #[inline(always)]
+            |packet| self.hit[packet],
+            #[inline(always)]
+            |packet| Vectors::load(simd, columns(&self.position, packet)),
+        );
+        self.bounds = ranges.unwrap_or([DVec3::ZERO; 2]);
     }
 
     /// Makes the points of a packet from the nearest hits of some rays, and for the others from what they
@@ -275,13 +264,6 @@ impl Points {
         let magnitude = rays.origin.taxicab() + way.taxicab() + (tangent - rays.origin).taxicab();
         let error = magnitude * ROUNDING;
 
-        let is_hit = Mask::from_bits(simd, bits);
-        let largest = is_hit.select(error, Lanes::splat(simd, 0.0)).largest();
-        self.largest_error = self.largest_error.max(largest);
-        let [least, most] = &mut self.ranges;
-        grow(simd, is_hit, position.x, &mut least[0], &mut most[0]);
-        grow(simd, is_hit, position.y, &mut least[1], &mut most[1]);
-        grow(simd, is_hit, position.z, &mut least[2], &mut most[2]);
         position.store(columns_mut(&mut self.position, packet));
         error.store(&mut self.error[first_lane..]);
         tangent.store(columns_mut(&mut self.tangent, packet));
@@ -349,41 +331,75 @@ impl Points {
         }
     }
 
-    /// For the points of a packet, whether a light is above the surface: on the viewer's side of the
-    /// tangent plane, further from it than rounding errors. A light in the very plane of a floor is not
-    /// above it. And whether it is at the point itself (d = 0), as far as can be told.
+    /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane,
+    /// further from it than rounding errors. A light in the very plane of a floor is not above it. And
+    /// whether it is at the point itself (d = 0), as far as can be told.
     #[inline(always)]
-    pub(crate) fn facing<S: Simd>(&self, simd: S, packet: usize, light: Point) -> Facing {
-        let hit = self.hit[packet];
-        if hit == 0 {
-            return Facing::default();
+    pub(crate) fn facing<S: Simd>(&self, simd: S, light: Point) -> Facing {
+        // What holds for all points of the batch will often do: the bounds of the rounding of each, and a
+        // light that is outside of the box around them.
+        let rounding =
+            (self.farthest_tangent + 2.0 * light.0.abs().max_element()) * (2.0 * ROUNDING);
+        let room = Lanes::splat(simd, 2.0 * (rounding + self.largest_error));
+        let zero = Lanes::splat(simd, 0.0);
+        let [least, most] = self.bounds;
+        let outside = (least - light.0).max(light.0 - most).max_element();
+        let is_apart = outside > 2.0 * self.largest_error;
+        let mut facing = Facing {
+            above: [0; PACKETS],
+            at: 0,
+        };
+        for (packet, &hit) in self.hit.iter().enumerate() {
+            if hit == 0 {
+                continue;
+            }
+            let tangent = Vectors::load(simd, columns(&self.tangent, packet));
+            let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
+            let height = normal.dot(-tangent.minus(light.0));
+            let above = height.gt(room).to_bits();
+            if is_apart && (above | height.le(zero).to_bits()) & hit == hit {
+                facing.above[packet] = above & hit;
+            } else {
+                let (above, at) = self.facing_in(simd, packet, light);
+                facing.above[packet] = above;
+                facing.at += at.count_ones();
+            }
         }
-        let lanes = packet * LANES;
-        let tangent = Vectors::load(simd, columns(&self.tangent, packet));
-        let to_light = -tangent.minus(light.0);
-        // The largest component stands for the length, which is at most √3 times as long.
-        let light_length = light.0.abs().max_element();
-        let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
-        let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
-        let known_to = Lanes::load(simd, &self.tangent_error[lanes..]);
-        let is_above = normal.dot(to_light).gt(rounding + known_to);
-        let position = Vectors::load(simd, columns(&self.position, packet));
-        let way = position.minus(light.0);
-        let error = Lanes::load(simd, &self.error[lanes..]);
-        let is_at = way.dot(way).le(error * error).to_bits() & hit;
-        Facing {
-            above: is_above.to_bits() & hit & !is_at,
-            at: is_at,
-        }
+        facing
+    }
+
+    /// The points of a packet that a light is above of, and those that it is at, one bit for each.
+    #[inline(never)]
+    fn facing_in<S: Simd>(&self, simd: S, packet: usize, light: Point) -> (u32, u32) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let hit = self.hit[packet];
+                let lanes = packet * LANES;
+                let tangent = Vectors::load(simd, columns(&self.tangent, packet));
+                let to_light = -tangent.minus(light.0);
+                // The largest component stands for the length, which is at most √3 times as long.
+                let light_length = light.0.abs().max_element();
+                let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
+                let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
+                let known_to = Lanes::load(simd, &self.tangent_error[lanes..]);
+                let is_above = normal.dot(to_light).gt(rounding + known_to);
+                let position = Vectors::load(simd, columns(&self.position, packet));
+                let way = position.minus(light.0);
+                let error = Lanes::load(simd, &self.error[lanes..]);
+                let is_at = way.dot(way).le(error * error).to_bits() & hit;
+                (is_above.to_bits() & hit & !is_at, is_at)
+            },
+        )
     }
 }
 
-/// Where a light is as seen from the points of a packet, one bit for each.
-#[derive(Clone, Copy, Debug, Default)]
+/// Where a light is as seen from the points of a batch.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Facing {
-    /// Above the surface.
-    pub(crate) above: u32,
-    /// At the point itself.
+    /// One bit for each point whose surface it is above of.
+    pub(crate) above: [u32; PACKETS],
+    /// At how many points it is.
     pub(crate) at: u32,
 }
 

@@ -178,8 +178,7 @@ impl Kernel for Compare<'_> {
             }
             for light in self.world.lights() {
                 let light = light.value.position;
-                let facing: [u32; PACKETS] =
-                    std::array::from_fn(|packet| seen.facing(simd, packet, light).above);
+                let facing = seen.facing(simd, light).above;
                 let [lit, expected] = [0, 1].map(|way: usize| {
                     self.ways[way].lit(simd, light, &points[way], &facing, &mut spaces[way])
                 });
