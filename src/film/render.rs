@@ -7,9 +7,9 @@ use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
-use crate::lanes::{Door, Kernel, LANES, Lanes};
+use crate::lanes::{Door, Kernel, LANES, Lanes, Singles, Words, every_nth, side_by_side};
 use crate::shading::{self, Shaded, Terms};
-use crate::visibility::{Column, Points, Visibility, Workspace};
+use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
 
 /// The most samples of a pixel.
@@ -248,7 +248,7 @@ impl Work<'_> {
                 let each = each.as_mut().map(|each| each as &mut dyn FnMut(Terms<'_>));
                 shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
             }
-            sums.add(batch.range(), points, &shaded.radiance);
+            sums.add(simd, batch.range(), points, &shaded.radiance);
             if let Some(passes) = &mut passes {
                 // The last pixel may have samples in the next batch.
                 passes.finish(batch.range().last_pixel());
@@ -307,15 +307,21 @@ impl PixelSums {
 
     /// Adds the radiance of some samples, those of each pixel in their order.
     #[inline(always)]
-    fn add(&mut self, range: SampleRange, points: &Points, radiance: &[Column; 3]) {
+    fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        range: SampleRange,
+        points: &Points,
+        radiance: &[Column; 3],
+    ) {
+        let pixels = range.whole_pixels();
         for (sums, column) in self.radiance.iter_mut().zip(radiance) {
-            let column = &column.0[..];
-            match range.whole_pixels() {
-                Some((1, pixels)) => add_each::<1>(&mut sums[pixels], column),
-                Some((2, pixels)) => add_each::<2>(&mut sums[pixels], column),
-                Some((4, pixels)) => add_each::<4>(&mut sums[pixels], column),
-                Some((8, pixels)) => add_each::<8>(&mut sums[pixels], column),
-                Some((16, pixels)) => add_each::<16>(&mut sums[pixels], column),
+            match pixels.clone() {
+                Some((1, pixels)) => add_each::<S, 1>(simd, &mut sums[pixels.start..], column),
+                Some((2, pixels)) => add_each::<S, 2>(simd, &mut sums[pixels.start..], column),
+                Some((4, pixels)) => add_each::<S, 4>(simd, &mut sums[pixels.start..], column),
+                Some((8, pixels)) => add_each::<S, 8>(simd, &mut sums[pixels.start..], column),
+                Some((16, pixels)) => add_each::<S, 16>(simd, &mut sums[pixels.start..], column),
                 _ => {
                     for Run { pixel, slots } in range.runs() {
                         sums[pixel] = column[slots].iter().fold(sums[pixel], |sum, l| sum + l);
@@ -323,8 +329,17 @@ impl PixelSums {
                 }
             }
         }
-        for Run { pixel, slots } in range.runs() {
-            self.hits[pixel] += points.hits(slots);
+        match pixels {
+            Some((samples, pixels)) if points.all_hit() => {
+                for hits in &mut self.hits[pixels] {
+                    *hits += samples as u32;
+                }
+            }
+            _ => {
+                for Run { pixel, slots } in range.runs() {
+                    self.hits[pixel] += points.hits(slots);
+                }
+            }
         }
     }
 
@@ -339,41 +354,42 @@ impl PixelSums {
         samples: u32,
     ) -> ([[f32; 4]; LANES], u64) {
         let samples = f64::from(samples);
-        let [red, green, blue] = &self.radiance;
-        let (mut means, mut clamped) = ([[0.0; 4]; LANES], 0);
-        for (channel, column) in [red, green, blue].into_iter().enumerate() {
+        let hits = Words::load(simd, &self.hits[first..]).widened(simd);
+        let alpha = (hits / samples).narrowed(simd);
+        let mut means = [alpha; 4];
+        let mut clamped = 0;
+        for (narrow, column) in means.iter_mut().zip(&self.radiance) {
             let mean = Lanes::load(simd, &column[first..]) / samples;
             let largest = Lanes::splat(simd, f64::from(f32::MAX));
-            let mut narrow = [0.0; LANES];
             if (!mean.abs().le(largest)).any() {
-                let lanes = narrow.iter_mut().zip(mean.to_array());
-                for (narrow, mean) in lanes.take(count) {
-                    let (value, is_clamped) = narrowed(mean);
-                    *narrow = value;
+                let mut values = [0.0; LANES];
+                for (value, mean) in values.iter_mut().zip(mean.to_array()).take(count) {
+                    let (narrow, is_clamped) = narrowed(mean);
+                    *value = narrow;
                     clamped += u64::from(is_clamped);
                 }
+                *narrow = Singles::load(simd, &values);
             } else {
-                mean.narrowed(simd).store(&mut narrow);
-            }
-            for (mean, narrow) in means.iter_mut().zip(narrow) {
-                mean[channel] = narrow;
+                *narrow = mean.narrowed(simd);
             }
         }
-        for (mean, &hits) in means.iter_mut().zip(&self.hits[first..]) {
-            mean[3] = (f64::from(hits) / samples) as f32;
-        }
-        (means, clamped)
+        (side_by_side(means), clamped)
     }
 }
 
-/// Adds N numbers to each sum, one after the other.
+/// Adds to each sum N numbers of its own, one after the other.
 #[inline(always)]
-fn add_each<const N: usize>(sums: &mut [f64], column: &[f64]) {
-    let (numbers, _) = column.as_chunks::<N>();
-    for (sum, numbers) in sums.iter_mut().zip(numbers) {
-        for number in numbers {
-            *sum += number;
+fn add_each<S: Simd, const N: usize>(simd: S, sums: &mut [f64], column: &Column) {
+    for (first, sums) in (0..BATCH).step_by(N * LANES).zip(sums.chunks_mut(LANES)) {
+        let mut rows = [Lanes::splat(simd, 0.0); N];
+        for (row, numbers) in rows.iter_mut().zip(column[first..].chunks(LANES)) {
+            *row = Lanes::load(simd, numbers);
         }
+        let mut sum = Lanes::load(simd, sums);
+        for row in every_nth(rows) {
+            sum = sum + row;
+        }
+        sum.store(sums);
     }
 }
 

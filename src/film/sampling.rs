@@ -12,13 +12,13 @@ use crate::lanes::{Lanes, Words};
 /// so that any power of two of them is stratified in every way and neighbors are independent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Sampler {
-    /// The sequence before it is scrambled.
+    /// The sequence before it is scrambled, each number with its highest bit last.
     sequence: Vec<[u32; 2]>,
 }
 
 impl Sampler {
     pub(super) fn new(samples: u32) -> Self {
-        let sequence = (0..samples).map(|sample| [sample.reverse_bits(), sobol(sample)]);
+        let sequence = (0..samples).map(|sample| [sample, sobol(sample).reverse_bits()]);
         Self {
             sequence: sequence.collect(),
         }
@@ -42,7 +42,7 @@ impl Sampler {
         ]
     }
 
-    /// The sequence before it is scrambled.
+    /// The sequence before it is scrambled, with the highest bits last.
     pub(super) fn sequence(&self, sample: usize) -> [u32; 2] {
         self.sequence[sample]
     }
@@ -75,12 +75,11 @@ fn sobol(index: u32) -> u32 {
     result
 }
 
-/// Nested uniform (Owen) scrambling of fractions of 2³²: each bit is flipped by a hash of the bits
-/// above it.
+/// Nested uniform (Owen) scrambling of fractions of 2³², given with the highest bits last: each bit is
+/// flipped by a hash of the bits above it.
 #[inline(always)]
-fn scrambled<S: Simd>(simd: S, fraction: Words<S>, seed: Words<S>) -> Words<S> {
+fn scrambled<S: Simd>(simd: S, bits: Words<S>, seed: Words<S>) -> Words<S> {
     let odd = seed.shifted_down(16) | Words::splat(simd, 1);
-    let bits = reversed(simd, fraction);
     let bits = bits ^ (bits * Words::splat(simd, 0x3d20_adea));
     let bits = (bits + seed) * odd;
     let bits = bits ^ (bits * Words::splat(simd, 0x0552_6c56));

@@ -16,7 +16,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8, mask64x8, u64x8};
 
 pub use door::{Door, Kernel, UnknownInstructions};
-pub use narrow::{SingleMask, Singles, Words, smallest_of_each};
+pub use narrow::{SingleMask, Singles, Words, side_by_side, smallest_of_each};
 
 use crate::math::DVec3;
 
@@ -197,6 +197,24 @@ impl<S: Simd> Lanes<S> {
     pub fn from_bits(bits: Ids<S>) -> Self {
         Self([f64x8::from_bits(bits.0[0]), f64x8::from_bits(bits.0[1])])
     }
+}
+
+/// Of N rows of numbers, one after the other, every N-th: the first row has those from the first on, the
+/// second those from the second on, and so on. N is a power of two.
+#[inline(always)]
+pub fn every_nth<S: Simd, const N: usize>(mut rows: [Lanes<S>; N]) -> [Lanes<S>; N] {
+    // Even places before odd ones turns the bits of all places round by one.
+    for _ in 0..N.ilog2() {
+        let before = rows;
+        for row in 0..N / 2 {
+            let ([first, second], [third, fourth]) = (before[2 * row].0, before[2 * row + 1].0);
+            let (even, odd) = first.deinterleave(second);
+            let (next_even, next_odd) = third.deinterleave(fourth);
+            rows[row] = Lanes([even, next_even]);
+            rows[N / 2 + row] = Lanes([odd, next_odd]);
+        }
+    }
+    rows
 }
 
 impl<S: Simd> Ids<S> {
@@ -453,6 +471,26 @@ impl<S: Simd> Vectors<S> {
         self.x.abs().max(self.y.abs()).max(self.z.abs())
     }
 
+    /// The smaller of each component.
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self {
+            x: self.x.min(other.x),
+            y: self.y.min(other.y),
+            z: self.z.min(other.z),
+        }
+    }
+
+    /// The larger of each component.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            x: self.x.max(other.x),
+            y: self.y.max(other.y),
+            z: self.z.max(other.z),
+        }
+    }
+
     /// Each vector times a number.
     #[inline(always)]
     pub fn times(self, factor: Lanes<S>) -> Self {
@@ -544,6 +582,31 @@ mod tests {
             assert!(name.parse::<Door>().is_ok());
         }
         assert!("mmx".parse::<Door>().is_err());
+    }
+
+    struct Rows;
+
+    impl Kernel for Rows {
+        type Output = [[f64; LANES]; 4];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Self::Output {
+            let numbers: [f64; 4 * LANES] = std::array::from_fn(|place| place as f64);
+            let row = |row: usize| Lanes::load(simd, &numbers[row * LANES..]);
+            let [a, b, c, d] = every_nth([row(0), row(1), row(2), row(3)]);
+            [a.to_array(), b.to_array(), c.to_array(), d.to_array()]
+        }
+    }
+
+    #[test]
+    fn every_nth_is_every_nth() {
+        for (_, door) in Door::available() {
+            for (first, row) in door.run(Rows).into_iter().enumerate() {
+                for (lane, number) in row.into_iter().enumerate() {
+                    assert_eq!(number, (first + 4 * lane) as f64);
+                }
+            }
+        }
     }
 
     struct Bits(u32);

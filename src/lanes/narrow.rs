@@ -131,6 +131,21 @@ pub fn smallest_of_each<S: Simd>(mut rows: [Singles<S>; LANES]) -> Singles<S> {
     rows[0]
 }
 
+/// Four rows as sixteen of four: the first of each, the second of each, and so on.
+#[inline(always)]
+pub fn side_by_side<S: Simd>([a, b, c, d]: [Singles<S>; 4]) -> [[f32; 4]; LANES] {
+    let (ac, next_ac) = a.0.interleave(c.0);
+    let (bd, next_bd) = b.0.interleave(d.0);
+    let (first, second) = ac.interleave(bd);
+    let (third, fourth) = next_ac.interleave(next_bd);
+    let mut fours = [[0.0; 4]; LANES];
+    let (rows, _) = fours.as_flattened_mut().as_chunks_mut::<LANES>();
+    for (row, numbers) in rows.iter_mut().zip([first, second, third, fourth]) {
+        numbers.store_slice(row);
+    }
+    fours
+}
+
 impl<S: Simd> Words<S> {
     /// The same in every lane.
     #[inline(always)]

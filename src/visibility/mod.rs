@@ -270,6 +270,7 @@ impl<'w> Visibility<'w> {
         if has_canvas {
             self.cast(simd, canvas, outlines, stack, First);
         }
+        let mut last = None;
         for (packet, bits) in asked.into_iter().enumerate() {
             if bits == 0 {
                 points.hit[packet] = 0;
@@ -293,6 +294,7 @@ impl<'w> Visibility<'w> {
             let known = Known {
                 slots: canvas.first_met(packet),
                 met: bits & !again,
+                last: &mut last,
             };
             points.fill(simd, self, packet, &rays, &nearest, known);
             if self.is_smooth {
@@ -330,31 +332,6 @@ impl<'w> Visibility<'w> {
         }
         self.spheres.cast(simd, canvas, outlines, stack, verdict);
         self.triangles.cast(simd, canvas, outlines, stack, verdict);
-    }
-
-    /// L2 in f64: where rays meet the shape in a slot that they are known to meet first.
-    #[inline(always)]
-    fn met<S: Simd>(&self, simd: S, slot: u32, rays: &Rays<S>, bits: u32) -> (Primitive, Lanes<S>) {
-        let asked = Mask::from_bits(simd, bits);
-        if slot >= PLANES {
-            let plane = &self.world.planes()[(slot - PLANES) as usize];
-            (Primitive::whole(plane.object), plane::met(plane, rays))
-        } else if slot >= SPHERES {
-            let ball = self.spheres.get(slot - SPHERES);
-            let met = ball.first_met(simd, rays, asked);
-            let (_, t) = met.expect("a ray that surely meets a sphere meets it");
-            (ball.primitive(), t)
-        } else {
-            let facet = self.triangles.get(slot);
-            let [a, b, c] = facet.vertices();
-            let corners = [
-                Vectors::splat(simd, a),
-                Vectors::splat(simd, b),
-                Vectors::splat(simd, c),
-            ];
-            let (_, t) = triangle::met(corners, rays, asked);
-            (facet.primitive(), t)
-        }
     }
 
     /// L2 for the rays of a packet, in f64.

@@ -7,8 +7,8 @@ use fearless_simd::Simd;
 use super::canvas::NOTHING;
 use super::packet::{Nearest, Rays};
 use super::search::Search;
-use super::triangle::{self, Facet};
-use super::{Primitive, ROUNDING, SPHERES, Visibility, outline, ranges};
+use super::triangle::{self, Facet, Lie};
+use super::{PLANES, Primitive, ROUNDING, SPHERES, Visibility, outline, plane, ranges};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
 use crate::math::{DVec3, Direction, Point, SAFE_SQUARES};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
@@ -132,12 +132,13 @@ struct Source {
 }
 
 /// What some rays of a packet are known to hit first.
-#[derive(Clone, Copy)]
-pub(super) struct Known<'s> {
+pub(super) struct Known<'s, S: Simd> {
     /// The slot of each ray's shape; [`NOTHING`] where it hits nothing.
     pub(super) slots: &'s [u32],
     /// One bit for each ray that it is known of.
     pub(super) met: u32,
+    /// The last shape that all rays of a packet hit, which the next may hit as well.
+    pub(super) last: &'s mut Option<Shown<S>>,
 }
 
 impl Points {
@@ -178,7 +179,7 @@ impl Points {
         packet: usize,
         rays: &Rays<S>,
         nearest: &Nearest<S>,
-        Known { slots, met }: Known<'_>,
+        Known { slots, met, last }: Known<'_, S>,
     ) {
         let world = visibility.world;
         let first_lane = packet * LANES;
@@ -197,9 +198,15 @@ impl Points {
         };
         let (reference, tangent, is_curved, t);
         if is_one {
-            let (primitive, distance) = visibility.met(simd, slots[first], rays, bits);
-            let source = source(world, primitive);
-            t = distance;
+            let slot = slots[first];
+            if rays.shared_origin.is_none() || last.is_none_or(|last| last.slot != slot) {
+                *last = Some(Shown::new(simd, visibility, slot, rays));
+            }
+            let shown = last.as_ref().expect("it is there now");
+            let Shown {
+                primitive, source, ..
+            } = *shown;
+            t = shown.met(simd, visibility, rays, bits);
             reference = Vectors::splat(simd, source.reference);
             tangent = Vectors::splat(simd, source.tangent);
             is_curved = Mask::from_bits(simd, if source.is_curved { bits } else { 0 });
@@ -245,12 +252,16 @@ impl Points {
 
         let way = rays.direction.times(t);
         let position = rays.origin + way;
-        let to_viewer = unit(simd, -rays.direction, bits);
+        let inverse = rays.square.nearly_inverse_root(simd);
+        let to_viewer = unit(simd, -rays.direction, rays.square, inverse, bits);
         let curved = bits & is_curved.to_bits();
         let normal = if curved == 0 {
             reference
         } else {
-            let outwards = unit(simd, position - reference, curved);
+            let outwards = position - reference;
+            let square = outwards.dot(outwards);
+            let inverse = square.nearly_inverse_root(simd);
+            let outwards = unit(simd, outwards, square, inverse, curved);
             // A sphere smaller than the rounding of its place faces the viewer.
             let has_direction = outwards.dot(outwards).is_positive();
             let outwards = has_direction.select_vectors(outwards, to_viewer);
@@ -282,6 +293,14 @@ impl Points {
     #[inline(always)]
     pub(crate) fn is_hit(&self, slot: usize) -> bool {
         self.hit[slot / LANES] >> (slot % LANES) & 1 == 1
+    }
+
+    /// Whether every ray that a batch has room for hits something.
+    #[inline(always)]
+    pub(crate) fn all_hit(&self) -> bool {
+        self.hit
+            .iter()
+            .all(|&bits| bits.count_ones() == LANES as u32)
     }
 
     /// How many rays of some slots hit something.
@@ -403,6 +422,63 @@ pub(crate) struct Facing {
     pub(crate) at: u32,
 }
 
+/// A shape that rays are known to meet first.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<S: Simd> {
+    slot: u32,
+    primitive: Primitive,
+    source: Source,
+    /// Of a triangle, as seen from where the rays start.
+    lie: Option<Lie<S>>,
+}
+
+impl<S: Simd> Shown<S> {
+    #[inline(always)]
+    fn new(simd: S, visibility: &Visibility<'_>, slot: u32, rays: &Rays<S>) -> Self {
+        let mut lie = None;
+        let primitive = if slot >= PLANES {
+            let plane = &visibility.world.planes()[(slot - PLANES) as usize];
+            Primitive::whole(plane.object)
+        } else if slot >= SPHERES {
+            visibility.spheres.get(slot - SPHERES).primitive()
+        } else {
+            let facet = visibility.triangles.get(slot);
+            let [a, b, c] = facet.vertices();
+            let corners = [
+                Vectors::splat(simd, a),
+                Vectors::splat(simd, b),
+                Vectors::splat(simd, c),
+            ];
+            lie = Some(Lie::new(corners, rays.origin));
+            facet.primitive()
+        };
+        Self {
+            slot,
+            primitive,
+            source: source(visibility.world, primitive),
+            lie,
+        }
+    }
+
+    /// L2 in f64: where rays that are known to meet it do so.
+    #[inline(always)]
+    fn met(&self, simd: S, visibility: &Visibility<'_>, rays: &Rays<S>, bits: u32) -> Lanes<S> {
+        let asked = Mask::from_bits(simd, bits);
+        if let Some(lie) = &self.lie {
+            let (_, t) = triangle::met(lie, rays, asked);
+            t
+        } else if self.slot >= PLANES {
+            let plane = &visibility.world.planes()[(self.slot - PLANES) as usize];
+            plane::met(plane, rays)
+        } else {
+            let ball = visibility.spheres.get(self.slot - SPHERES);
+            let met = ball.first_met(simd, rays, asked);
+            let (_, t) = met.expect("a ray that surely meets a sphere meets it");
+            t
+        }
+    }
+}
+
 /// One bit for each slot of a packet below another.
 #[inline(always)]
 fn below<S: Simd>(simd: S, slots: &[u32], end: u32) -> u32 {
@@ -426,9 +502,12 @@ fn meet_triangles<S: Simd>(
         #[inline(always)]
         |lane| triangles.get(slots[lane]).vertices(),
     );
-    let [a, b, c] = corners;
-    let (_, t) = triangle::met(corners, rays, Mask::from_bits(simd, bits));
-    (t, unit(simd, (b - a).cross(c - a), bits), a)
+    let lie = Lie::new(corners, rays.origin);
+    let (_, t) = triangle::met(&lie, rays, Mask::from_bits(simd, bits));
+    let [a, ..] = corners;
+    let square = lie.normal.dot(lie.normal);
+    let inverse = square.inverse_root(simd);
+    (t, unit(simd, lie.normal, square, inverse, bits), a)
 }
 
 /// What the primitives of a packet's rays say about the points, ray by ray.
@@ -535,13 +614,12 @@ impl Sources {
             }
             bits &= left;
             left &= !bits;
-            let (primitive, t) = visibility.met(simd, slot, rays, bits);
-            let t = t.to_array();
-            let source = source(visibility.world, primitive);
+            let shown = Shown::new(simd, visibility, slot, rays);
+            let t = shown.met(simd, visibility, rays, bits).to_array();
             for lane in ones(bits) {
                 self.t[lane] = t[lane];
-                self.primitive[lane] = primitive.0;
-                self.put(lane, source);
+                self.primitive[lane] = shown.primitive.0;
+                self.put(lane, shown.source);
             }
         }
     }
@@ -580,12 +658,18 @@ fn source(world: &World, primitive: Primitive) -> Source {
     }
 }
 
-/// Vectors at unit length; 0 for those of `asked` that have no direction.
+/// Vectors at unit length, from their squares and the reciprocal roots of these; 0 for those of `asked` that
+/// have no direction.
 #[inline(always)]
-fn unit<S: Simd>(simd: S, vectors: Vectors<S>, asked: u32) -> Vectors<S> {
-    let square = vectors.dot(vectors);
+fn unit<S: Simd>(
+    simd: S,
+    vectors: Vectors<S>,
+    square: Lanes<S>,
+    inverse_root: Lanes<S>,
+    asked: u32,
+) -> Vectors<S> {
     let is_safe = square.is_within(simd, SAFE_SQUARES).to_bits();
-    let units = vectors.times(square.inverse_root(simd));
+    let units = vectors.times(inverse_root);
     let unsafe_lanes = asked & !is_safe;
     if unsafe_lanes == 0 {
         return units;

@@ -158,31 +158,57 @@ pub(super) fn weights(vertices: [DVec3; 3], origin: DVec3, direction: DVec3) -> 
     functions.map(|function| function / sum)
 }
 
-/// L2: where rays that pass through triangles, `asked`, meet them, the corners of each lane's triangle
-/// from the one between the shorter edges on; and whether that is at t above 0 and seen at all.
+/// How triangles lie, as seen from where rays start.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lie<S: Simd> {
+    /// Twice the area, as a vector.
+    pub(super) normal: Vectors<S>,
+    /// The way to the plane, times the length of `normal`.
+    height: Lanes<S>,
+    /// |`normal`|², as far as rounding goes.
+    rounding: Lanes<S>,
+    /// From the start to the least and the largest coordinates.
+    least: Vectors<S>,
+    most: Vectors<S>,
+}
+
+impl<S: Simd> Lie<S> {
+    /// By the corners of each lane's triangle from the one between the shorter edges on.
+    #[inline(always)]
+    pub(super) fn new([a, b, c]: [Vectors<S>; 3], origin: Vectors<S>) -> Self {
+        let normal = (b - a).cross(c - a);
+        Self {
+            normal,
+            height: (a - origin).dot(normal),
+            rounding: normal.dot(normal) * (ROUNDING * ROUNDING),
+            least: a.min(b).min(c) - origin,
+            most: a.max(b).max(c) - origin,
+        }
+    }
+}
+
+/// x, y or else z.
 #[inline(always)]
-pub(super) fn met<S: Simd>(
-    corners: [Vectors<S>; 3],
-    rays: &Rays<S>,
-    asked: Mask<S>,
-) -> (Mask<S>, Lanes<S>) {
-    let [a, b, c] = corners;
-    let normal = (b - a).cross(c - a);
-    let speed = rays.direction.dot(normal);
-    // Seen edge-on, as far as can be told, a triangle has no extent.
-    let tilt = rays.square * (normal.dot(normal) * (ROUNDING * ROUNDING));
-    let is_seen = (speed * speed).gt(tilt);
-    let t = (a - rays.origin).dot(normal) / speed;
-    // The hit is between the corners, also where the normal of a sliver is not worth much.
+fn along<S: Simd>(is_x: Mask<S>, is_y: Mask<S>, vectors: Vectors<S>) -> Lanes<S> {
+    is_x.select(vectors.x, is_y.select(vectors.y, vectors.z))
+}
+
+/// L2: where rays that pass through triangles, `asked`, meet them; and whether that is at t above 0 and
+/// seen at all.
+#[inline(always)]
+pub(super) fn met<S: Simd>(lie: &Lie<S>, rays: &Rays<S>, asked: Mask<S>) -> (Mask<S>, Lanes<S>) {
     let d = rays.direction;
+    let speed = d.dot(lie.normal);
+    // Seen edge-on, as far as can be told, a triangle has no extent.
+    let is_seen = (speed * speed).gt(rays.square * lie.rounding);
+    let t = lie.height / speed;
+    // The hit is between the corners, also where the normal of a sliver is not worth much.
     let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
     let is_x = x.ge(y) & x.ge(z);
     let is_y = y.ge(z);
-    let along = |v: Vectors<S>| is_x.select(v.x, is_y.select(v.y, v.z));
-    let (origin, direction) = (along(rays.origin), along(d));
-    let [a, b, c] = [along(a), along(b), along(c)];
-    let to_least = a.min(b).min(c) - origin;
-    let to_most = a.max(b).max(c) - origin;
+    let direction = along(is_x, is_y, d);
+    let to_least = along(is_x, is_y, lie.least);
+    let to_most = along(is_x, is_y, lie.most);
     let way = direction * t;
     let is_between = way.ge(to_least) & way.le(to_most);
     let t = if (asked & !is_between).any() {
@@ -319,7 +345,8 @@ impl Shape for Facet {
             Vectors::splat(simd, b),
             Vectors::splat(simd, c),
         ];
-        let (is_met, t) = met(corners, &packet.rays, passes);
+        let lie = Lie::new(corners, packet.rays.origin);
+        let (is_met, t) = met(&lie, &packet.rays, passes);
         nearest.offer(simd, passes & is_met, t, self.primitive);
     }
 
