@@ -19,6 +19,7 @@ mod outline;
 mod packet;
 mod plane;
 mod search;
+mod smooth;
 mod sphere;
 mod surface;
 mod triangle;
@@ -298,15 +299,7 @@ impl<'w> Visibility<'w> {
             };
             points.fill(simd, self, packet, &rays, &nearest, known);
             if self.is_smooth {
-                let ray = |slot: usize| {
-                    let varying = DVec3::from_array(varying_at(varying, slot));
-                    if is_perspective {
-                        (eye.0, varying)
-                    } else {
-                        (varying, forward)
-                    }
-                };
-                points.interpolate(self.world, packet, ray);
+                points.interpolate(simd, self.world, packet, &rays);
             }
         }
         points.end(simd);

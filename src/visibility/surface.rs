@@ -64,7 +64,7 @@ pub struct Points {
     /// ω_o: from the point to the viewer.
     pub(crate) to_viewer: [Column; 3],
     /// The normal of the surface, turned towards the viewer.
-    geometric_normal: [Column; 3],
+    pub(super) geometric_normal: [Column; 3],
     /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the surface;
     /// elsewhere the geometric normal.
     pub(crate) shading_normal: [Column; 3],
@@ -114,7 +114,7 @@ pub(crate) fn columns(columns: &[Column; 3], packet: usize) -> [&[f64]; 3] {
 }
 
 #[inline(always)]
-fn columns_mut(columns: &mut [Column; 3], packet: usize) -> [&mut [f64]; 3] {
+pub(super) fn columns_mut(columns: &mut [Column; 3], packet: usize) -> [&mut [f64]; 3] {
     let [x, y, z] = columns;
     let lanes = packet * LANES..(packet + 1) * LANES;
     [&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]]
@@ -314,40 +314,6 @@ impl Points {
             let lanes = (1 << end) - (1_u32 << start);
             count + (self.hit[packet] & lanes).count_ones()
         })
-    }
-
-    /// Puts interpolated normals where a smooth mesh is hit.
-    pub(super) fn interpolate(
-        &mut self,
-        world: &World,
-        packet: usize,
-        ray: impl Fn(usize) -> (DVec3, DVec3),
-    ) {
-        for lane in ones(self.hit[packet]) {
-            let slot = packet * LANES + lane;
-            let (object, triangle) = Primitive(self.primitive[slot]).parts();
-            let Shape::Mesh(mesh) = world.objects()[object as usize].shape else {
-                continue;
-            };
-            let mesh = &world.triangles().meshes()[mesh];
-            if mesh.normals.is_none() {
-                continue;
-            }
-            let (origin, direction) = ray(slot);
-            let weights =
-                triangle::weights(world.triangles().vertices(triangle), origin, direction);
-            if let Some(normal) = mesh.shading_normal(triangle, weights) {
-                let geometric = self.geometric_normal.each_ref().map(|column| column[slot]);
-                let normal = normal.get();
-                let is_turned = normal.dot(DVec3::from_array(geometric)) < 0.0;
-                let normal = if is_turned { -normal } else { normal };
-                for axis in 0..3 {
-                    self.shading_normal[axis][slot] = normal[axis];
-                }
-                let to_viewer = self.to_viewer.each_ref().map(|column| column[slot]);
-                self.cos_viewer[slot] = normal.dot(DVec3::from_array(to_viewer));
-            }
-        }
     }
 
     /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane,
@@ -661,7 +627,7 @@ fn source(world: &World, primitive: Primitive) -> Source {
 /// Vectors at unit length, from their squares and the reciprocal roots of these; 0 for those of `asked` that
 /// have no direction.
 #[inline(always)]
-fn unit<S: Simd>(
+pub(super) fn unit<S: Simd>(
     simd: S,
     vectors: Vectors<S>,
     square: Lanes<S>,

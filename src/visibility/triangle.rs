@@ -132,30 +132,8 @@ fn projected<S: Simd>(
 }
 
 #[inline(always)]
-fn edge<S: Simd>(p: [Lanes<S>; 2], q: [Lanes<S>; 2]) -> Lanes<S> {
+pub(super) fn edge<S: Simd>(p: [Lanes<S>; 2], q: [Lanes<S>; 2]) -> Lanes<S> {
     p[0] * q[1] - q[0] * p[1]
-}
-
-/// Barycentric coordinates, of corner after corner, where a ray that hits a triangle does so.
-pub(super) fn weights(vertices: [DVec3; 3], origin: DVec3, direction: DVec3) -> [f64; 3] {
-    let size = direction.abs();
-    let axis = if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    };
-    let [u, v, w] = CYCLE[axis];
-    let slopes = [direction[u] / direction[w], direction[v] / direction[w]];
-    let [a, b, c] = vertices.map(|vertex| {
-        let from = vertex - origin;
-        [from[u] - slopes[0] * from[w], from[v] - slopes[1] * from[w]]
-    });
-    let edge = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - q[0] * p[1];
-    let functions = [edge(b, c), edge(c, a), edge(a, b)];
-    let sum: f64 = functions.iter().sum();
-    functions.map(|function| function / sum)
 }
 
 /// How triangles lie, as seen from where rays start.

@@ -131,16 +131,9 @@ impl Triangles {
     }
 }
 
-impl Mesh {
-    /// The interpolated normal at barycentric coordinates `weights` of a triangle, not turned to
-    /// any side; `None` for a flat mesh or where the vertex normals cancel each other.
-    pub fn shading_normal(&self, triangle: u32, weights: [f64; 3]) -> Option<Normal> {
-        let normals = self.normals.as_ref()?;
-        let corners = normals.corners[(triangle - self.triangles.start) as usize];
-        let blend = corners
-            .iter()
-            .zip(weights)
-            .map(|(&corner, weight)| normals.vectors[corner as usize].get() * weight);
-        Normal::new(blend.sum())
+impl MeshNormals {
+    /// The normals at the corners of the mesh's triangle with this index, counted from its first.
+    pub fn at(&self, triangle: u32) -> [Normal; 3] {
+        self.corners[triangle as usize].map(|corner| self.vectors[corner as usize])
     }
 }
