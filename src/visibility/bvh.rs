@@ -70,12 +70,21 @@ pub(super) enum Child {
 }
 
 impl Bvh {
-    /// A tree over shapes, with [`Shape::WIDTH`] of them in a leaf if a plane parts them, and the order
-    /// in which its leaves have them.
-    pub(super) fn new<S: Shape>(shapes: &[S]) -> (Self, Vec<u32>) {
-        let bounds = shapes.par_iter().map(Shape::bounds);
-        let whole = bounds.reduce_with(Bounds::union);
-        let whole = whole.expect("a tree is planned only for shapes");
+    /// A tree over shapes but the few at some places, in order, with [`Shape::WIDTH`] of them in a leaf
+    /// if a plane parts them, and the order in which its leaves have them.
+    pub(super) fn new<S: Shape>(shapes: &[S], without: &[usize]) -> (Self, Vec<u32>) {
+        let nowhere = Bounds {
+            min: DVec3::INFINITY,
+            max: DVec3::NEG_INFINITY,
+        };
+        let bounds = shapes.par_iter().enumerate().map(|(place, shape)| {
+            if without.contains(&place) {
+                nowhere
+            } else {
+                shape.bounds()
+            }
+        });
+        let whole = bounds.reduce(|| nowhere, Bounds::union);
         let center = whole.min * 0.5 + whole.max * 0.5;
         let size = (whole.max - whole.min).max_element();
         // Shapes smaller than the rounding of their place may have no size in common.
@@ -92,7 +101,11 @@ impl Bvh {
             let (min, max) = (tree.to_frame(min), tree.to_frame(max));
             Item::new(rounded_down(min), rounded_up(max), index as u32)
         });
-        let (nodes, order) = builder::build(items.collect(), S::WIDTH);
+        let mut items: Vec<Item> = items.collect();
+        for &place in without.iter().rev() {
+            items.swap_remove(place);
+        }
+        let (nodes, order) = builder::build(items, S::WIDTH);
         tree.nodes = nodes;
         (tree, order)
     }

@@ -58,6 +58,12 @@ pub(super) struct Canvas {
     pub(super) origin: DVec3,
     /// u, v and w, orthonormal; w is the middle of the rays.
     pub(super) axes: [DVec3; 3],
+    /// The same in f32.
+    pub(super) turn: [[f32; 3]; 3],
+    /// The least and the largest x and y of all rays.
+    pub(super) bounds: [f32; 4],
+    /// The least closeness that is of interest to any ray, or less.
+    pub(super) farthest: f32,
     /// The largest |x| and the largest |y| of any ray.
     pub(super) extent: [f64; 2],
     /// Closeness is this over the depth along w.
@@ -156,6 +162,9 @@ impl Default for Canvas {
         Self {
             origin: DVec3::ZERO,
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
+            turn: [[0.0; 3]; 3],
+            bounds: [0.0; 4],
+            farthest: 0.0,
             extent: [0.0; 2],
             unit: 1.0,
             ends: None,
@@ -197,6 +206,7 @@ impl Canvas {
                 middle.length()
             };
         (self.origin, self.axes) = (origin, [u, v, w]);
+        self.turn = self.axes.map(|axis| axis.as_vec3().to_array());
         let infinite = Singles::splat(simd, f32::INFINITY);
         let one = Singles::splat(simd, 1.0);
         let zero = Singles::splat(simd, 0.0);
@@ -246,7 +256,14 @@ impl Canvas {
         smallest_of_each(bottom).store(&mut self.boxes[2].0);
         (zero - smallest_of_each(top)).store(&mut self.boxes[3].0);
         smallest_of_each(far).store(&mut self.far.0);
-        let [left, right, bottom, top] = self.bounds(simd);
+        self.bounds = [
+            Singles::load(simd, &self.boxes[0].0).smallest(),
+            Singles::load(simd, &self.boxes[1].0).largest(),
+            Singles::load(simd, &self.boxes[2].0).smallest(),
+            Singles::load(simd, &self.boxes[3].0).largest(),
+        ];
+        self.look(simd);
+        let [left, right, bottom, top] = self.bounds;
         self.extent = [f64::from(right.max(-left)), f64::from(top.max(-bottom))];
         let widest = right.max(-left).max(top).max(-bottom);
         shallowest.smallest() > SHALLOWEST && (NARROWEST..WIDEST).contains(&widest)
@@ -265,21 +282,9 @@ impl Canvas {
         nearest.element_sum() + room < height.abs()
     }
 
-    /// The least and the largest x and y of all rays that still ask.
-    #[inline(always)]
-    pub(super) fn bounds<S: Simd>(&self, simd: S) -> [f32; 4] {
-        [
-            Singles::load(simd, &self.boxes[0].0).smallest(),
-            Singles::load(simd, &self.boxes[1].0).largest(),
-            Singles::load(simd, &self.boxes[2].0).smallest(),
-            Singles::load(simd, &self.boxes[3].0).largest(),
-        ]
-    }
-
-    /// The rectangle around all rays that still ask, with what f32 takes away.
-    #[inline(always)]
-    pub(super) fn rectangle<S: Simd>(&self, simd: S) -> [f64; 4] {
-        let [left, right, bottom, top] = self.bounds(simd);
+    /// The rectangle around all rays, with what f32 takes away.
+    pub(super) fn rectangle(&self) -> [f64; 4] {
+        let [left, right, bottom, top] = self.bounds;
         let [give_x, give_y] = self.extent.map(|extent| extent * f64::from(GIVES_WAY));
         [
             f64::from(left) - give_x,
@@ -289,16 +294,11 @@ impl Canvas {
         ]
     }
 
-    /// The largest depth along w that is of interest to any ray.
+    /// Looks how far it goes; the largest depth along w that is of interest to any ray.
     #[inline(always)]
-    pub(super) fn depth<S: Simd>(&self, simd: S) -> f64 {
-        self.unit / f64::from(self.farthest(simd))
-    }
-
-    /// The least closeness that is of interest to any ray.
-    #[inline(always)]
-    pub(super) fn farthest<S: Simd>(&self, simd: S) -> f32 {
-        Singles::load(simd, &self.far.0).smallest()
+    pub(super) fn look<S: Simd>(&mut self, simd: S) -> f64 {
+        self.farthest = Singles::load(simd, &self.far.0).smallest();
+        self.unit / f64::from(self.farthest)
     }
 
     /// One bit for each packet that a shape of this extent may be of interest to.

@@ -180,11 +180,11 @@ impl<'w> Visibility<'w> {
     /// Arranges the shapes of a world as its plan says; builds the trees.
     pub fn new(world: &'w World, plan: &Plan) -> Self {
         let triangles = world.triangles();
-        let facets = triangles.meshes().par_iter().flat_map(|mesh| {
-            mesh.triangles.clone().into_par_iter().map(|index| {
-                let primitive = Primitive::triangle(mesh.object, index);
-                Facet::new(primitive, triangles.vertices(index))
-            })
+        let meshes = triangles.meshes();
+        let facets = (0..triangles.len() as u32).into_par_iter().map(|index| {
+            let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= index);
+            let primitive = Primitive::triangle(meshes[mesh].object, index);
+            Facet::new(primitive, triangles.vertices(index))
         });
         let shapes = triangles.len() + world.spheres().len();
         let is_smooth = triangles.meshes().iter().any(|mesh| mesh.normals.is_some());

@@ -50,10 +50,14 @@ pub(super) struct Members {
 }
 
 impl Tree {
-    /// A tree over shapes, the order of the shapes in its leaves, and the blocks, from `first_block` on.
-    /// Each leaf has blocks of [`Shape::WIDTH`] shapes for itself, one after the other.
-    pub(super) fn new<T: Shape>(shapes: &[T], first_block: u32) -> (Self, Vec<u32>, Vec<Members>) {
-        let (bvh, order) = Bvh::new(shapes);
+    /// A tree over shapes but some, in order, the order of the shapes in its leaves, and the blocks, from
+    /// `first_block` on. Each leaf has blocks of [`Shape::WIDTH`] shapes for itself, one after the other.
+    pub(super) fn new<T: Shape>(
+        shapes: &[T],
+        without: &[usize],
+        first_block: u32,
+    ) -> (Self, Vec<u32>, Vec<Members>) {
+        let (bvh, order) = Bvh::new(shapes, without);
         let mut blocks = Vec::with_capacity(shapes.len() / T::WIDTH * 2);
         let mut take = |first: u32, count: u32| {
             let place = first_block + blocks.len() as u32;

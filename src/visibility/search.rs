@@ -24,6 +24,9 @@ pub(super) trait Shape: Copy + Send + Sync {
     /// What the slots of this kind of shape have in common.
     const SLOTS: u32;
 
+    /// Whether blocks have no more of shapes than canvases need.
+    const IS_SKETCHED: bool;
+
     /// The smallest box around it.
     fn bounds(&self) -> Bounds;
 
@@ -42,11 +45,11 @@ pub(super) trait Block<T>: Send + Sync {
     /// Of [`Shape::WIDTH`] shapes or fewer, at least one.
     fn of(shapes: &[T]) -> Self;
 
-    /// One of them, by its place.
-    fn get(&self, place: usize) -> T;
+    /// One of them, by its place; all shapes of sketched ones are in `shapes`.
+    fn get(&self, shapes: &[T], place: usize) -> T;
 
-    /// One bit for each of them that the rays of a beam might meet.
-    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
+    /// One bit for each of those with a bit that the rays of a beam might meet.
+    fn near<S: Simd>(&self, simd: S, beam: &Beam, shapes: &[T], bits: u32) -> u32;
 
     /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow.
     fn cast<S: Simd>(
@@ -64,13 +67,18 @@ pub(super) trait Block<T>: Send + Sync {
 /// give way in proportion to the whole, and a planet would blur the pebbles on it.
 const OUTSIZED: f64 = 1000.0;
 
-/// Slots of one kind: of triangles 1e9 in 86 GB.
+/// Slots of one kind: of triangles 1e9 in 130 GB.
 const MOST_PLACES: usize = 1 << 30;
+
+/// The median size is that of so many shapes.
+const SAMPLE: usize = 4096;
 
 /// All shapes of one kind.
 #[derive(Debug)]
 pub(super) struct Search<T: Shape> {
-    /// All shapes: first the listed ones, then those of the tree, leaf by leaf.
+    /// All shapes as they are, if the blocks are sketches of them.
+    shapes: Vec<T>,
+    /// All shapes as canvases take them: first the listed ones, then those of the tree, leaf by leaf.
     blocks: Vec<T::Block>,
     /// How many are gone through one by one.
     listed: usize,
@@ -78,29 +86,34 @@ pub(super) struct Search<T: Shape> {
 }
 
 impl<T: Shape> Search<T> {
-    pub(super) fn new(shapes: Vec<T>, acceleration: Acceleration) -> Self {
-        let (listed, treed) = match acceleration {
-            Acceleration::None | Acceleration::List => (shapes, Vec::new()),
-            Acceleration::Tree => without_outsized(shapes),
+    pub(super) fn new(mut shapes: Vec<T>, acceleration: Acceleration) -> Self {
+        let listed: Vec<usize> = match acceleration {
+            Acceleration::None | Acceleration::List => (0..shapes.len()).collect(),
+            Acceleration::Tree => outsized(&shapes),
         };
-        let mut blocks: Vec<T::Block> = listed.chunks(T::WIDTH).map(T::Block::of).collect();
-        let tree = (!treed.is_empty()).then(|| {
-            let (tree, order, members) = Tree::new(&treed, blocks.len() as u32);
+        let list: Vec<T> = listed.iter().map(|&index| shapes[index]).collect();
+        let mut blocks: Vec<T::Block> = list.chunks(T::WIDTH).map(T::Block::of).collect();
+        let tree = (listed.len() < shapes.len()).then(|| {
+            let (tree, order, members) = Tree::new(&shapes, &listed, blocks.len() as u32);
             blocks.par_extend(members.par_iter().map(|&Members { first, count }| {
                 let order = &order[first as usize..(first + count) as usize];
-                let mut shapes = [treed[order[0] as usize]; LANES];
-                for (shape, &index) in shapes.iter_mut().zip(order) {
-                    *shape = treed[index as usize];
+                let mut members = [shapes[order[0] as usize]; LANES];
+                for (member, &index) in members.iter_mut().zip(order) {
+                    *member = shapes[index as usize];
                 }
-                T::Block::of(&shapes[..order.len()])
+                T::Block::of(&members[..order.len()])
             }));
             tree
         });
         let places = blocks.len() * T::WIDTH;
         assert!(places <= MOST_PLACES, "memory ends before slots do");
+        if !T::IS_SKETCHED {
+            shapes = Vec::new();
+        }
         Self {
+            shapes,
             blocks,
-            listed: listed.len(),
+            listed: list.len(),
             tree,
         }
     }
@@ -109,13 +122,13 @@ impl<T: Shape> Search<T> {
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> T {
         let number = number as usize;
-        self.blocks[number / T::WIDTH].get(number % T::WIDTH)
+        self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
     }
 
     /// A point amid the shapes, if there are any.
     pub(super) fn somewhere(&self) -> Option<DVec3> {
         let first = self.blocks.first().map(|block| {
-            let Bounds { min, max } = block.get(0).bounds();
+            let Bounds { min, max } = block.get(&self.shapes, 0).bounds();
             min * 0.5 + max * 0.5
         });
         self.tree.as_ref().map(|tree| tree.center).or(first)
@@ -161,7 +174,7 @@ impl<T: Shape> Search<T> {
         for (block, number, shapes) in self.blocks(0, self.listed) {
             let mut bits = shapes;
             for place in ones(shapes) {
-                bits &= !(u32::from(block.get(place).is_beside(canvas)) << place);
+                bits &= !(u32::from(block.get(&self.shapes, place).is_beside(canvas)) << place);
             }
             if bits != 0 {
                 let slot = T::SLOTS | number as u32;
@@ -169,12 +182,12 @@ impl<T: Shape> Search<T> {
             }
         }
         if let Some(tree) = &self.tree {
-            let rectangle = canvas.rectangle(simd);
+            let rectangle = canvas.rectangle();
             let beam = Beam::from_point(tree, canvas.origin, canvas.axes, rectangle);
             beam.descend(
                 simd,
                 tree,
-                canvas.depth(simd),
+                canvas.look(simd),
                 stack,
                 #[inline(always)]
                 |block, count| {
@@ -182,7 +195,7 @@ impl<T: Shape> Search<T> {
                         let slot = T::SLOTS | number as u32;
                         block.cast(simd, bits, slot, outlines, canvas, verdict);
                     }
-                    Some(canvas.depth(simd))
+                    Some(canvas.look(simd))
                 },
             );
         }
@@ -216,7 +229,7 @@ impl<T: Shape> Search<T> {
                 if question.asked() == 0 {
                     return;
                 }
-                question.ask(simd, packet, &block.get(place));
+                question.ask(simd, packet, &block.get(&self.shapes, place));
             }
         }
         if let Some(tree) = &self.tree {
@@ -229,8 +242,8 @@ impl<T: Shape> Search<T> {
                 #[inline(always)]
                 |block, count, beam, question| {
                     for (block, _, shapes) in self.blocks(block as usize, count as usize) {
-                        for place in ones(shapes & block.near(simd, beam)) {
-                            question.ask(simd, packet, &block.get(place));
+                        for place in ones(block.near(simd, beam, &self.shapes, shapes)) {
+                            question.ask(simd, packet, &block.get(&self.shapes, place));
                         }
                     }
                 },
@@ -241,22 +254,25 @@ impl<T: Shape> Search<T> {
     /// Bytes of the shapes and their tree.
     pub(super) fn memory(&self) -> usize {
         let tree = self.tree.as_ref().map_or(0, Tree::memory);
-        size_of_val(self.blocks.as_slice()) + tree
+        size_of_val(self.shapes.as_slice()) + size_of_val(self.blocks.as_slice()) + tree
     }
 }
 
-/// The few shapes that are far larger than the others, and the others.
-fn without_outsized<T: Shape>(shapes: Vec<T>) -> (Vec<T>, Vec<T>) {
+/// The few shapes that are far larger than the others, by their places, in order.
+fn outsized<T: Shape>(shapes: &[T]) -> Vec<usize> {
     let extent = |shape: &T| {
         let Bounds { min, max } = shape.bounds();
         (max - min).max_element()
     };
-    let mut extents: Vec<f64> = shapes.iter().map(extent).collect();
+    let sample = shapes.iter().step_by(shapes.len().div_ceil(SAMPLE));
+    let mut extents: Vec<f64> = sample.map(extent).collect();
     let middle = extents.len() / 2;
     let (_, &mut median, _) = extents.select_nth_unstable_by(middle, f64::total_cmp);
-    let is_outsized = |shape: &T| extent(shape) > median * OUTSIZED;
-    if shapes.iter().filter(|shape| is_outsized(shape)).count() > LONGEST_LIST {
-        return (Vec::new(), shapes);
+    let is_outsized = |&place: &usize| extent(&shapes[place]) > median * OUTSIZED;
+    let all = (0..shapes.len()).into_par_iter();
+    let outsized: Vec<usize> = all.filter(is_outsized).collect();
+    if outsized.len() > LONGEST_LIST {
+        return Vec::new();
     }
-    shapes.into_iter().partition(is_outsized)
+    outsized
 }

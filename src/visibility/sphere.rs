@@ -112,11 +112,11 @@ impl Block<Self> for Ball {
         shapes[0]
     }
 
-    fn get(&self, _: usize) -> Self {
+    fn get(&self, _: &[Self], _: usize) -> Self {
         *self
     }
 
-    fn near<S: Simd>(&self, _: S, _: &Beam) -> u32 {
+    fn near<S: Simd>(&self, _: S, _: &Beam, _: &[Self], _: u32) -> u32 {
         1
     }
 
@@ -146,6 +146,8 @@ impl Shape for Ball {
     const WIDTH: usize = 1;
 
     const SLOTS: u32 = super::SPHERES;
+
+    const IS_SKETCHED: bool = false;
 
     fn bounds(&self) -> Bounds {
         Bounds {

@@ -12,7 +12,7 @@ use fearless_simd::Simd;
 use super::beam::Beam;
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict, Who};
-use super::outline::Outlines;
+use super::outline::{Outlines, Sketch, side_by_side};
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
 use super::{Primitive, ROUNDING};
@@ -20,7 +20,7 @@ use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::DVec3;
 use crate::world::geometry::{area_vector, from_shorter_edges};
 
-/// A triangle with its place in the world, its corners side by side in memory.
+/// A triangle with its place in the world, its corners in f64.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
     /// In the cyclic order of the world, from the corner between the two shorter edges on.
@@ -218,60 +218,41 @@ impl Facet {
     }
 }
 
-/// Sixteen triangles or fewer.
+/// Sixteen triangles or fewer, as canvases take them. The facets that they stand for are in the order of
+/// the world.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
 pub(super) struct Facets {
-    /// Corner by corner the coordinates of the triangles side by side.
-    corners: [[[f64; LANES]; 3]; 3],
+    sketch: Sketch,
     primitives: [Primitive; LANES],
-}
-
-impl Facets {
-    #[inline(always)]
-    fn corners<S: Simd>(&self, simd: S) -> [Vectors<S>; 3] {
-        let [a, b, c] = &self.corners;
-        [
-            Vectors::load(simd, [&a[0], &a[1], &a[2]]),
-            Vectors::load(simd, [&b[0], &b[1], &b[2]]),
-            Vectors::load(simd, [&c[0], &c[1], &c[2]]),
-        ]
-    }
 }
 
 impl Block<Facet> for Facets {
     fn of(shapes: &[Facet]) -> Self {
-        let mut facets = Self {
-            corners: [[[0.0; LANES]; 3]; 3],
-            primitives: [shapes[0].primitive; LANES],
-        };
-        for (place, shape) in shapes.iter().enumerate() {
-            for (corner, vertex) in shape.vertices.iter().enumerate() {
-                for axis in 0..3 {
-                    facets.corners[corner][axis][place] = vertex[axis];
-                }
-            }
-            facets.primitives[place] = shape.primitive;
+        let mut primitives = [shapes[0].primitive; LANES];
+        for (primitive, shape) in primitives.iter_mut().zip(shapes) {
+            *primitive = shape.primitive;
         }
-        facets
-    }
-
-    #[inline(always)]
-    fn get(&self, place: usize) -> Facet {
-        let [a, b, c] = &self.corners;
-        Facet {
-            vertices: [
-                DVec3::new(a[0][place], a[1][place], a[2][place]),
-                DVec3::new(b[0][place], b[1][place], b[2][place]),
-                DVec3::new(c[0][place], c[1][place], c[2][place]),
-            ],
-            primitive: self.primitives[place],
+        Self {
+            sketch: Sketch::of(shapes.iter().map(Facet::vertices)),
+            primitives,
         }
     }
 
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
-        beam.may_meet(simd, self.corners(simd))
+    fn get(&self, shapes: &[Facet], place: usize) -> Facet {
+        let (_, triangle) = self.primitives[place].parts();
+        shapes[triangle as usize]
+    }
+
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, beam: &Beam, shapes: &[Facet], bits: u32) -> u32 {
+        let corners = side_by_side(
+            simd,
+            bits,
+            #[inline(always)]
+            |place| self.get(shapes, place).vertices,
+        );
+        beam.may_meet(simd, corners) & bits
     }
 
     #[inline(always)]
@@ -284,7 +265,7 @@ impl Block<Facet> for Facets {
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
-        outlines.draw(simd, canvas, self.corners(simd), bits);
+        outlines.draw(simd, canvas, &self.sketch, bits);
         for place in ones(outlines.of_interest) {
             let who = Who {
                 slot: slot + place as u32,
@@ -301,6 +282,8 @@ impl Shape for Facet {
     const WIDTH: usize = LANES;
 
     const SLOTS: u32 = super::TRIANGLES;
+
+    const IS_SKETCHED: bool = true;
 
     fn bounds(&self) -> Bounds {
         let [a, b, c] = self.vertices;
