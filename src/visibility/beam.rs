@@ -266,6 +266,26 @@ impl Beam {
         bits
     }
 
+    /// One bit for each of sixteen spheres that a ray might meet.
+    #[inline(always)]
+    pub(super) fn may_meet_spheres<S: Simd>(
+        &self,
+        simd: S,
+        center: Vectors<S>,
+        radius: Lanes<S>,
+    ) -> u32 {
+        let center = center.minus(self.center);
+        let mut bits = u32::MAX;
+        for side in &self.sides {
+            // The sum of the components' magnitudes is at least the length.
+            let size = side.exact.abs().element_sum();
+            let reach = center.dot_with(side.exact) + radius * size;
+            let offset = f64::from(side.offset) / self.scale;
+            bits &= reach.ge(Lanes::splat(simd, offset)).to_bits();
+        }
+        bits
+    }
+
     /// Puts the children of a node that the beam meets on the stack, the nearest on top; its new height.
     #[inline(always)]
     fn open<S: Simd>(

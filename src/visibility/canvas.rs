@@ -301,6 +301,22 @@ impl Canvas {
         self.unit / f64::from(self.farthest)
     }
 
+    /// Whether shapes of these least and largest x and y and largest closenesses may be of interest to any ray.
+    #[inline(always)]
+    pub(super) fn is_of_interest<S: Simd>(
+        &self,
+        simd: S,
+        [left, right, bottom, top]: [Singles<S>; 4],
+        most: Singles<S>,
+    ) -> SingleMask<S> {
+        let [all_left, all_right, all_bottom, all_top] = self.bounds;
+        left.le(Singles::splat(simd, all_right))
+            & right.ge(Singles::splat(simd, all_left))
+            & bottom.le(Singles::splat(simd, all_top))
+            & top.ge(Singles::splat(simd, all_bottom))
+            & most.ge(Singles::splat(simd, self.farthest))
+    }
+
     /// One bit for each packet that a shape of this extent may be of interest to.
     #[inline(always)]
     pub(super) fn meets<S: Simd>(&self, simd: S, extent: &Extent) -> u32 {

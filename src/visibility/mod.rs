@@ -14,6 +14,7 @@ mod beam;
 mod builder;
 mod bvh;
 mod canvas;
+mod disc;
 mod nodes;
 mod outline;
 mod packet;
@@ -39,6 +40,7 @@ use crate::math::{DVec3, Point};
 use crate::world::{Plan, Projection, World};
 use beam::{EMPTY_STACK, Stack};
 use canvas::{Canvas, First, Reached, Who};
+use disc::Discs;
 use outline::Outlines;
 use packet::{Ends, Nearest, Packet, Rays, Shadow};
 use search::Search;
@@ -107,13 +109,20 @@ pub struct Visibility<'w> {
     uses_canvas: bool,
 }
 
+/// What is drawn on a canvas, block by block.
+#[derive(Debug, Default)]
+struct Drawings {
+    discs: Discs,
+    outlines: Outlines,
+}
+
 /// What a thread needs to trace batches, to be used again and again.
 #[derive(Debug)]
 pub struct Workspace {
     /// Of a perspective camera where each ray goes, of an orthographic one where each starts.
     varying: [Column; 3],
     canvas: Canvas,
-    outlines: Outlines,
+    drawings: Drawings,
     stack: Box<Stack>,
     /// Groups of points that are still to be asked for a light.
     groups: Vec<[u32; PACKETS]>,
@@ -124,7 +133,7 @@ impl Default for Workspace {
         Self {
             varying: [Column::ZERO; 3],
             canvas: Canvas::default(),
-            outlines: Outlines::default(),
+            drawings: Drawings::default(),
             stack: Box::new(EMPTY_STACK),
             groups: Vec::new(),
         }
@@ -246,7 +255,7 @@ impl<'w> Visibility<'w> {
         let Workspace {
             varying,
             canvas,
-            outlines,
+            drawings,
             stack,
             ..
         } = space;
@@ -269,7 +278,7 @@ impl<'w> Visibility<'w> {
             )
         };
         if has_canvas {
-            self.cast(simd, canvas, outlines, stack, First);
+            self.cast(simd, canvas, drawings, stack, First);
         }
         let mut last = None;
         for (packet, bits) in asked.into_iter().enumerate() {
@@ -311,7 +320,7 @@ impl<'w> Visibility<'w> {
         &self,
         simd: S,
         canvas: &mut Canvas,
-        outlines: &mut Outlines,
+        drawings: &mut Drawings,
         stack: &mut Stack,
         verdict: impl canvas::Verdict,
     ) {
@@ -323,7 +332,8 @@ impl<'w> Visibility<'w> {
             };
             outline::cast_plane(simd, point, normal, who, canvas, verdict);
         }
-        self.spheres.cast(simd, canvas, outlines, stack, verdict);
+        let Drawings { discs, outlines } = drawings;
+        self.spheres.cast(simd, canvas, discs, stack, verdict);
         self.triangles.cast(simd, canvas, outlines, stack, verdict);
     }
 
@@ -415,7 +425,7 @@ impl<'w> Visibility<'w> {
     ) -> [u32; PACKETS] {
         let Workspace {
             canvas,
-            outlines,
+            drawings,
             stack,
             groups,
             ..
@@ -481,7 +491,7 @@ impl<'w> Visibility<'w> {
                     |packet| way(simd, points, packet, light),
                 );
             if has_canvas {
-                self.cast(simd, canvas, outlines, stack, Reached(&points.primitive));
+                self.cast(simd, canvas, drawings, stack, Reached(&points.primitive));
             }
             for (packet, bits) in group.into_iter().enumerate() {
                 if bits == 0 {

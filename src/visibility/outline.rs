@@ -61,10 +61,7 @@ const SMALLEST: f32 = 1.0 / (1_u64 << 44) as f32;
 
 /// How much a corner's place on the canvas is off by the rounding of its way in f64, times the size of the
 /// way over its depth: eight roundings of 2⁻⁵³, and eight times that.
-const NOISE: f32 = 1.0 / (1_u64 << 47) as f32;
-
-/// A sphere smaller than this many times the error of the points may have points of its own anywhere.
-const SMALLEST_RADIUS: f64 = 128.0;
+pub(super) const NOISE: f32 = 1.0 / (1_u64 << 47) as f32;
 
 /// A vector in each lane.
 #[derive(Clone, Copy)]
@@ -351,12 +348,7 @@ impl Outlines {
         let to_closeness = Singles::splat(simd, frame.closeness as f32);
         let most = inverse * to_closeness * (one + slope);
         let most = is_before.select(most, infinite);
-        let [all_left, all_right, all_bottom, all_top] = canvas.bounds;
-        let meets = left.le(Singles::splat(simd, all_right))
-            & right.ge(Singles::splat(simd, all_left))
-            & bottom.le(Singles::splat(simd, all_top))
-            & top.ge(Singles::splat(simd, all_bottom))
-            & most.ge(Singles::splat(simd, canvas.farthest));
+        let meets = canvas.is_of_interest(simd, [left, right, bottom, top], most);
         self.of_interest = meets.to_bits() & bits;
         if self.of_interest == 0 {
             return;
@@ -509,145 +501,6 @@ pub(super) fn cast_plane<S: Simd>(
             most: closeness + error,
         };
         verdict.hear(simd, canvas, packet, who, claim);
-    }
-}
-
-/// Where R²|d|² − |oc × d|², over the sum of the magnitudes of its terms, is above this, a ray surely
-/// meets a sphere, and the root of it is off by [`GIVES_WAY`] over twice the root of this at most.
-const SURELY: f32 = 1.0 / (1 << 13) as f32;
-
-/// By how much that root is off at most, √ of [`SURELY`] being 2⁻⁶·⁵: 2⁻²⁰ · 2⁶·⁵ / 2, and room.
-const ROOT_ERROR: f64 = 1.0 / (1 << 14) as f64;
-
-/// Puts a sphere on the canvas. `shows_outside` says that no viewer sees it from within.
-#[inline(always)]
-pub(super) fn cast_sphere<S: Simd>(
-    simd: S,
-    center: DVec3,
-    radius: f64,
-    shows_outside: bool,
-    who: Who,
-    canvas: &mut Canvas,
-    verdict: impl Verdict,
-) {
-    if radius <= canvas.error * SMALLEST_RADIUS {
-        let packets = canvas.meets(simd, &Extent::EVERYTHING);
-        for packet in ones(packets) {
-            verdict.abstain(simd, canvas, packet, who);
-            verdict.doubt_own(simd, canvas, packet, who);
-        }
-        return;
-    }
-    let from_origin = center - canvas.origin;
-    let [u, v, w] = canvas.axes;
-    let (x, y, z) = (u.dot(from_origin), v.dot(from_origin), w.dot(from_origin));
-    let extent = disc_extent(canvas, [x, y, z], radius);
-    let packets = canvas.meets(simd, &extent);
-    if packets == 0 {
-        return;
-    }
-    let distance = from_origin.length();
-    let clearance = distance - radius;
-    // oc × d = g₀ + g₁ x + g₂ y in the axes of the canvas
-    let g = [
-        DVec3::new(y, -x, 0.0),
-        DVec3::new(0.0, z, -y),
-        DVec3::new(-z, 0.0, x),
-    ];
-    let square = radius * radius;
-    let c = square - g[0].length_squared();
-    let (cx, cy) = (-2.0 * g[0].dot(g[1]), -2.0 * g[0].dot(g[2]));
-    let cxx = square - g[1].length_squared();
-    let cxy = -2.0 * g[1].dot(g[2]);
-    let cyy = square - g[2].length_squared();
-    let [ex, ey] = canvas.extent;
-    let magnitude = square
-        + g[0].length_squared()
-        + cx.abs() * ex
-        + cy.abs() * ey
-        + cxx.abs() * (ex * ex)
-        + cxy.abs() * (ex * ey)
-        + cyy.abs() * (ey * ey);
-    let over_magnitude = 1.0 / magnitude;
-    let c = Singles::splat(simd, (c * over_magnitude) as f32);
-    let cx = Singles::splat(simd, (cx * over_magnitude) as f32);
-    let cy = Singles::splat(simd, (cy * over_magnitude) as f32);
-    let cxx = Singles::splat(simd, (cxx * over_magnitude) as f32);
-    let cxy = Singles::splat(simd, (cxy * over_magnitude) as f32);
-    let cyy = Singles::splat(simd, (cyy * over_magnitude) as f32);
-    // With b = oc · d and c = |oc|² − R², t = c / (b ± √…), the nearer root of which is before a point
-    // outside and behind one inside.
-    let scale = canvas.unit / (clearance * (distance + radius));
-    let (along, along_x, along_y) = (z * scale, x * scale, y * scale);
-    let along_size = along.abs() + along_x.abs() * ex + along_y.abs() * ey;
-    let root_scale = magnitude.sqrt() * scale.abs();
-    let error = along_size * f64::from(GIVES_WAY) + root_scale * ROOT_ERROR;
-    let size = along_size + root_scale;
-    let is_told = clearance.abs() > distance * NEGLIGIBLE + canvas.error / NEGLIGIBLE
-        && radius > distance * NEGLIGIBLE + canvas.error / NEGLIGIBLE
-        && (1.0 / CLOSENESS..CLOSENESS).contains(&size);
-    // Seen from outside, a sphere does not hide points of its own that face the light.
-    let own_is_safe = shows_outside || clearance < 0.0;
-    let along = Affine([along as f32, along_x as f32, along_y as f32]);
-    let error = Singles::splat(simd, error as f32);
-    // Where it is not sure that the sphere is met, the root is below that of 2 · SURELY.
-    let edge_error = Singles::splat(simd, root_scale as f32 * (2.0 * SURELY).sqrt());
-    let root_scale = Singles::splat(simd, root_scale as f32);
-    let zero = Singles::splat(simd, 0.0);
-    for packet in ones(packets) {
-        if !is_told {
-            verdict.abstain(simd, canvas, packet, who);
-            verdict.doubt_own(simd, canvas, packet, who);
-            continue;
-        }
-        if !own_is_safe {
-            verdict.doubt_own(simd, canvas, packet, who);
-        }
-        let [x, y] = canvas.dots(simd, packet);
-        let discriminant = x.times_plus(
-            x.times_plus(cxx, y.times_plus(cxy, cx)),
-            y.times_plus(y.times_plus(cyy, cy), c),
-        );
-        let maybe = discriminant.ge(Singles::splat(simd, -GIVES_WAY));
-        if maybe.to_bits() == 0 {
-            continue;
-        }
-        let surely = discriminant.gt(Singles::splat(simd, SURELY));
-        let root = discriminant.max(zero).sqrt();
-        let closeness = root.times_plus(root_scale, along.at(simd, [x, y]));
-        let most = closeness + error;
-        let claim = Claim {
-            maybe,
-            surely,
-            least: closeness - error,
-            most: surely.select(most, most + edge_error),
-        };
-        verdict.hear(simd, canvas, packet, who, claim);
-    }
-}
-
-/// The box of a sphere on the canvas: the planes through the origin and an axis that touch it (Mara &
-/// McGuire 2013, "2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere").
-fn disc_extent(canvas: &Canvas, [x, y, z]: [f64; 3], radius: f64) -> Extent {
-    let nearest = z - radius;
-    if nearest <= (z.abs() + radius) * f64::from(GIVES_WAY) {
-        return Extent::EVERYTHING;
-    }
-    let give = f64::from(GIVES_WAY);
-    let width = nearest * (z + radius);
-    let noise = (x.abs() + y.abs() + z + radius) / nearest * f64::from(NOISE);
-    let sides = |across: f64, extent: f64| {
-        let root = radius * (across * across + width).sqrt();
-        let [least, most] = [(across * z - root) / width, (across * z + root) / width];
-        [
-            (least - (least.abs() + extent) * give - noise) as f32,
-            (most + (most.abs() + extent) * give + noise) as f32,
-        ]
-    };
-    Extent {
-        x: sides(x, canvas.extent[0]),
-        y: sides(y, canvas.extent[1]),
-        most: (canvas.unit / nearest * (1.0 + give)) as f32,
     }
 }
 

@@ -7,7 +7,6 @@ use super::beam::{Beam, Stack};
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict};
 use super::nodes::{Members, Tree};
-use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Question, Shadow, descend};
 use crate::lanes::{LANES, ones};
 use crate::math::DVec3;
@@ -42,6 +41,9 @@ pub(super) trait Shape: Copy + Send + Sync {
 
 /// A few shapes side by side.
 pub(super) trait Block<T>: Send + Sync {
+    /// What a canvas makes of them before it is looked at ray by ray.
+    type Drawing;
+
     /// Of [`Shape::WIDTH`] shapes or fewer, at least one.
     fn of(shapes: &[T]) -> Self;
 
@@ -57,7 +59,7 @@ pub(super) trait Block<T>: Send + Sync {
         simd: S,
         bits: u32,
         slot: u32,
-        outlines: &mut Outlines,
+        drawing: &mut Self::Drawing,
         canvas: &mut Canvas,
         verdict: impl Verdict,
     );
@@ -152,13 +154,13 @@ impl<T: Shape> Search<T> {
         &self,
         simd: S,
         canvas: &mut Canvas,
-        outlines: &mut Outlines,
+        drawing: &mut <T::Block as Block<T>>::Drawing,
         stack: &mut Stack,
         verdict: impl Verdict,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.cast_all(simd, canvas, outlines, stack, verdict),
+            || self.cast_all(simd, canvas, drawing, stack, verdict),
         );
     }
 
@@ -167,7 +169,7 @@ impl<T: Shape> Search<T> {
         &self,
         simd: S,
         canvas: &mut Canvas,
-        outlines: &mut Outlines,
+        drawing: &mut <T::Block as Block<T>>::Drawing,
         stack: &mut Stack,
         verdict: impl Verdict,
     ) {
@@ -178,7 +180,7 @@ impl<T: Shape> Search<T> {
             }
             if bits != 0 {
                 let slot = T::SLOTS | number as u32;
-                block.cast(simd, bits, slot, outlines, canvas, verdict);
+                block.cast(simd, bits, slot, drawing, canvas, verdict);
             }
         }
         if let Some(tree) = &self.tree {
@@ -193,7 +195,7 @@ impl<T: Shape> Search<T> {
                 |block, count| {
                     for (block, number, bits) in self.blocks(block as usize, count as usize) {
                         let slot = T::SLOTS | number as u32;
-                        block.cast(simd, bits, slot, outlines, canvas, verdict);
+                        block.cast(simd, bits, slot, drawing, canvas, verdict);
                     }
                     Some(canvas.look(simd))
                 },

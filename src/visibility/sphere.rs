@@ -5,11 +5,11 @@ use fearless_simd::Simd;
 use super::beam::Beam;
 use super::bvh::Bounds;
 use super::canvas::{Canvas, NEGLIGIBLE, Verdict, Who};
-use super::outline::{Outlines, cast_sphere};
+use super::disc::{Discs, Spheres};
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
 use super::{Primitive, ROUNDING};
-use crate::lanes::{Lanes, Mask};
+use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::{DVec3, Point};
 use crate::world::{Camera, Projection, Sphere};
 
@@ -107,43 +107,91 @@ impl Ball {
     }
 }
 
-impl Block<Self> for Ball {
-    fn of(shapes: &[Self]) -> Self {
-        shapes[0]
+/// Sixteen spheres or fewer, side by side.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct Balls {
+    center: [[f64; LANES]; 3],
+    radius: [f64; LANES],
+    object: [u32; LANES],
+    /// One bit for each.
+    shows_outside: u32,
+}
+
+impl Balls {
+    #[inline(always)]
+    fn spheres<S: Simd>(&self, simd: S) -> Spheres<S> {
+        let [x, y, z] = &self.center;
+        Spheres {
+            center: Vectors::load(simd, [x, y, z]),
+            radius: Lanes::load(simd, &self.radius),
+            shows_outside: self.shows_outside,
+        }
+    }
+}
+
+impl Block<Ball> for Balls {
+    type Drawing = Discs;
+
+    fn of(shapes: &[Ball]) -> Self {
+        let mut balls = Self {
+            center: [[0.0; LANES]; 3],
+            radius: [1.0; LANES],
+            object: [0; LANES],
+            shows_outside: 0,
+        };
+        for (place, ball) in shapes.iter().enumerate() {
+            for axis in 0..3 {
+                balls.center[axis][place] = ball.center.0[axis];
+            }
+            balls.radius[place] = ball.radius;
+            balls.object[place] = ball.object;
+            balls.shows_outside |= u32::from(ball.shows_outside) << place;
+        }
+        balls
     }
 
-    fn get(&self, _: &[Self], _: usize) -> Self {
-        *self
+    #[inline(always)]
+    fn get(&self, _: &[Ball], place: usize) -> Ball {
+        Ball {
+            center: self.center.map(|column| column[place]).into(),
+            radius: self.radius[place],
+            object: self.object[place],
+            shows_outside: self.shows_outside >> place & 1 == 1,
+        }
     }
 
-    fn near<S: Simd>(&self, _: S, _: &Beam, _: &[Self], _: u32) -> u32 {
-        1
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, beam: &Beam, _: &[Ball], bits: u32) -> u32 {
+        let Spheres { center, radius, .. } = self.spheres(simd);
+        beam.may_meet_spheres(simd, center, radius) & bits
     }
 
     #[inline(always)]
     fn cast<S: Simd>(
         &self,
         simd: S,
-        _: u32,
+        bits: u32,
         slot: u32,
-        _: &mut Outlines,
+        discs: &mut Discs,
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
-        let (center, radius) = (self.center.0, self.radius);
-        let who = Who {
-            slot,
-            primitive: self.primitive(),
-        };
-        let shows_outside = self.shows_outside;
-        cast_sphere(simd, center, radius, shows_outside, who, canvas, verdict);
+        discs.draw(simd, canvas, &self.spheres(simd), bits);
+        for place in ones(discs.of_interest) {
+            let who = Who {
+                slot: slot + place as u32,
+                primitive: Primitive::whole(self.object[place]),
+            };
+            discs.cast(simd, place, who, canvas, verdict);
+        }
     }
 }
 
 impl Shape for Ball {
-    type Block = Self;
+    type Block = Balls;
 
-    const WIDTH: usize = 1;
+    const WIDTH: usize = LANES;
 
     const SLOTS: u32 = super::SPHERES;
 

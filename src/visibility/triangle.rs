@@ -227,6 +227,8 @@ pub(super) struct Facets {
 }
 
 impl Block<Facet> for Facets {
+    type Drawing = Outlines;
+
     fn of(shapes: &[Facet]) -> Self {
         let mut primitives = [shapes[0].primitive; LANES];
         for (primitive, shape) in primitives.iter_mut().zip(shapes) {
