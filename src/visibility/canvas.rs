@@ -13,7 +13,8 @@
 use fearless_simd::Simd;
 
 use super::Primitive;
-use super::surface::{BATCH, PACKETS};
+use super::longest;
+use super::surface::{BATCH, Only, PACKETS, Points, columns};
 use crate::lanes::{Ids, LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
 use crate::math::DVec3;
 
@@ -30,6 +31,9 @@ const NARROWEST: f32 = 1.0 / (1 << 26) as f32;
 
 /// Rays whose depth is less than this part of the largest do not go on one canvas: f32 would end.
 const SHALLOWEST: f32 = 1e-30;
+
+/// A box that reaches back to less than this part of its distance is not aimed at.
+const SHALLOWEST_BOX: f64 = 1.0 / 8.0;
 
 /// Rays further from the middle than this, as a tangent, do not go on one canvas.
 const WIDEST: f32 = 2.0;
@@ -72,6 +76,7 @@ pub(super) struct Canvas {
     pub(super) ends: Option<[DVec3; 2]>,
     /// How far the origin or the ends of the rays may be from where they should be.
     pub(super) error: f64,
+    pub(super) state: State,
     x: Floats,
     y: Floats,
     /// The range of the closeness of what is known of a ray: of a primary ray its nearest hit, 0 where
@@ -88,6 +93,17 @@ pub(super) struct Canvas {
     boxes: [Row; 4],
     /// The least closeness that is of interest to any ray of each packet.
     far: Row,
+}
+
+/// How much is known of a canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum State {
+    /// A box around the rays' ends, so that shapes beside the way to it are told.
+    Aimed,
+    /// Every ray.
+    Stretched,
+    /// The rays are not for a canvas.
+    Unfit,
 }
 
 /// Which shape it is.
@@ -128,6 +144,12 @@ impl Extent {
 
 /// What is made of the claims.
 pub(super) trait Verdict: Copy {
+    /// Whether all rays end on the shape.
+    fn are_all_on(self, who: Who) -> bool;
+
+    /// Stretches a canvas that is only aimed; whether it is fit for its rays.
+    fn is_ready<S: Simd>(self, simd: S, canvas: &mut Canvas) -> bool;
+
     /// Takes note of a claim of the shape.
     fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>);
 
@@ -142,16 +164,43 @@ pub(super) trait Verdict: Copy {
 #[derive(Clone, Copy)]
 pub(super) struct First;
 
-/// Which points does the light reach? With what each is on.
+/// Which points does the light reach, of those with a bit?
 #[derive(Clone, Copy)]
-pub(super) struct Reached<'p>(pub(super) &'p [u64; BATCH]);
+pub(super) struct Reached<'p> {
+    /// Where the light is.
+    pub(super) light: DVec3,
+    pub(super) points: &'p Points,
+    pub(super) asked: &'p [u32; PACKETS],
+}
 
 impl Reached<'_> {
     /// The points of a packet that are on a shape.
     #[inline(always)]
     fn are_on<S: Simd>(self, simd: S, packet: usize, who: Who) -> SingleMask<S> {
-        let on = Ids::load(simd, &self.0[packet * LANES..]);
+        let on = Ids::load(simd, &self.points.primitive[packet * LANES..]);
         SingleMask::from_bits(simd, on.eq(who.primitive.lanes(simd)).to_bits())
+    }
+
+    /// From the light to the points of a packet.
+    #[inline(always)]
+    pub(super) fn way<S: Simd>(self, simd: S, packet: usize) -> Vectors<S> {
+        Vectors::load(simd, columns(&self.points.position, packet)).minus(self.light)
+    }
+
+    /// Stretches a canvas before the light.
+    #[inline(never)]
+    pub(super) fn stretch<S: Simd>(self, simd: S, canvas: &mut Canvas) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                canvas.stretch(
+                    simd,
+                    self.asked,
+                    #[inline(always)]
+                    |packet| self.way(simd, packet),
+                );
+            },
+        );
     }
 }
 
@@ -169,6 +218,7 @@ impl Default for Canvas {
             unit: 1.0,
             ends: None,
             error: 0.0,
+            state: State::Unfit,
             x: floats,
             y: floats,
             least: floats,
@@ -183,30 +233,95 @@ impl Default for Canvas {
 }
 
 impl Canvas {
-    /// Stretches the canvas before the rays with a bit: o + t ω, around the direction `middle`. With
-    /// [`Self::ends`] they end at t = 1. Whether the rays are close enough together for it.
+    /// Turns the canvas to a box around the ends of rays from one point, given as ways from there; whether it
+    /// is anywhere.
+    pub(super) fn turn_to_ends(&mut self, origin: DVec3, [least, most]: [DVec3; 2]) -> bool {
+        self.ends = Some([least, most]);
+        self.unit = longest(&[least, most]);
+        self.state = State::Unfit;
+        self.turn_to(origin, least * 0.5 + most * 0.5)
+    }
+
+    /// Aims a canvas that is turned to the ends of rays at all of the box around them, so that shapes that are
+    /// not on the way there are told without any ray; whether it can.
+    pub(super) fn aim(&mut self) -> bool {
+        let Some([least, most]) = self.ends else {
+            return false;
+        };
+        let [u, v, w] = self.axes;
+        let half = most * 0.5 - least * 0.5;
+        let [x, y, z] = [u, v, w].map(|axis| axis.abs().dot(half));
+        let middle = w.dot(least * 0.5 + most * 0.5);
+        let (shallowest, deepest) = (middle - z, middle + z);
+        let over = 1.0 / shallowest;
+        let [x, y] = [(x * over) as f32, (y * over) as f32];
+        self.bounds = [-x, x, -y, y];
+        self.farthest = (self.unit / deepest) as f32 * (1.0 - 2.0 * GIVES_WAY);
+        let is_before = shallowest > self.unit * SHALLOWEST_BOX && deepest.is_finite();
+        if is_before && self.is_fit() {
+            self.state = State::Aimed;
+        }
+        self.state == State::Aimed
+    }
+
+    /// Turns the canvas to a direction from its origin; whether that is one.
+    fn turn_to(&mut self, origin: DVec3, direction: DVec3) -> bool {
+        let Some(w) = direction.try_normalize() else {
+            return false;
+        };
+        let (u, v) = w.any_orthonormal_pair();
+        (self.origin, self.axes) = (origin, [u, v, w]);
+        self.turn = self.axes.map(|axis| axis.as_vec3().to_array());
+        true
+    }
+
+    /// Makes the largest |x| and |y| from the bounds; whether f32 will do for them.
+    fn is_fit(&mut self) -> bool {
+        let [left, right, bottom, top] = self.bounds;
+        self.extent = [f64::from(right.max(-left)), f64::from(top.max(-bottom))];
+        let widest = right.max(-left).max(top).max(-bottom);
+        (NARROWEST..WIDEST).contains(&widest)
+    }
+
+    /// Stretches the canvas before rays from one point, around the direction `middle`, that end nowhere;
+    /// those with a bit.
     #[inline(always)]
-    pub(super) fn stretch<S: Simd>(
+    pub(super) fn stretch_around<S: Simd>(
         &mut self,
         simd: S,
         origin: DVec3,
         middle: DVec3,
         asked: &[u32; PACKETS],
         direction: impl Fn(usize) -> Vectors<S>,
-    ) -> bool {
+    ) {
+        (self.error, self.ends) = (0.0, None);
+        self.state = State::Unfit;
+        if self.turn_to(origin, middle) {
+            self.stretch_over(simd, 1.0 / middle.length(), asked, direction);
+        }
+    }
+
+    /// Stretches a canvas that is turned to the box around the ends of its rays, those with a bit: o + ω.
+    #[inline(always)]
+    pub(super) fn stretch<S: Simd>(
+        &mut self,
+        simd: S,
+        asked: &[u32; PACKETS],
+        way: impl Fn(usize) -> Vectors<S>,
+    ) {
+        self.stretch_over(simd, 1.0 / self.unit, asked, way);
+    }
+
+    #[inline(always)]
+    fn stretch_over<S: Simd>(
+        &mut self,
+        simd: S,
+        scale: f64,
+        asked: &[u32; PACKETS],
+        direction: impl Fn(usize) -> Vectors<S>,
+    ) {
         let have_ends = self.ends.is_some();
-        let Some(w) = middle.try_normalize() else {
-            return false;
-        };
-        let (u, v) = w.any_orthonormal_pair();
-        let scale = 1.0
-            / if have_ends {
-                self.unit
-            } else {
-                middle.length()
-            };
-        (self.origin, self.axes) = (origin, [u, v, w]);
-        self.turn = self.axes.map(|axis| axis.as_vec3().to_array());
+        let [u, v, w] = self.axes;
         let infinite = Singles::splat(simd, f32::INFINITY);
         let one = Singles::splat(simd, 1.0);
         let zero = Singles::splat(simd, 0.0);
@@ -263,10 +378,11 @@ impl Canvas {
             Singles::load(simd, &self.boxes[3].0).largest(),
         ];
         self.look(simd);
-        let [left, right, bottom, top] = self.bounds;
-        self.extent = [f64::from(right.max(-left)), f64::from(top.max(-bottom))];
-        let widest = right.max(-left).max(top).max(-bottom);
-        shallowest.smallest() > SHALLOWEST && (NARROWEST..WIDEST).contains(&widest)
+        self.state = if self.is_fit() && shallowest.smallest() > SHALLOWEST {
+            State::Stretched
+        } else {
+            State::Unfit
+        };
     }
 
     /// Whether the origin and the ends of all rays are on one side of a plane, which is clear of them.
@@ -297,7 +413,9 @@ impl Canvas {
     /// Looks how far it goes; the largest depth along w that is of interest to any ray.
     #[inline(always)]
     pub(super) fn look<S: Simd>(&mut self, simd: S) -> f64 {
-        self.farthest = Singles::load(simd, &self.far.0).smallest();
+        if self.state == State::Stretched {
+            self.farthest = Singles::load(simd, &self.far.0).smallest();
+        }
         self.unit / f64::from(self.farthest)
     }
 
@@ -366,6 +484,16 @@ impl Canvas {
 
 impl Verdict for First {
     #[inline(always)]
+    fn are_all_on(self, _: Who) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn is_ready<S: Simd>(self, _: S, _: &mut Canvas) -> bool {
+        true
+    }
+
+    #[inline(always)]
     fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
         let first = packet * LANES;
         let least = Singles::load(simd, &canvas.least.0[first..]);
@@ -402,6 +530,19 @@ impl Verdict for First {
 }
 
 impl Verdict for Reached<'_> {
+    #[inline(always)]
+    fn are_all_on(self, who: Who) -> bool {
+        self.points.only == Only::One(who.primitive)
+    }
+
+    #[inline(always)]
+    fn is_ready<S: Simd>(self, simd: S, canvas: &mut Canvas) -> bool {
+        if canvas.state == State::Aimed {
+            self.stretch(simd, canvas);
+        }
+        canvas.state == State::Stretched
+    }
+
     #[inline(always)]
     fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
         let first = packet * LANES;

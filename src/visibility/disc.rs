@@ -213,6 +213,11 @@ impl Discs {
         most.store(&mut self.most.0);
     }
 
+    /// Whether points of a sphere may be in its own shadow, as far as can be told.
+    pub(super) fn hides_own(&self, index: usize) -> bool {
+        self.hides_own >> index & 1 == 1
+    }
+
     fn extent(&self, index: usize) -> Extent {
         let [left, right, bottom, top] = &self.boxes;
         Extent {
@@ -234,7 +239,7 @@ impl Discs {
     ) {
         let packets = canvas.meets(simd, &self.extent(index));
         let is_untold = self.untold >> index & 1 == 1;
-        let hides_own = self.hides_own >> index & 1 == 1;
+        let hides_own = self.hides_own(index);
         let zero = Singles::splat(simd, 0.0);
         let splat = |row: &Row| Singles::splat(simd, row.0[index]);
         let [c, cx, cy, cxx, cxy, cyy] = [

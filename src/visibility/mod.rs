@@ -39,7 +39,7 @@ use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
 use crate::world::{Plan, Projection, World};
 use beam::{EMPTY_STACK, Stack};
-use canvas::{Canvas, First, Reached, Who};
+use canvas::{Canvas, First, Reached, State, Who};
 use disc::Discs;
 use outline::Outlines;
 use packet::{Ends, Nearest, Packet, Rays, Shadow};
@@ -103,6 +103,8 @@ pub struct Visibility<'w> {
     is_smooth: bool,
     /// A point amid the shapes.
     somewhere: DVec3,
+    /// Whether there are no more than [`FEW_SHAPES`].
+    are_few: bool,
     /// How much the directions of rays on one canvas may differ, as a part of their length.
     most_spread: f64,
     /// Whether canvases decide what they can, as they do but in tests.
@@ -209,6 +211,7 @@ impl<'w> Visibility<'w> {
             spheres,
             triangles,
             is_smooth,
+            are_few: shapes <= FEW_SHAPES,
             most_spread: if shapes <= FEW_SHAPES {
                 MOST_SPREAD_AMID_FEW
             } else {
@@ -267,19 +270,20 @@ impl<'w> Visibility<'w> {
             let middle = varying_at(varying, count / 2);
             let distance = (self.somewhere - eye.0).length();
             canvas.unit = if distance > 0.0 { distance } else { 1.0 };
-            (canvas.error, canvas.ends) = (0.0, None);
-            canvas.stretch(
+            canvas.stretch_around(
                 simd,
                 eye.0,
                 DVec3::from_array(middle),
                 &asked,
                 #[inline(always)]
                 |packet| Vectors::load(simd, columns(varying, packet)),
-            )
+            );
+            canvas.state == State::Stretched
         };
         if has_canvas {
             self.cast(simd, canvas, drawings, stack, First);
         }
+        points.begin();
         let mut last = None;
         for (packet, bits) in asked.into_iter().enumerate() {
             if bits == 0 {
@@ -477,22 +481,30 @@ impl<'w> Visibility<'w> {
                     continue;
                 }
             }
-            canvas.unit = longest(&[least, most]);
-            canvas.ends = Some([least, most]);
+            let reached = Reached {
+                light: light.0,
+                points,
+                asked: &group,
+            };
             canvas.error = points.largest_error + light.0.length() * (2.0 * ROUNDING);
-            let has_canvas = self.uses_canvas
-                && is_worth
-                && canvas.stretch(
-                    simd,
-                    light.0,
-                    least * 0.5 + most * 0.5,
-                    &group,
-                    #[inline(always)]
-                    |packet| way(simd, points, packet, light),
-                );
-            if has_canvas {
-                self.cast(simd, canvas, drawings, stack, Reached(&points.primitive));
+            let is_turned =
+                self.uses_canvas && is_worth && canvas.turn_to_ends(light.0, [least, most]);
+            // Amid many shapes, some are always on the way to the box.
+            if is_turned && !(self.are_few && canvas.aim()) {
+                reached.stretch(simd, canvas);
             }
+            let is_fit = is_turned && canvas.state != State::Unfit;
+            if is_fit {
+                self.cast(simd, canvas, drawings, stack, reached);
+            }
+            if is_fit && canvas.state == State::Aimed {
+                // There is nothing between the light and the points.
+                for (lit, bits) in lit.iter_mut().zip(group) {
+                    *lit |= bits;
+                }
+                continue;
+            }
+            let has_canvas = is_fit && canvas.state == State::Stretched;
             for (packet, bits) in group.into_iter().enumerate() {
                 if bits == 0 {
                     continue;

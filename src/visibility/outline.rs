@@ -145,6 +145,13 @@ impl<S: Simd> SingleVectors<S> {
         }
     }
 
+    /// The largest values of functions on a canvas, or more.
+    #[inline(always)]
+    fn largest(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
+        let terms = self.y.abs().times_plus(y, self.z);
+        self.x.abs().times_plus(x, terms)
+    }
+
     /// The sum of the magnitudes of the terms of functions on a canvas, at most.
     #[inline(always)]
     fn magnitude(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
@@ -379,16 +386,20 @@ impl Outlines {
         let are_told = (shortest * Singles::splat(simd, frame.edge_reach)).gt(rounding);
         let sign = sign / Singles::splat(simd, frame.edge_reach);
         let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
-        opposite_a.store(b.cross(bc).times(sign / bc_size));
-        opposite_b.store(ac.cross(a).times(sign / ac_size));
-        opposite_c.store(a.cross(ab).times(sign / ab_size));
+        let edge_a = b.cross(bc).times(sign / bc_size);
+        let edge_b = ac.cross(a).times(sign / ac_size);
+        let edge_c = a.cross(ab).times(sign / ab_size);
+        opposite_a.store(edge_a);
+        opposite_b.store(edge_b);
+        opposite_c.store(edge_c);
         // k (n · d) / V: an error of an eighth in V makes 14 u of 12 u, and 20 u of 17 u.
         let factor = to_closeness / volume;
         let closeness = normal.times(factor);
-        let magnitude = closeness.magnitude([
+        let extent = [
             Singles::splat(simd, extent_x),
             Singles::splat(simd, extent_y),
-        ]);
+        ];
+        let magnitude = closeness.magnitude(extent);
         let is_told = is_clear
             & are_told
             & magnitude.gt(Singles::splat(simd, (1.0 / CLOSENESS) as f32))
@@ -403,7 +414,14 @@ impl Outlines {
             flatness * to_closeness * Singles::splat(simd, (1.0 + extent_x + extent_y) * 14.0);
         let error = magnitude.times_plus(of_volume, of_normal);
         error.store(&mut self.closeness_error.0);
-        self.untold = !is_told.to_bits();
+        // One edge may have all rays on its outer side. Twice the room: for the three sums of this.
+        let outside = Singles::splat(simd, -2.0 * EDGE_GIVES_WAY);
+        let is_met = edge_a.largest(extent).gt(outside)
+            & edge_b.largest(extent).gt(outside)
+            & edge_c.largest(extent).gt(outside);
+        let told = is_told.to_bits();
+        self.untold = !told;
+        self.of_interest &= is_met.to_bits() | self.untold;
     }
 
     fn extent(&self, index: usize) -> Extent {
@@ -470,6 +488,10 @@ pub(super) fn cast_plane<S: Simd>(
     canvas: &mut Canvas,
     verdict: impl Verdict,
 ) {
+    let is_beside = canvas.is_beside(point, normal) || verdict.are_all_on(who);
+    if is_beside || !verdict.is_ready(simd, canvas) {
+        return;
+    }
     let to_point = point - canvas.origin;
     let height = normal.dot(to_point);
     let [u, v, w] = canvas.axes;

@@ -183,7 +183,10 @@ impl Block<Ball> for Balls {
                 slot: slot + place as u32,
                 primitive: Primitive::whole(self.object[place]),
             };
-            discs.cast(simd, place, who, canvas, verdict);
+            let is_harmless = verdict.are_all_on(who) && !discs.hides_own(place);
+            if !is_harmless && verdict.is_ready(simd, canvas) {
+                discs.cast(simd, place, who, canvas, verdict);
+            }
         }
     }
 }

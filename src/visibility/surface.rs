@@ -72,6 +72,8 @@ pub struct Points {
     pub(crate) cos_viewer: Column,
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
+    /// What all of them are on.
+    pub(super) only: Only,
     /// The largest of `error` and of the coordinates of `tangent`, and the box around the positions.
     pub(super) largest_error: f64,
     farthest_tangent: f64,
@@ -96,6 +98,7 @@ impl Default for Points {
             shading_normal: [NONE; 3],
             cos_viewer: NONE,
             primitive: [0; BATCH],
+            only: Only::Nothing,
             largest_error: 0.0,
             farthest_tangent: 0.0,
             bounds: [DVec3::ZERO; 2],
@@ -131,6 +134,26 @@ struct Source {
     material: u32,
 }
 
+/// What points are on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Only {
+    Nothing,
+    One(Primitive),
+    /// More than one primitive, or it is not known that it is one.
+    Many,
+}
+
+impl Only {
+    /// With points on one more primitive.
+    fn and(self, primitive: Primitive) -> Self {
+        match self {
+            Self::Nothing => Self::One(primitive),
+            Self::One(known) if known == primitive => self,
+            Self::One(_) | Self::Many => Self::Many,
+        }
+    }
+}
+
 /// What some rays of a packet are known to hit first.
 pub(super) struct Known<'s, S: Simd> {
     /// The slot of each ray's shape; [`NOTHING`] where it hits nothing.
@@ -142,6 +165,11 @@ pub(super) struct Known<'s, S: Simd> {
 }
 
 impl Points {
+    /// Forgets all points.
+    pub(super) fn begin(&mut self) {
+        self.only = Only::Nothing;
+    }
+
     /// Knows all points, and what they have in common.
     #[inline(always)]
     pub(super) fn end<S: Simd>(&mut self, simd: S) {
@@ -206,6 +234,7 @@ impl Points {
             let Shown {
                 primitive, source, ..
             } = *shown;
+            self.only = self.only.and(primitive);
             t = shown.met(simd, visibility, rays, bits);
             reference = Vectors::splat(simd, source.reference);
             tangent = Vectors::splat(simd, source.tangent);
@@ -215,6 +244,7 @@ impl Points {
             self.material[lanes].fill(source.material);
             self.is_uniform[packet] = true;
         } else if asked == 0 && below(simd, slots, SPHERES) & bits == bits {
+            self.only = Only::Many;
             let triangles = &visibility.triangles;
             (t, reference, tangent) = meet_triangles(simd, triangles, rays, slots, bits);
             is_curved = Mask::from_bits(simd, 0);
@@ -233,6 +263,7 @@ impl Points {
             }
             self.is_uniform[packet] = are_uniform;
         } else {
+            self.only = Only::Many;
             let mut sources = Sources::new(nearest);
             sources.ask_triangles(simd, visibility, rays, slots, found & met);
             sources.ask_others(simd, visibility, rays, slots, found & met);

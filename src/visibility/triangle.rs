@@ -273,7 +273,10 @@ impl Block<Facet> for Facets {
                 slot: slot + place as u32,
                 primitive: self.primitives[place],
             };
-            outlines.cast(simd, place, who, canvas, verdict);
+            // A triangle does not hide its own points.
+            if !verdict.are_all_on(who) && verdict.is_ready(simd, canvas) {
+                outlines.cast(simd, place, who, canvas, verdict);
+            }
         }
     }
 }
