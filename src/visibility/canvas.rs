@@ -13,6 +13,7 @@
 use fearless_simd::Simd;
 
 use super::Primitive;
+use super::bins::Bins;
 use super::surface::{BATCH, PACKETS};
 use crate::lanes::{Ids, LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
 use crate::math::DVec3;
@@ -37,6 +38,9 @@ const WIDEST: f32 = 2.0;
 /// Shapes whose closeness is beyond this, or its reciprocal, are not told from f32; ends may be.
 pub(super) const CLOSENESS: f64 = 1e30;
 const CLOSEST: f32 = 1e37;
+
+/// From so many triangles on, it is worth to know which rays are where.
+const MANY: u32 = 64;
 
 /// No shape.
 pub(super) const NOTHING: u32 = u32::MAX;
@@ -88,6 +92,11 @@ pub(super) struct Canvas {
     boxes: [Row; 4],
     /// The least closeness that is of interest to any ray of each packet.
     far: Row,
+    /// For each packet one bit for each ray.
+    asked: [u32; PACKETS],
+    /// How many triangles were near any ray, and from [`MANY`] on where the rays are.
+    drawn: u32,
+    bins: Bins,
 }
 
 /// Which shape it is.
@@ -178,6 +187,9 @@ impl Default for Canvas {
             undecided: [0; PACKETS],
             boxes: [row; 4],
             far: row,
+            asked: [0; PACKETS],
+            drawn: 0,
+            bins: Bins::default(),
         }
     }
 }
@@ -206,6 +218,7 @@ impl Canvas {
                 middle.length()
             };
         (self.origin, self.axes) = (origin, [u, v, w]);
+        (self.asked, self.drawn) = (*asked, 0);
         self.turn = self.axes.map(|axis| axis.as_vec3().to_array());
         let infinite = Singles::splat(simd, f32::INFINITY);
         let one = Singles::splat(simd, 1.0);
@@ -280,6 +293,21 @@ impl Canvas {
         let rounding = towards.abs().dot(least.abs().max(most.abs())) + height.abs();
         let room = rounding * NEGLIGIBLE + normal.length() * self.error / NEGLIGIBLE;
         nearest.element_sum() + room < height.abs()
+    }
+
+    /// Which rays are where, once more than a few triangles have come near them; with `count` more.
+    #[inline(always)]
+    pub(super) fn bins<S: Simd>(&mut self, simd: S, count: u32) -> Option<&Bins> {
+        let before = self.drawn;
+        self.drawn += count;
+        if self.drawn < MANY {
+            return None;
+        }
+        if before < MANY {
+            let places = [&self.x.0, &self.y.0];
+            self.bins.fill(simd, self.bounds, places, &self.asked);
+        }
+        Some(&self.bins)
     }
 
     /// The rectangle around all rays, with what f32 takes away.

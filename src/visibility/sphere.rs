@@ -108,7 +108,7 @@ impl Ball {
 }
 
 impl Block<Self> for Ball {
-    fn of(shapes: &[Self]) -> Self {
+    fn of(shapes: &[Self], _: u32) -> Self {
         shapes[0]
     }
 
@@ -116,7 +116,9 @@ impl Block<Self> for Ball {
         *self
     }
 
-    fn near<S: Simd>(&self, _: S, _: &Beam, _: &[Self], _: u32) -> u32 {
+    fn touch(&self) {}
+
+    fn near<S: Simd>(&self, _: S, _: &Beam) -> u32 {
         1
     }
 
