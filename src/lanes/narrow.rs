@@ -60,6 +60,12 @@ impl<S: Simd> Singles<S> {
         Self(self.0.mul_add(factor.0, term.0))
     }
 
+    /// The whole part of numbers from 0 to below 2³¹.
+    #[inline(always)]
+    pub fn truncated(self, simd: S) -> Words<S> {
+        Words(simd.cvt_u32_f32x16(self.0))
+    }
+
     /// √
     #[inline(always)]
     pub fn sqrt(self) -> Self {

@@ -221,7 +221,7 @@ impl Beam {
         tree: &Tree,
         depth: f64,
         stack: &mut Stack,
-        mut show: impl FnMut(u32, u32) -> Option<f64>,
+        mut show: impl FnMut(u32, u32, Option<u32>) -> Option<f64>,
     ) {
         let mut limit = self.limit(depth);
         let mut height = self.open(simd, &tree.nodes[0], limit, stack, 0);
@@ -236,16 +236,23 @@ impl Beam {
                 height = self.open(simd, node, limit, stack, height);
                 continue;
             }
-            let Some(depth) = show(child, count) else {
+            let next = if height > 0 {
+                stack[height - 1]
+            } else {
+                stack[0]
+            };
+            let next = (height > 0 && next.count > 0).then_some(next.child);
+            let Some(depth) = show(child, count, next) else {
                 return;
             };
             limit = self.limit(depth);
         }
     }
 
-    /// One bit for each of sixteen triangles that a ray might meet, by their corners.
+    /// One bit for each of sixteen triangles that a ray might meet, by their corners, each coordinate of
+    /// which may be off by `error`.
     #[inline(always)]
-    pub(super) fn may_meet<S: Simd>(&self, simd: S, corners: [Vectors<S>; 3]) -> u32 {
+    pub(super) fn may_meet<S: Simd>(&self, simd: S, corners: [Vectors<S>; 3], error: f64) -> u32 {
         let [a, b, c] = corners;
         let (a, b, c) = (
             a.minus(self.center),
@@ -259,7 +266,8 @@ impl Beam {
                 b.dot_with(side.exact),
                 c.dot_with(side.exact),
             );
-            let offset = f64::from(side.offset) / self.scale;
+            let size = side.exact.x.abs() + side.exact.y.abs() + side.exact.z.abs();
+            let offset = f64::from(side.offset) / self.scale - size * error;
             let reaches = a.max(b).max(c).ge(Lanes::splat(simd, offset));
             bits &= reaches.to_bits();
         }

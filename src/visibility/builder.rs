@@ -23,6 +23,10 @@ const FEW_BINS: usize = 8;
 /// See [`FEW_BINS`].
 const MANY: usize = 64;
 
+/// Up to so many leaves of more than one shape, shapes are parted so that leaves are full, where that is
+/// along the axis on which they are widest: what a leaf costs does not depend on how many it has.
+const FULL_LEAVES: usize = 8;
+
 /// Up to this many shapes make a subtree that one thread builds.
 const SUBTREE: usize = 4096;
 
@@ -118,7 +122,7 @@ impl Top {
             fill_node(&mut nodes, 0, items, first, bounds, depth, leaf_size);
             return Self::Subtree { bounds, nodes };
         }
-        let Some((count, below, above)) = part(items, depth) else {
+        let Some((count, below, above)) = part(items, depth, leaf_size) else {
             return Self::Leaf {
                 bounds,
                 child: leaf(first, items.len()),
@@ -265,7 +269,7 @@ fn fill_node(
             }
             continue;
         }
-        let Some((count_below, below, above)) = self::part(shapes, part.depth) else {
+        let Some((count_below, below, above)) = self::part(shapes, part.depth, leaf_size) else {
             parts[largest].is_whole = true;
             continue;
         };
@@ -325,8 +329,13 @@ impl Part {
 
 /// Puts items in two groups, one behind the other: the size of the first, and the boxes around
 /// both. `None` where all have one center.
-fn part(items: &mut [Item], depth: u32) -> Option<(usize, Box4, Box4)> {
+fn part(items: &mut [Item], depth: u32, leaf_size: usize) -> Option<(usize, Box4, Box4)> {
     let centers = centers_of(items);
+    if leaf_size > 1 && items.len() <= leaf_size * FULL_LEAVES {
+        Grid::new(&centers, FEW_BINS)?;
+        let leaves = items.len().div_ceil(leaf_size);
+        return Some(part_at(items, &centers, leaves / 2 * leaf_size));
+    }
     if items.len() < MANY {
         part_at_bins::<FEW_BINS>(items, &centers, depth)
     } else {
@@ -341,7 +350,7 @@ fn part_at_bins<const N: usize>(
 ) -> Option<(usize, Box4, Box4)> {
     let grid = Grid::new(centers, N)?;
     if depth >= BY_SURFACE {
-        return Some(halve(items, centers));
+        return Some(part_at(items, centers, items.len() / 2));
     }
     let bins = Bins::<N>::of(items, &grid);
     // Some axis has a density above 0, and along it the least and the largest center are in the
@@ -360,11 +369,10 @@ fn part_at_bins<const N: usize>(
     Some((count, border.below, border.above))
 }
 
-/// Parts items in the middle of their order along the axis on which they are widest.
-fn halve(items: &mut [Item], centers: &Box4) -> (usize, Box4, Box4) {
+/// Parts items at some place of their order along the axis on which they are widest.
+fn part_at(items: &mut [Item], centers: &Box4, middle: usize) -> (usize, Box4, Box4) {
     let size = (centers.max - centers.min).truncate();
     let axis = size.max_position();
-    let middle = items.len() / 2;
     items.select_nth_unstable_by(middle, |a, b| a.center()[axis].total_cmp(&b.center()[axis]));
     let (below, above) = items.split_at(middle);
     (middle, bounds_of(below), bounds_of(above))

@@ -70,18 +70,22 @@ pub(super) enum Child {
 }
 
 impl Bvh {
-    /// A tree over shapes but the few at some places, in order, with [`Shape::WIDTH`] of them in a leaf
-    /// if a plane parts them, and the order in which its leaves have them.
-    pub(super) fn new<S: Shape>(shapes: &[S], without: &[usize]) -> (Self, Vec<u32>) {
+    /// A tree over shapes, by their numbers, but the few `listed` ones, with [`Shape::WIDTH`] of them in a
+    /// leaf if a plane parts them, and the order in which its leaves have them.
+    pub(super) fn new<S: Shape>(
+        count: u32,
+        shape: &(impl Fn(u32) -> S + Sync),
+        listed: &[u32],
+    ) -> (Self, Vec<u32>) {
         let nowhere = Bounds {
             min: DVec3::INFINITY,
             max: DVec3::NEG_INFINITY,
         };
-        let bounds = shapes.par_iter().enumerate().map(|(place, shape)| {
-            if without.contains(&place) {
+        let bounds = (0..count).into_par_iter().map(|index| {
+            if listed.contains(&index) {
                 nowhere
             } else {
-                shape.bounds()
+                shape(index).bounds()
             }
         });
         let whole = bounds.reduce(|| nowhere, Bounds::union);
@@ -96,14 +100,14 @@ impl Bvh {
                 exponent.clamp(-LARGEST_EXPONENT, LARGEST_EXPONENT),
             )),
         };
-        let items = shapes.par_iter().enumerate().map(|(index, shape)| {
-            let Bounds { min, max } = shape.bounds();
+        let items = (0..count).into_par_iter().map(|index| {
+            let Bounds { min, max } = shape(index).bounds();
             let (min, max) = (tree.to_frame(min), tree.to_frame(max));
-            Item::new(rounded_down(min), rounded_up(max), index as u32)
+            Item::new(rounded_down(min), rounded_up(max), index)
         });
         let mut items: Vec<Item> = items.collect();
-        for &place in without.iter().rev() {
-            items.swap_remove(place);
+        for &index in listed.iter().rev() {
+            items.swap_remove(index as usize);
         }
         let (nodes, order) = builder::build(items, S::WIDTH);
         tree.nodes = nodes;

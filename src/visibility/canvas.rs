@@ -13,6 +13,7 @@
 use fearless_simd::Simd;
 
 use super::Primitive;
+use super::bins::Bins;
 use super::longest;
 use super::surface::{BATCH, Only, PACKETS, Points, columns};
 use crate::lanes::{Ids, LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
@@ -41,6 +42,9 @@ const WIDEST: f32 = 2.0;
 /// Shapes whose closeness is beyond this, or its reciprocal, are not told from f32; ends may be.
 pub(super) const CLOSENESS: f64 = 1e30;
 const CLOSEST: f32 = 1e37;
+
+/// From so many triangles on, it is worth to know which rays are where.
+const MANY: u32 = 64;
 
 /// No shape.
 pub(super) const NOTHING: u32 = u32::MAX;
@@ -93,6 +97,11 @@ pub(super) struct Canvas {
     boxes: [Row; 4],
     /// The least closeness that is of interest to any ray of each packet.
     far: Row,
+    /// For each packet one bit for each ray.
+    asked: [u32; PACKETS],
+    /// How many triangles were near any ray, and from [`MANY`] on where the rays are.
+    drawn: u32,
+    bins: Bins,
 }
 
 /// How much is known of a canvas.
@@ -228,6 +237,9 @@ impl Default for Canvas {
             undecided: [0; PACKETS],
             boxes: [row; 4],
             far: row,
+            asked: [0; PACKETS],
+            drawn: 0,
+            bins: Bins::default(),
         }
     }
 }
@@ -321,6 +333,7 @@ impl Canvas {
         direction: impl Fn(usize) -> Vectors<S>,
     ) {
         let have_ends = self.ends.is_some();
+        (self.asked, self.drawn) = (*asked, 0);
         let [u, v, w] = self.axes;
         let infinite = Singles::splat(simd, f32::INFINITY);
         let one = Singles::splat(simd, 1.0);
@@ -396,6 +409,24 @@ impl Canvas {
         let rounding = towards.abs().dot(least.abs().max(most.abs())) + height.abs();
         let room = rounding * NEGLIGIBLE + normal.length() * self.error / NEGLIGIBLE;
         nearest.element_sum() + room < height.abs()
+    }
+
+    /// Which rays are where, once more than a few triangles have come near them; with `count` more.
+    #[inline(always)]
+    pub(super) fn bins<S: Simd>(&mut self, simd: S, count: u32) -> Option<&Bins> {
+        if self.state != State::Stretched {
+            return None;
+        }
+        let before = self.drawn;
+        self.drawn += count;
+        if self.drawn < MANY {
+            return None;
+        }
+        if before < MANY {
+            let places = [&self.x.0, &self.y.0];
+            self.bins.fill(simd, self.bounds, places, &self.asked);
+        }
+        Some(&self.bins)
     }
 
     /// The rectangle around all rays, with what f32 takes away.

@@ -11,6 +11,7 @@
 //! are asked together, nor on the instruction set.
 
 mod beam;
+mod bins;
 mod builder;
 mod bvh;
 mod canvas;
@@ -29,7 +30,6 @@ mod triangle;
 mod tests;
 
 use fearless_simd::Simd;
-use rayon::prelude::*;
 
 use surface::Known;
 pub use surface::{BATCH, PACKETS, Points};
@@ -192,17 +192,16 @@ impl<'w> Visibility<'w> {
     pub fn new(world: &'w World, plan: &Plan) -> Self {
         let triangles = world.triangles();
         let meshes = triangles.meshes();
-        let facets = (0..triangles.len() as u32).into_par_iter().map(|index| {
+        let facet = |index| {
             let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= index);
             let primitive = Primitive::triangle(meshes[mesh].object, index);
             Facet::new(primitive, triangles.vertices(index))
-        });
+        };
         let shapes = triangles.len() + world.spheres().len();
         let is_smooth = triangles.meshes().iter().any(|mesh| mesh.normals.is_some());
-        let triangles = Search::new(facets.collect(), plan.triangles());
-        let balls = world.spheres().iter();
-        let balls = balls.map(|sphere| sphere::Ball::new(sphere, world.camera()));
-        let spheres = Search::new(balls.collect(), plan.spheres());
+        let triangles = Search::new(triangles.len() as u32, facet, plan.triangles());
+        let ball = |index: u32| sphere::Ball::new(&world.spheres()[index as usize], world.camera());
+        let spheres = Search::new(world.spheres().len() as u32, ball, plan.spheres());
         let plane = world.planes().first().map(|plane| plane.point.0);
         let somewhere = triangles.somewhere().or(spheres.somewhere()).or(plane);
         Self {

@@ -1,6 +1,7 @@
 //! A tree as rays go down it: the boxes of eight children side by side.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 pub(super) use super::bvh::WIDTH;
 use super::bvh::{Bvh, Child, Member};
@@ -50,35 +51,42 @@ pub(super) struct Members {
 }
 
 impl Tree {
-    /// A tree over shapes but some, in order, the order of the shapes in its leaves, and the blocks, from
-    /// `first_block` on. Each leaf has blocks of [`Shape::WIDTH`] shapes for itself, one after the other.
+    /// A tree over shapes but the few `listed` ones, and the order of the shapes in its leaves. Their blocks
+    /// are put behind those of the listed shapes, leaf by leaf.
     pub(super) fn new<T: Shape>(
-        shapes: &[T],
-        without: &[usize],
-        first_block: u32,
-    ) -> (Self, Vec<u32>, Vec<Members>) {
-        let (bvh, order) = Bvh::new(shapes, without);
-        let mut blocks = Vec::with_capacity(shapes.len() / T::WIDTH * 2);
-        let mut take = |first: u32, count: u32| {
-            let place = first_block + blocks.len() as u32;
-            for start in (0..count).step_by(T::WIDTH) {
-                blocks.push(Members {
-                    first: first + start,
-                    count: (count - start).min(T::WIDTH as u32),
-                });
+        count: u32,
+        shape: &(impl Fn(u32) -> T + Sync),
+        listed: &[u32],
+        blocks: &mut Vec<Members>,
+    ) -> (Self, Vec<u32>) {
+        let (bvh, order) = Bvh::new(count, shape, listed);
+        let before = listed.len() as u32;
+        let mut starts = Vec::with_capacity(bvh.nodes().len());
+        blocks.reserve(count as usize / T::WIDTH * 5 / 4);
+        for node in bvh.nodes() {
+            starts.push(blocks.len() as u32);
+            for member in node.members() {
+                if let Child::Leaf { first, count } = member.child {
+                    blocks.extend(blocks_of::<T>(before + first, count));
+                }
             }
-            place
-        };
-        let nodes = bvh.nodes().iter();
-        let nodes = nodes
-            .map(|node| Node::of(node.members(), &mut take))
-            .collect();
+        }
+        let nodes = bvh.nodes().par_iter().zip(&starts);
+        let nodes = nodes.map(|(node, &start)| {
+            let mut next = start;
+            Node::of(node.members(), &mut |count| {
+                let place = next;
+                next += count.div_ceil(T::WIDTH as u32);
+                place
+            })
+        });
+        let nodes = nodes.collect();
         let tree = Self {
             nodes,
             center: bvh.center(),
             scale: bvh.scale(),
         };
-        (tree, order, blocks)
+        (tree, order)
     }
 
     /// Bytes of the nodes.
@@ -87,9 +95,17 @@ impl Tree {
     }
 }
 
+/// The blocks of shapes that follow each other: each has [`Shape::WIDTH`] of them, the last one the rest.
+pub(super) fn blocks_of<T: Shape>(first: u32, count: u32) -> impl Iterator<Item = Members> {
+    (0..count).step_by(T::WIDTH).map(move |start| Members {
+        first: first + start,
+        count: (count - start).min(T::WIDTH as u32),
+    })
+}
+
 impl Node {
-    /// Of at most eight members; `block` gives the first block of a leaf by its shapes.
-    fn of(members: &[Member], block: &mut impl FnMut(u32, u32) -> u32) -> Self {
+    /// Of at most eight members; `block` gives the first block of a leaf by the number of its shapes.
+    fn of(members: &[Member], block: &mut impl FnMut(u32) -> u32) -> Self {
         let mut node = Self {
             planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
             children: [0; WIDTH],
@@ -103,7 +119,7 @@ impl Node {
             }
             (node.children[place], node.counts[place]) = match member.child {
                 Child::Node(index) => (index, 0),
-                Child::Leaf { first, count } => (block(first, count), count),
+                Child::Leaf { count, .. } => (block(count), count),
             };
             node.present |= 1 << place;
         }

@@ -41,7 +41,7 @@ impl Affines {
     }
 }
 
-/// The bound on the error of an edge function, over the size of the way times [`Frame::reach`]: see
+/// The bound on the error of an edge function, over the length of the edge times [`Frame::edge_error`]: see
 /// [`Outlines::draw`]. Dots that are nearer to an edge are in doubt.
 const EDGE_GIVES_WAY: f32 = 1.0 / (1 << 19) as f32;
 
@@ -49,7 +49,7 @@ const EDGE_GIVES_WAY: f32 = 1.0 / (1 << 19) as f32;
 const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
 
 /// Six products of the sizes of a triangle's ways and its distance must be larger than this part of
-/// them together, or its closeness may be off by more than an eighth.
+/// them together, or its closeness may be off by more than a sixth.
 const FLATTEST: f32 = 1.0 / (1 << 17) as f32;
 
 /// Corners at a depth below this part of their distance are not clearly before a canvas's origin.
@@ -131,9 +131,13 @@ impl<S: Simd> SingleVectors<S> {
         self.x.times_plus(other.x, yzs)
     }
 
+    /// At least the length, and 8 % more at most: (√2 − 1) times the smaller two components added to the
+    /// largest.
     #[inline(always)]
-    fn taxicab(self) -> Singles<S> {
-        self.x.abs() + self.y.abs() + self.z.abs()
+    fn size(self, simd: S) -> Singles<S> {
+        let (x, y, z) = (self.x.abs(), self.y.abs(), self.z.abs());
+        let largest = x.max(y).max(z) * Singles::splat(simd, 0.5857);
+        (x + y + z).times_plus(Singles::splat(simd, 0.4143), largest)
     }
 
     #[inline(always)]
@@ -173,6 +177,7 @@ pub(super) struct Sketch {
     middle: DVec3,
     /// No corner is further from the middle.
     size: f64,
+    over_size: f64,
 }
 
 impl Sketch {
@@ -194,6 +199,7 @@ impl Sketch {
             to_third: none,
             middle,
             size,
+            over_size: 1.0 / size,
         };
         for (place, [a, b, c]) in triangles.enumerate() {
             let (first, to_second, to_third) =
@@ -206,18 +212,57 @@ impl Sketch {
         }
         sketch
     }
+
+    /// The corners, which may be off by [`Self::error`] in each coordinate.
+    #[inline(always)]
+    pub(super) fn corners<S: Simd>(&self, simd: S) -> [Vectors<S>; 3] {
+        let a = self.widened(simd, &self.first).minus(-self.middle);
+        let ab = self.widened(simd, &self.to_second);
+        let ac = self.widened(simd, &self.to_third);
+        [a, a + ab, a + ac]
+    }
+
+    #[inline(always)]
+    fn widened<S: Simd>(&self, simd: S, [x, y, z]: &[Row; 3]) -> Vectors<S> {
+        Vectors {
+            x: Singles::load(simd, &x.0).widened(simd) * self.size,
+            y: Singles::load(simd, &y.0).widened(simd) * self.size,
+            z: Singles::load(simd, &z.0).widened(simd) * self.size,
+        }
+    }
+
+    /// Reads a bit of it, so that it is on its way from memory while others are looked at.
+    #[inline(always)]
+    pub(super) fn touch(&self) {
+        std::hint::black_box(self.first[0].0[0]);
+        std::hint::black_box(self.first[1].0[0]);
+        std::hint::black_box(self.first[2].0[0]);
+        std::hint::black_box(self.to_second[0].0[0]);
+        std::hint::black_box(self.to_second[1].0[0]);
+        std::hint::black_box(self.to_second[2].0[0]);
+        std::hint::black_box(self.to_third[0].0[0]);
+        std::hint::black_box(self.to_third[1].0[0]);
+        std::hint::black_box(self.to_third[2].0[0]);
+        std::hint::black_box(self.middle.x);
+    }
+
+    /// The rounding of offsets to f32, 2⁻²⁴ of at most three sizes, and of sums in f64.
+    pub(super) fn error(&self) -> f64 {
+        self.size * NEGLIGIBLE * 8.0 + self.middle.abs().max_element() * (4.0 * f64::EPSILON)
+    }
 }
 
 /// Where a sketch is as seen from a canvas's origin, in units of its size.
 struct Frame {
     /// Its middle, in the axes of the canvas.
     middle: [f32; 3],
-    /// At least the magnitudes of a corner's coordinates, with two more for what rounding adds to them.
-    reach: [f32; 3],
-    /// Their sum.
+    /// How far the coordinates of corners may be off, and a quarter more, over [`ROUNDING`].
+    drift: [f32; 3],
+    /// At least the sum of the magnitudes of a corner's coordinates.
     distance: f32,
-    /// The sum of the magnitudes of the terms of an edge function, over the size of the way.
-    edge_reach: f32,
+    /// How far edge functions may be off, over the length of the edge and [`EDGE_GIVES_WAY`]: those of
+    /// edges at the first corner, and that of the edge opposite.
+    edge_error: [f32; 2],
     /// From the reciprocal of a depth to its closeness.
     closeness: f64,
     /// How far the canvas's rays may be off, over [`NEGLIGIBLE`].
@@ -228,18 +273,25 @@ impl Frame {
     #[inline(always)]
     fn new(canvas: &Canvas, sketch: &Sketch) -> Self {
         let to_middle = sketch.middle - canvas.origin;
-        let over_size = 1.0 / sketch.size;
+        let over_size = sketch.over_size;
         let middle = canvas
             .axes
             .map(|axis| (axis.dot(to_middle) * over_size) as f32);
-        let reach = middle.map(|middle| middle.abs() + 3.0);
-        let [reach_x, reach_y, reach_z] = reach;
-        let [x, y] = canvas.extent.map(|extent| extent as f32);
+        let [x, y, z] = middle.map(f32::abs);
+        let [extent_x, extent_y] = canvas.extent.map(|extent| extent as f32);
+        // The terms of an edge function, where the coordinates of a point are of these sizes.
+        let terms = |x: f32, y: f32, z: f32| (y + z) * extent_x + (z + x) * extent_y + (x + y);
+        let (middle_terms, one_terms) = (terms(x, y, z), terms(1.0, 1.0, 1.0));
+        let drift = |size: f32| (size * 3.0 + 18.0) * 1.25;
         Self {
             middle,
-            reach,
-            distance: reach_x + reach_y + reach_z,
-            edge_reach: (reach_y + reach_z) * x + (reach_z + reach_x) * y + (reach_x + reach_y),
+            drift: [drift(x), drift(y), drift(z)],
+            distance: x + y + z + 4.0,
+            // 16 (|m| + 1) + 2 |m| + 6 and 22 (|m| + 1) + 3 |m| + 18, over 28.
+            edge_error: [
+                (middle_terms * 18.0 + one_terms * 22.0) / 28.0,
+                (middle_terms * 25.0 + one_terms * 40.0) / 28.0,
+            ],
             closeness: canvas.unit * over_size,
             error: (canvas.error * over_size / NEGLIGIBLE) as f32,
         }
@@ -258,6 +310,8 @@ pub(super) struct Outlines {
     boxes: [Row; 4],
     /// The largest closeness.
     most: Row,
+    /// One bit for each packet that a triangle may be of interest to.
+    packets: [u32; LANES],
     /// One bit for each triangle that may be of interest to any ray.
     pub(super) of_interest: u32,
     /// One bit for each that cannot be told from f32.
@@ -273,6 +327,7 @@ impl Default for Outlines {
             closeness_error: row,
             boxes: [row; 4],
             most: row,
+            packets: [0; LANES],
             of_interest: 0,
             untold: 0,
         }
@@ -286,14 +341,20 @@ impl Outlines {
     /// a way is stored with an error of u in each component, and turned by three products and sums with
     /// axes rounded to f32, so that it is off by 5 u ℓ; so is the way from the middle to the first corner a,
     /// with ℓ ≤ 1. Adding m, rounded to f32 by itself, makes u (2 |m| + 6) for each component of a, and
-    /// u (3 |m| + 18) for b and c, 6 u times what [`Frame::reach`] says. The way from b to c is the longest
-    /// one, and off by 11 u of its own length.
+    /// u (3 |m| + 18) for b and c. The way from b to c is the longest one, and off by 11 u of its length.
     ///
-    /// An edge function p × e then is off by 6 u for p, 11 u for e, 2 u for the products, 1 u for the
-    /// factor, 3 u for its sum, 5 u for x and y of a dot, and 4 u for the ways in f64, which move a whole
-    /// edge, all of it times the size of e and [`Frame::edge_reach`]: [`EDGE_GIVES_WAY`].
+    /// In an edge function p × e no term is larger than ℓ (|m| + 1) for e. Of that it is off by 5 u or
+    /// 11 u for e, by 2 u for the products, 1 u for the factor, 3 u for its sum, and 5 u for x and y of a
+    /// dot; and by ℓ times the error of p. That is 28 u of [`Frame::edge_error`]; the ways in f64, which
+    /// move a whole edge, are worth another 4 u of it: [`EDGE_GIVES_WAY`].
     #[inline(always)]
-    pub(super) fn draw<S: Simd>(&mut self, simd: S, canvas: &Canvas, sketch: &Sketch, bits: u32) {
+    pub(super) fn draw<S: Simd>(
+        &mut self,
+        simd: S,
+        canvas: &mut Canvas,
+        sketch: &Sketch,
+        bits: u32,
+    ) {
         let frame = Frame::new(canvas, sketch);
         let middle = SingleVectors {
             x: Singles::splat(simd, frame.middle[0]),
@@ -311,8 +372,8 @@ impl Outlines {
         let zero = Singles::splat(simd, 0.0);
         let infinite = Singles::splat(simd, f32::INFINITY);
         let [extent_x, extent_y] = canvas.extent.map(|extent| extent as f32);
-        let ab_size = ab.taxicab();
-        let ac_size = ac.taxicab();
+        let ab_size = ab.size(simd);
+        let ac_size = ac.size(simd);
         let nearest = a.z.min(b.z).min(c.z);
         // Corners that are one and the same as far as the rounding of their way can tell are anywhere.
         let has_size = ab_size
@@ -327,17 +388,17 @@ impl Outlines {
         let is_before = has_size & nearest.gt(Singles::splat(simd, nearest_told));
         let (in_a, in_b, in_c) = (one / a.z, one / b.z, one / c.z);
         let inverse = in_a.max(in_b).max(in_c);
-        // Corners are off by 6 u of their reach, across and along; dots by 5 u; divisions by 2 u.
-        let [reach_x, reach_y, reach_z] = frame.reach;
+        // Corners drift, across and along; dots are off by 5 u, and divisions by 2 u.
+        let [drift_x, drift_y, drift_z] = frame.drift;
         let give = Singles::splat(simd, GIVES_WAY);
-        let slope = inverse.times_plus(Singles::splat(simd, reach_z * GIVES_WAY), give);
+        let slope = inverse.times_plus(Singles::splat(simd, drift_z * ROUNDING), give);
         let noise = frame.distance * NOISE;
         let room_x = inverse.times_plus(
-            Singles::splat(simd, reach_x * GIVES_WAY + noise),
+            Singles::splat(simd, drift_x * ROUNDING + noise),
             Singles::splat(simd, extent_x * GIVES_WAY),
         );
         let room_y = inverse.times_plus(
-            Singles::splat(simd, reach_y * GIVES_WAY + noise),
+            Singles::splat(simd, drift_y * ROUNDING + noise),
             Singles::splat(simd, extent_y * GIVES_WAY),
         );
         let (ax, bx, cx) = (a.x * in_a, b.x * in_b, c.x * in_c);
@@ -360,6 +421,19 @@ impl Outlines {
         if self.of_interest == 0 {
             return;
         }
+        if let Some(bins) = canvas.bins(simd, self.of_interest.count_ones()) {
+            let places = bins.places(simd, [left, right, bottom, top]);
+            for place in ones(self.of_interest) {
+                let packets = bins.packets(&places, place);
+                self.packets[place] = packets;
+                self.of_interest &= !(u32::from(packets == 0) << place);
+            }
+            if self.of_interest == 0 {
+                return;
+            }
+        } else {
+            self.packets = [u32::MAX; LANES];
+        }
         left.store(&mut self.boxes[0].0);
         right.store(&mut self.boxes[1].0);
         bottom.store(&mut self.boxes[2].0);
@@ -369,11 +443,11 @@ impl Outlines {
         // Twice the areas that the edges span with the origin, as vectors: the edge functions. Of a
         // corner and an edge, not of two corners: the products of these would cancel.
         let bc = ac.minus(ab);
-        let bc_size = bc.taxicab();
+        let bc_size = bc.size(simd);
         let normal = ab.cross(ac);
         let volume = a.dot(normal);
-        // The normal is off by 12 u of the product of its edges in each component, and the volume by
-        // 17 u of that and the distance. Errors of a sliver's normal and of a grazing view multiply.
+        // The normal is off by 16 u of the product of its edges in each component, and the volume by
+        // 21 u of that and the distance. Errors of a sliver's normal and of a grazing view multiply.
         let edges = ab_size * ac_size;
         let is_clear = has_size
             & volume
@@ -382,19 +456,23 @@ impl Outlines {
         let sign = volume.gt(zero).select(one, zero - one);
         // Of the longest edge, opposite of the first corner: rounding on the way to a corner moves all.
         let rounding = bc_size * Singles::splat(simd, frame.distance * NEGLIGIBLE as f32);
+        let [beside_first, opposite_first] = frame.edge_error;
         let shortest = ab_size.min(ac_size).min(bc_size);
-        let are_told = (shortest * Singles::splat(simd, frame.edge_reach)).gt(rounding);
-        let sign = sign / Singles::splat(simd, frame.edge_reach);
+        let are_told = (shortest * Singles::splat(simd, beside_first)).gt(rounding);
+        // The reciprocals of the three lengths from one division: none is below 2⁻⁴².
+        let scale = sign / (edges * bc_size);
+        let beside = scale * bc_size * Singles::splat(simd, 1.0 / beside_first);
+        let opposite = scale * edges * Singles::splat(simd, 1.0 / opposite_first);
         let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
-        let edge_a = b.cross(bc).times(sign / bc_size);
-        let edge_b = ac.cross(a).times(sign / ac_size);
-        let edge_c = a.cross(ab).times(sign / ab_size);
+        let edge_a = b.cross(bc).times(opposite);
+        let edge_b = ac.cross(a).times(beside * ab_size);
+        let edge_c = a.cross(ab).times(beside * ac_size);
         opposite_a.store(edge_a);
         opposite_b.store(edge_b);
         opposite_c.store(edge_c);
-        // k (n · d) / V: an error of an eighth in V makes 14 u of 12 u, and 20 u of 17 u.
-        let factor = to_closeness / volume;
-        let closeness = normal.times(factor);
+        // k (n · d) / V: an error of a sixth in V makes 20 u of 16 u, and 26 u of 21 u.
+        let over_volume = one / volume;
+        let closeness = normal.times(to_closeness * over_volume);
         let extent = [
             Singles::splat(simd, extent_x),
             Singles::splat(simd, extent_y),
@@ -405,13 +483,13 @@ impl Outlines {
             & magnitude.gt(Singles::splat(simd, (1.0 / CLOSENESS) as f32))
             & magnitude.le(Singles::splat(simd, CLOSENESS as f32));
         self.closeness.store(closeness);
-        let flatness = edges * Singles::splat(simd, ROUNDING) / volume.abs();
+        let flatness = edges * Singles::splat(simd, ROUNDING) * over_volume.abs();
         let of_volume = flatness.times_plus(
-            Singles::splat(simd, frame.distance * 20.0),
+            Singles::splat(simd, frame.distance * 26.0),
             Singles::splat(simd, ROUNDING * 16.0),
         );
         let of_normal =
-            flatness * to_closeness * Singles::splat(simd, (1.0 + extent_x + extent_y) * 14.0);
+            flatness * to_closeness * Singles::splat(simd, (1.0 + extent_x + extent_y) * 20.0);
         let error = magnitude.times_plus(of_volume, of_normal);
         error.store(&mut self.closeness_error.0);
         // One edge may have all rays on its outer side. Twice the room: for the three sums of this.
@@ -443,7 +521,7 @@ impl Outlines {
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
-        let packets = canvas.meets(simd, &self.extent(index));
+        let packets = canvas.meets(simd, &self.extent(index)) & self.packets[index];
         let is_untold = self.untold >> index & 1 == 1;
         let edges = [
             self.edges[0].get(index),

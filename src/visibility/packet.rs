@@ -264,7 +264,7 @@ pub(super) fn descend<S: Simd, Q: Question<S>>(
                 question.limit(simd) * pace,
                 stack,
                 #[inline(always)]
-                |block, count| {
+                |block, count, _| {
                     show(block, count, &beam, question);
                     (question.asked() != 0).then(
                         #[inline(always)]

@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use super::beam::{Beam, Stack};
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict};
-use super::nodes::{Members, Tree};
+use super::nodes::{Members, Tree, blocks_of};
 use super::packet::{Nearest, Packet, Question, Shadow, descend};
-use crate::lanes::{LANES, ones};
+use crate::lanes::ones;
 use crate::math::DVec3;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
 
@@ -44,14 +44,17 @@ pub(super) trait Block<T>: Send + Sync {
     /// What a canvas makes of them before it is looked at ray by ray.
     type Drawing;
 
-    /// Of [`Shape::WIDTH`] shapes or fewer, at least one.
-    fn of(shapes: &[T]) -> Self;
+    /// Of [`Shape::WIDTH`] shapes or fewer, at least one, of which `first` come before in the order of all.
+    fn of(shapes: &[T], first: u32) -> Self;
 
     /// One of them, by its place; all shapes of sketched ones are in `shapes`.
     fn get(&self, shapes: &[T], place: usize) -> T;
 
-    /// One bit for each of those with a bit that the rays of a beam might meet.
-    fn near<S: Simd>(&self, simd: S, beam: &Beam, shapes: &[T], bits: u32) -> u32;
+    /// One bit for each place that the rays of a beam might meet a shape at.
+    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
+
+    /// See [`super::outline::Sketch::touch`].
+    fn touch(&self);
 
     /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow.
     fn cast<S: Simd>(
@@ -73,12 +76,12 @@ const OUTSIZED: f64 = 1000.0;
 const MOST_PLACES: usize = 1 << 30;
 
 /// The median size is that of so many shapes.
-const SAMPLE: usize = 4096;
+const SAMPLE: u32 = 4096;
 
 /// All shapes of one kind.
 #[derive(Debug)]
 pub(super) struct Search<T: Shape> {
-    /// All shapes as they are, if the blocks are sketches of them.
+    /// All shapes as they are and in the order of the blocks, if these are sketches of them.
     shapes: Vec<T>,
     /// All shapes as canvases take them: first the listed ones, then those of the tree, leaf by leaf.
     blocks: Vec<T::Block>,
@@ -88,25 +91,34 @@ pub(super) struct Search<T: Shape> {
 }
 
 impl<T: Shape> Search<T> {
-    pub(super) fn new(mut shapes: Vec<T>, acceleration: Acceleration) -> Self {
-        let listed: Vec<usize> = match acceleration {
-            Acceleration::None | Acceleration::List => (0..shapes.len()).collect(),
-            Acceleration::Tree => outsized(&shapes),
+    /// `count` shapes, which `shape` gives by their numbers.
+    pub(super) fn new(
+        count: u32,
+        shape: impl Fn(u32) -> T + Sync,
+        acceleration: Acceleration,
+    ) -> Self {
+        let listed: Vec<u32> = match acceleration {
+            Acceleration::None | Acceleration::List => (0..count).collect(),
+            Acceleration::Tree => outsized(count, &shape),
         };
-        let list: Vec<T> = listed.iter().map(|&index| shapes[index]).collect();
-        let mut blocks: Vec<T::Block> = list.chunks(T::WIDTH).map(T::Block::of).collect();
-        let tree = (listed.len() < shapes.len()).then(|| {
-            let (tree, order, members) = Tree::new(&shapes, &listed, blocks.len() as u32);
-            blocks.par_extend(members.par_iter().map(|&Members { first, count }| {
-                let order = &order[first as usize..(first + count) as usize];
-                let mut members = [shapes[order[0] as usize]; LANES];
-                for (member, &index) in members.iter_mut().zip(order) {
-                    *member = shapes[index as usize];
-                }
-                T::Block::of(&members[..order.len()])
-            }));
+        let mut members = Vec::new();
+        members.extend(blocks_of::<T>(0, listed.len() as u32));
+        let mut order = listed;
+        let listed = order.len();
+        let tree = (listed < count as usize).then(|| {
+            let (tree, treed) = Tree::new(count, &shape, &order, &mut members);
+            order.extend(treed);
             tree
         });
+        let shapes = order.par_iter().map(|&index| shape(index));
+        let mut shapes: Vec<T> = shapes.collect();
+        let blocks: Vec<T::Block> = members
+            .par_iter()
+            .map(|&Members { first, count }| {
+                let shapes = &shapes[first as usize..(first + count) as usize];
+                T::Block::of(shapes, first)
+            })
+            .collect();
         let places = blocks.len() * T::WIDTH;
         assert!(places <= MOST_PLACES, "memory ends before slots do");
         if !T::IS_SKETCHED {
@@ -115,7 +127,7 @@ impl<T: Shape> Search<T> {
         Self {
             shapes,
             blocks,
-            listed: list.len(),
+            listed,
             tree,
         }
     }
@@ -192,7 +204,10 @@ impl<T: Shape> Search<T> {
                 canvas.look(simd),
                 stack,
                 #[inline(always)]
-                |block, count| {
+                |block, count, next| {
+                    if let Some(next) = next {
+                        self.blocks[next as usize].touch();
+                    }
                     for (block, number, bits) in self.blocks(block as usize, count as usize) {
                         let slot = T::SLOTS | number as u32;
                         block.cast(simd, bits, slot, drawing, canvas, verdict);
@@ -244,7 +259,7 @@ impl<T: Shape> Search<T> {
                 #[inline(always)]
                 |block, count, beam, question| {
                     for (block, _, shapes) in self.blocks(block as usize, count as usize) {
-                        for place in ones(block.near(simd, beam, &self.shapes, shapes)) {
+                        for place in ones(shapes & block.near(simd, beam)) {
                             question.ask(simd, packet, &block.get(&self.shapes, place));
                         }
                     }
@@ -260,19 +275,20 @@ impl<T: Shape> Search<T> {
     }
 }
 
-/// The few shapes that are far larger than the others, by their places, in order.
-fn outsized<T: Shape>(shapes: &[T]) -> Vec<usize> {
-    let extent = |shape: &T| {
-        let Bounds { min, max } = shape.bounds();
+/// The few shapes that are far larger than the others, in order.
+fn outsized<T: Shape>(count: u32, shape: &(impl Fn(u32) -> T + Sync)) -> Vec<u32> {
+    let extent = |index: u32| {
+        let Bounds { min, max } = shape(index).bounds();
         (max - min).max_element()
     };
-    let sample = shapes.iter().step_by(shapes.len().div_ceil(SAMPLE));
-    let mut extents: Vec<f64> = sample.map(extent).collect();
+    let step = count.div_ceil(SAMPLE) as usize;
+    let mut extents: Vec<f64> = (0..count).step_by(step).map(extent).collect();
     let middle = extents.len() / 2;
     let (_, &mut median, _) = extents.select_nth_unstable_by(middle, f64::total_cmp);
-    let is_outsized = |&place: &usize| extent(&shapes[place]) > median * OUTSIZED;
-    let all = (0..shapes.len()).into_par_iter();
-    let outsized: Vec<usize> = all.filter(is_outsized).collect();
+    let all = (0..count).into_par_iter();
+    let outsized: Vec<u32> = all
+        .filter(|&index| extent(index) > median * OUTSIZED)
+        .collect();
     if outsized.len() > LONGEST_LIST {
         return Vec::new();
     }

@@ -133,7 +133,7 @@ impl Balls {
 impl Block<Ball> for Balls {
     type Drawing = Discs;
 
-    fn of(shapes: &[Ball]) -> Self {
+    fn of(shapes: &[Ball], _: u32) -> Self {
         let mut balls = Self {
             center: [[0.0; LANES]; 3],
             radius: [1.0; LANES],
@@ -161,10 +161,12 @@ impl Block<Ball> for Balls {
         }
     }
 
+    fn touch(&self) {}
+
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, beam: &Beam, _: &[Ball], bits: u32) -> u32 {
+    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
         let Spheres { center, radius, .. } = self.spheres(simd);
-        beam.may_meet_spheres(simd, center, radius) & bits
+        beam.may_meet_spheres(simd, center, radius)
     }
 
     #[inline(always)]

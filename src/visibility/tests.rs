@@ -366,6 +366,99 @@ fn triangles_without_extent() {
     }
 }
 
+/// Far from the origin of the world f64 has few digits left for shapes, and f32 has none but in the axes
+/// of a canvas.
+#[test]
+fn far_from_the_origin() {
+    for place in [1e3, 1e6, 1e9, 1e12] {
+        let mut scene = Writer::new(1.0, [place, -place * 0.7, place * 0.3], 40.0, EYE);
+        scene.clutter(200, 30, 0.2);
+        scene.light([2.0, 3.0, 2.0]);
+        // What the scene is relative to is where the camera looks: the clutter is elsewhere.
+        scene.light([-place, place * 0.7, -place * 0.3]);
+        scene.agrees();
+        let mut elsewhere = Writer::new(1.0, [0.0; 3], 10.0, [place, place * 0.2, place * 0.5]);
+        elsewhere.clutter(100, 20, 0.2);
+        elsewhere.lights();
+        elsewhere.agrees();
+    }
+}
+
+/// Blocks of triangles that differ a million times in size: to the small ones their middle is far away.
+#[test]
+fn large_beside_small() {
+    for factor in [1e-2, 1e-4, 1e-6] {
+        let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE);
+        scene.clutter(40, 0, 0.5);
+        let mut small = Writer::new(factor, [0.3, 0.2, 0.1], 40.0, EYE);
+        (small.text, small.objects) = (std::mem::take(&mut scene.text), scene.objects);
+        small.clutter(200, 0, 0.4);
+        small.size = 1.0;
+        small.lights();
+        small.agrees();
+        // So near that they fill the view, with the large ones around the viewer.
+        let eye = [0.3 + 3.0 * factor, 0.2 + factor, 0.1 + 2.0 * factor];
+        let mut near = Writer::new(1.0, [0.0; 3], 50.0, eye);
+        near.clutter(12, 0, 0.5);
+        (near.size, near.place) = (factor, [0.3, 0.2, 0.1]);
+        near.clutter(300, 0, 0.4);
+        near.light([2.0, 3.0, 2.0]);
+        near.light([0.0; 3]);
+        near.agrees();
+    }
+}
+
+/// Triangles smaller than a pixel, of which most hold no ray.
+#[test]
+fn triangles_between_rays() {
+    for largest in [0.03, 0.003] {
+        let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE);
+        scene.clutter(4000, 0, largest);
+        scene.triangle([[-9.0, -1.0, -9.0], [0.0, -1.0, 9.0], [9.0, -1.0, -9.0]]);
+        scene.lights();
+        let again = scene.agrees();
+        assert!(again < ASKED_AGAIN, "{again}");
+    }
+}
+
+/// Triangles that touch each other with corners, edges and faces, and lights on them.
+#[test]
+fn points_of_contact() {
+    let mut scene = Writer::new(1.0, [0.1, -0.7, 0.3], 50.0, EYE);
+    for index in 0..40 {
+        let at = |dimension| scattered(index, dimension) * 2.0 - 1.0;
+        let [a, b, c] =
+            [0, 3, 6].map(|dimension| [at(dimension), at(dimension + 1), at(dimension + 2)]);
+        let between = |s: f64, t: f64| {
+            [0, 1, 2].map(|axis: usize| a[axis] + (b[axis] - a[axis]) * s + (c[axis] - a[axis]) * t)
+        };
+        scene.triangle([a, b, c]);
+        // A corner within, an edge within, a face within, and one that goes through.
+        scene.triangle([
+            between(0.3, 0.3),
+            [at(9), at(10), at(11)],
+            [at(12), at(13), at(14)],
+        ]);
+        scene.triangle([
+            between(0.1, 0.2),
+            between(0.6, 0.2),
+            [at(15), at(16), at(17)],
+        ]);
+        scene.triangle([between(0.1, 0.1), between(0.2, 0.5), between(0.5, 0.1)]);
+        let [near, far] = [between(0.4, 0.3), between(0.2, 0.6)];
+        scene.triangle([
+            near,
+            far,
+            [0, 1, 2].map(|axis: usize| near[axis] * 2.0 - at(18 + axis as u32)),
+        ]);
+        if index % 10 == 0 {
+            scene.light(between(0.25, 0.25));
+            scene.light(a);
+        }
+    }
+    scene.agrees();
+}
+
 /// Suns and telescopes: rays almost parallel.
 #[test]
 fn far_away() {

@@ -12,7 +12,7 @@ use fearless_simd::Simd;
 use super::beam::Beam;
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict, Who};
-use super::outline::{Outlines, Sketch, side_by_side};
+use super::outline::{Outlines, Sketch};
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
 use super::{Primitive, ROUNDING};
@@ -218,18 +218,19 @@ impl Facet {
     }
 }
 
-/// Sixteen triangles or fewer, as canvases take them. The facets that they stand for are in the order of
-/// the world.
+/// Sixteen triangles or fewer, as canvases take them. The facets that they stand for are elsewhere.
 #[derive(Clone, Debug)]
 pub(super) struct Facets {
     sketch: Sketch,
     primitives: [Primitive; LANES],
+    /// How many facets come before in the order of all.
+    first: u32,
 }
 
 impl Block<Facet> for Facets {
     type Drawing = Outlines;
 
-    fn of(shapes: &[Facet]) -> Self {
+    fn of(shapes: &[Facet], first: u32) -> Self {
         let mut primitives = [shapes[0].primitive; LANES];
         for (primitive, shape) in primitives.iter_mut().zip(shapes) {
             *primitive = shape.primitive;
@@ -237,24 +238,23 @@ impl Block<Facet> for Facets {
         Self {
             sketch: Sketch::of(shapes.iter().map(Facet::vertices)),
             primitives,
+            first,
         }
     }
 
     #[inline(always)]
     fn get(&self, shapes: &[Facet], place: usize) -> Facet {
-        let (_, triangle) = self.primitives[place].parts();
-        shapes[triangle as usize]
+        shapes[self.first as usize + place]
     }
 
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, beam: &Beam, shapes: &[Facet], bits: u32) -> u32 {
-        let corners = side_by_side(
-            simd,
-            bits,
-            #[inline(always)]
-            |place| self.get(shapes, place).vertices,
-        );
-        beam.may_meet(simd, corners) & bits
+    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
+        beam.may_meet(simd, self.sketch.corners(simd), self.sketch.error())
+    }
+
+    #[inline(always)]
+    fn touch(&self) {
+        self.sketch.touch();
     }
 
     #[inline(always)]
