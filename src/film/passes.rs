@@ -86,7 +86,7 @@ impl<'w> Sums<'w> {
             depths.add(batch, points);
         }
         if let Some(normals) = normals {
-            for_each_hit(batch, points, &points.shading_normal, |pixel, normal| {
+            for_each_hit(batch, points, points.shading_normals(), |pixel, normal| {
                 normals[pixel] += normal;
             });
         }

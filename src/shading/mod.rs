@@ -115,7 +115,7 @@ impl Shaded {
         (self.shadow_rays, self.singular) = (0, 0);
         for (index, light) in world.lights().iter().enumerate() {
             let position = light.value.position;
-            let Facing { above, at } = points.facing(simd, position);
+            let Facing { above, at } = points.facing(simd, world, position);
             let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
             self.shadow_rays += u64::from(asked);
             self.singular += u64::from(at);

@@ -27,7 +27,7 @@ impl<S: Simd> Ends<S> {
     pub(super) fn load(simd: S, points: &Points, packet: usize) -> Self {
         Self {
             position: Vectors::load(simd, columns(&points.position, packet)),
-            normal: Vectors::load(simd, columns(&points.shading_normal, packet)),
+            normal: Vectors::load(simd, columns(points.shading_normals(), packet)),
             to_viewer: Vectors::load(simd, columns(&points.to_viewer, packet)),
             cos_viewer: Lanes::load(simd, &points.cos_viewer[packet * LANES..]),
         }

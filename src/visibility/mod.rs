@@ -282,7 +282,7 @@ impl<'w> Visibility<'w> {
         if has_canvas {
             self.cast(simd, canvas, drawings, stack, First);
         }
-        points.begin();
+        points.begin(self.is_smooth);
         let mut last = None;
         for (packet, bits) in asked.into_iter().enumerate() {
             if bits == 0 {

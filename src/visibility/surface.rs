@@ -56,27 +56,26 @@ pub struct Points {
     /// A bound on the rounding error of p, in scene units: what is nearer to it than this may be the
     /// surface itself.
     pub(crate) error: Column,
-    /// A point of the plane that touches the surface at p: for flat shapes one that is known exactly,
-    /// for others p itself.
-    tangent: [Column; 3],
-    /// How far `tangent` may be off.
-    tangent_error: Column,
     /// ω_o: from the point to the viewer.
     pub(crate) to_viewer: [Column; 3],
     /// The normal of the surface, turned towards the viewer.
     pub(super) geometric_normal: [Column; 3],
-    /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the surface;
-    /// elsewhere the geometric normal.
-    pub(crate) shading_normal: [Column; 3],
+    /// The geometric normal times a point of the plane that touches the surface at p: for flat shapes one that
+    /// is known exactly, for others p itself.
+    plane: Column,
+    /// Whether `shading_normal` is anything else than the geometric normal.
+    is_smooth: bool,
+    /// The interpolated normal of a smooth mesh, on the viewer's side of the surface; elsewhere the geometric
+    /// normal. Only where there are smooth meshes.
+    pub(super) shading_normal: [Column; 3],
     /// n · ω_o
     pub(crate) cos_viewer: Column,
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
     /// What all of them are on.
     pub(super) only: Only,
-    /// The largest of `error` and of the coordinates of `tangent`, and the box around the positions.
+    /// The largest of `error`, and the box around the positions.
     pub(super) largest_error: f64,
-    farthest_tangent: f64,
     pub(super) bounds: [DVec3; 2],
     /// Its material, an index into [`World::materials`].
     pub(crate) material: [u32; BATCH],
@@ -91,16 +90,15 @@ impl Default for Points {
             hit: [0; PACKETS],
             position: [NONE; 3],
             error: NONE,
-            tangent: [NONE; 3],
-            tangent_error: NONE,
             to_viewer: [NONE; 3],
             geometric_normal: [NONE; 3],
+            plane: NONE,
+            is_smooth: false,
             shading_normal: [NONE; 3],
             cos_viewer: NONE,
             primitive: [0; BATCH],
             only: Only::Nothing,
             largest_error: 0.0,
-            farthest_tangent: 0.0,
             bounds: [DVec3::ZERO; 2],
             material: [0; BATCH],
             is_uniform: [true; PACKETS],
@@ -166,7 +164,8 @@ pub(super) struct Known<'s, S: Simd> {
 
 impl Points {
     /// Forgets all points.
-    pub(super) fn begin(&mut self) {
+    pub(super) fn begin(&mut self, is_smooth: bool) {
+        self.is_smooth = is_smooth;
         self.only = Only::Nothing;
     }
 
@@ -174,7 +173,7 @@ impl Points {
     #[inline(always)]
     pub(super) fn end<S: Simd>(&mut self, simd: S) {
         let zero = Lanes::splat(simd, 0.0);
-        let (mut error, mut tangent) = (zero, zero);
+        let mut error = zero;
         for (packet, &hit) in self.hit.iter().enumerate() {
             if hit == 0 {
                 continue;
@@ -182,11 +181,8 @@ impl Points {
             let is_hit = Mask::from_bits(simd, hit);
             let errors = Lanes::load(simd, &self.error[packet * LANES..]);
             error = is_hit.select(errors, zero).max(error);
-            let tangents = Vectors::load(simd, columns(&self.tangent, packet)).largest();
-            tangent = is_hit.select(tangents, zero).max(tangent);
         }
         self.largest_error = error.largest();
-        self.farthest_tangent = tangent.largest();
         let ranges = ranges(
             simd,
             #[inline(always)]
@@ -308,16 +304,26 @@ impl Points {
 
         position.store(columns_mut(&mut self.position, packet));
         error.store(&mut self.error[first_lane..]);
-        tangent.store(columns_mut(&mut self.tangent, packet));
-        let zero = Lanes::splat(simd, 0.0);
-        let tangent_error = is_curved.select(error, zero);
-        tangent_error.store(&mut self.tangent_error[first_lane..]);
         to_viewer.store(columns_mut(&mut self.to_viewer, packet));
         geometric.store(columns_mut(&mut self.geometric_normal, packet));
-        geometric.store(columns_mut(&mut self.shading_normal, packet));
+        geometric.dot(tangent).store(&mut self.plane[first_lane..]);
+        if self.is_smooth {
+            geometric.store(columns_mut(&mut self.shading_normal, packet));
+        }
         geometric
             .dot(to_viewer)
             .store(&mut self.cos_viewer[first_lane..]);
+    }
+
+    /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the surface; elsewhere
+    /// the geometric normal.
+    #[inline(always)]
+    pub(crate) fn shading_normals(&self) -> &[Column; 3] {
+        if self.is_smooth {
+            &self.shading_normal
+        } else {
+            &self.geometric_normal
+        }
     }
 
     /// Whether a ray of the batch hits something.
@@ -351,13 +357,14 @@ impl Points {
     /// further from it than rounding errors. A light in the very plane of a floor is not above it. And
     /// whether it is at the point itself (d = 0), as far as can be told.
     #[inline(always)]
-    pub(crate) fn facing<S: Simd>(&self, simd: S, light: Point) -> Facing {
-        // What holds for all points of the batch will often do: the bounds of the rounding of each, and a
-        // light that is outside of the box around them.
-        let rounding =
-            (self.farthest_tangent + 2.0 * light.0.abs().max_element()) * (2.0 * ROUNDING);
-        let room = Lanes::splat(simd, 2.0 * (rounding + self.largest_error));
-        let zero = Lanes::splat(simd, 0.0);
+    pub(crate) fn facing<S: Simd>(&self, simd: S, world: &World, light: Point) -> Facing {
+        // What holds for all points of the batch will often do: a bound on the rounding of each, and a
+        // light that is outside of the box around them. With p₀ a point of the tangent plane, n·l − n·p₀ and
+        // what it is compared with point by point are off by 2 ROUNDING (|l| + |l − p₀|) and the error of p₀,
+        // and |p₀| ROUNDING is below the error of p: twice that.
+        let light_length = light.0.abs().max_element();
+        let room = 6.0 * self.largest_error + 8.0 * ROUNDING * light_length;
+        let room = Lanes::splat(simd, room);
         let [least, most] = self.bounds;
         let outside = (least - light.0).max(light.0 - most).max_element();
         let is_apart = outside > 2.0 * self.largest_error;
@@ -369,14 +376,14 @@ impl Points {
             if hit == 0 {
                 continue;
             }
-            let tangent = Vectors::load(simd, columns(&self.tangent, packet));
             let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
-            let height = normal.dot(-tangent.minus(light.0));
+            let plane = Lanes::load(simd, &self.plane[packet * LANES..]);
+            let height = normal.dot_with(light.0) - plane;
             let above = height.gt(room).to_bits();
-            if is_apart && (above | height.le(zero).to_bits()) & hit == hit {
+            if is_apart && (above | height.lt(-room).to_bits()) & hit == hit {
                 facing.above[packet] = above & hit;
             } else {
-                let (above, at) = self.facing_in(simd, packet, light);
+                let (above, at) = self.facing_in(simd, world, packet, light);
                 facing.above[packet] = above;
                 facing.at += at.count_ones();
             }
@@ -386,23 +393,43 @@ impl Points {
 
     /// The points of a packet that a light is above of, and those that it is at, one bit for each.
     #[inline(never)]
-    fn facing_in<S: Simd>(&self, simd: S, packet: usize, light: Point) -> (u32, u32) {
+    fn facing_in<S: Simd>(
+        &self,
+        simd: S,
+        world: &World,
+        packet: usize,
+        light: Point,
+    ) -> (u32, u32) {
         simd.vectorize(
             #[inline(always)]
             || {
                 let hit = self.hit[packet];
                 let lanes = packet * LANES;
-                let tangent = Vectors::load(simd, columns(&self.tangent, packet));
+                let position = Vectors::load(simd, columns(&self.position, packet));
+                let error = Lanes::load(simd, &self.error[lanes..]);
+                // Of flat shapes a point is known exactly.
+                let mut flat = 0;
+                let mut points = [[0.0; LANES]; 3];
+                for lane in ones(hit) {
+                    if let Some(point) = flat_point(world, Primitive(self.primitive[lanes + lane]))
+                    {
+                        flat |= 1 << lane;
+                        for axis in 0..3 {
+                            points[axis][lane] = point[axis];
+                        }
+                    }
+                }
+                let is_flat = Mask::from_bits(simd, flat);
+                let [x, y, z] = &points;
+                let tangent = is_flat.select_vectors(Vectors::load(simd, [x, y, z]), position);
+                let known_to = is_flat.select(Lanes::splat(simd, 0.0), error);
                 let to_light = -tangent.minus(light.0);
                 // The largest component stands for the length, which is at most √3 times as long.
                 let light_length = light.0.abs().max_element();
                 let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
                 let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
-                let known_to = Lanes::load(simd, &self.tangent_error[lanes..]);
                 let is_above = normal.dot(to_light).gt(rounding + known_to);
-                let position = Vectors::load(simd, columns(&self.position, packet));
                 let way = position.minus(light.0);
-                let error = Lanes::load(simd, &self.error[lanes..]);
                 let is_at = way.dot(way).le(error * error).to_bits() & hit;
                 (is_above.to_bits() & hit & !is_at, is_at)
             },
@@ -619,6 +646,16 @@ impl Sources {
                 self.put(lane, shown.source);
             }
         }
+    }
+}
+
+/// A point of a flat primitive that is known exactly; `None` for a curved one.
+fn flat_point(world: &World, primitive: Primitive) -> Option<DVec3> {
+    let (object, triangle) = primitive.parts();
+    match world.objects()[object as usize].shape {
+        Shape::Sphere(_) => None,
+        Shape::Plane(index) => Some(world.planes()[index].point.0),
+        Shape::Mesh(_) => Some(from_shorter_edges(world.triangles().vertices(triangle))[0]),
     }
 }
 

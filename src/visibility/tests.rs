@@ -183,7 +183,7 @@ impl Kernel for Compare<'_> {
             for slot in (0..BATCH).filter(|&slot| expected.is_hit(slot)) {
                 assert_eq!(seen.primitive[slot], expected.primitive[slot]);
                 let bits = |points: &Points| {
-                    let columns = [&points.position, &points.shading_normal];
+                    let columns = [&points.position, points.shading_normals()];
                     columns.map(|vector| vector.each_ref().map(|column| column[slot].to_bits()))
                 };
                 assert_eq!(bits(seen), bits(expected), "{:?}", seen.primitive[slot]);
@@ -192,7 +192,7 @@ impl Kernel for Compare<'_> {
             }
             for light in self.world.lights() {
                 let light = light.value.position;
-                let facing = seen.facing(simd, light).above;
+                let facing = seen.facing(simd, self.world, light).above;
                 let [lit, expected] = [0, 1].map(|way: usize| {
                     self.ways[way].lit(simd, light, &points[way], &facing, &mut spaces[way])
                 });
