@@ -7,7 +7,7 @@ use fearless_simd::Simd;
 use super::Window;
 use super::sampling::Sampler;
 use crate::lanes::{LANES, Words};
-use crate::visibility::{BATCH, Column};
+use crate::visibility::{BATCH, Column, Samples};
 
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
 pub(super) const TILE: u32 = 16;
@@ -151,8 +151,20 @@ impl Batch {
     }
 
     /// Where in the image the samples are.
-    pub(super) fn positions(&self) -> [&Column; 2] {
-        self.positions.each_ref()
+    pub(super) fn samples(&self) -> Samples<'_> {
+        let pixels = self.range().pixel(0)..=self.range().last_pixel();
+        let window = self.pixels.in_image.each_ref().map(|places| {
+            let places = &places[pixels.clone()];
+            let (least, most) = places.iter().fold((u32::MAX, 0), |(least, most), &place| {
+                (least.min(place), most.max(place))
+            });
+            [f64::from(least), f64::from(most) + 1.0]
+        });
+        Samples {
+            places: self.positions.each_ref(),
+            count: self.len,
+            window,
+        }
     }
 
     /// The samples, counted through the tile.

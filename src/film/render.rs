@@ -240,8 +240,7 @@ impl Work<'_> {
         let mut passes = self.passes.map(|passes| passes.sums(batch.pixels().len()));
         let mut counts = Counts::default();
         while batch.next(simd, sampler) {
-            self.visibility
-                .see(simd, batch.positions(), batch.len(), tracing, points);
+            self.visibility.see(simd, batch.samples(), tracing, points);
             {
                 let passes = passes.as_mut();
                 let mut each = passes.and_then(|passes| passes.see(batch.range(), points));

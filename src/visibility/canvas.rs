@@ -81,6 +81,10 @@ pub(super) struct Canvas {
     /// How far the origin or the ends of the rays may be from where they should be.
     pub(super) error: f64,
     pub(super) state: State,
+    /// Of a canvas aimed at what primary rays see the first shape so far, and of one aimed at ends of rays the
+    /// largest closeness of these.
+    cover: Option<Cover>,
+    nearest_end: f32,
     x: Floats,
     y: Floats,
     /// The range of the closeness of what is known of a ray: of a primary ray its nearest hit, 0 where
@@ -109,10 +113,22 @@ pub(super) struct Canvas {
 pub(super) enum State {
     /// A box around the rays' ends, so that shapes beside the way to it are told.
     Aimed,
+    /// Aimed, and one shape is before all of the box: no light gets there.
+    Dark,
+    /// Aimed, but more than one shape may be what is seen first.
+    Unclear,
     /// Every ray.
     Stretched,
     /// The rays are not for a canvas.
     Unfit,
+}
+
+/// A shape that all rays on a canvas meet, without any of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cover {
+    slot: u32,
+    /// Between which closenesses.
+    range: [f32; 2],
 }
 
 /// Which shape it is.
@@ -155,6 +171,11 @@ impl Extent {
 pub(super) trait Verdict: Copy {
     /// Whether all rays end on the shape.
     fn are_all_on(self, who: Who) -> bool;
+
+    /// Takes note on a canvas that is only aimed of a shape that may be of interest: `cover` is between which
+    /// closenesses all rays surely meet it, if they do, and `most` its largest closeness in any case. Whether
+    /// no ray need be asked.
+    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, most: f32) -> bool;
 
     /// Stretches a canvas that is only aimed; whether it is fit for its rays.
     fn is_ready<S: Simd>(self, simd: S, canvas: &mut Canvas) -> bool;
@@ -228,6 +249,8 @@ impl Default for Canvas {
             ends: None,
             error: 0.0,
             state: State::Unfit,
+            cover: None,
+            nearest_end: 0.0,
             x: floats,
             y: floats,
             least: floats,
@@ -269,11 +292,70 @@ impl Canvas {
         let [x, y] = [(x * over) as f32, (y * over) as f32];
         self.bounds = [-x, x, -y, y];
         self.farthest = (self.unit / deepest) as f32 * (1.0 - 2.0 * GIVES_WAY);
+        self.nearest_end = (self.unit / shallowest) as f32 * (1.0 + 2.0 * GIVES_WAY);
         let is_before = shallowest > self.unit * SHALLOWEST_BOX && deepest.is_finite();
         if is_before && self.is_fit() {
             self.state = State::Aimed;
         }
         self.state == State::Aimed
+    }
+
+    /// Aims the canvas at what rays from one point see that are between these directions; whether it can.
+    pub(super) fn aim_between(&mut self, origin: DVec3, directions: [DVec3; 4]) -> bool {
+        (self.error, self.ends) = (0.0, None);
+        (self.state, self.cover, self.farthest) = (State::Unfit, None, 0.0);
+        if !self.turn_to(origin, directions.iter().sum()) {
+            return false;
+        }
+        let [u, v, w] = self.axes;
+        let mut bounds = [
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+        ];
+        for direction in directions {
+            let over_depth = 1.0 / direction.dot(w);
+            let dot = [u, v].map(|axis| (direction.dot(axis) * over_depth) as f32);
+            for axis in 0..2 {
+                bounds[2 * axis] = bounds[2 * axis].min(dot[axis]);
+                bounds[2 * axis + 1] = bounds[2 * axis + 1].max(dot[axis]);
+            }
+        }
+        self.bounds = bounds;
+        let are_before = directions.iter().all(|direction| direction.dot(w) > 0.0);
+        if are_before && self.is_fit() {
+            self.state = State::Aimed;
+        }
+        self.state == State::Aimed
+    }
+
+    /// Takes a shape to be what all rays see first, as far as is known.
+    fn cover_with(&mut self, who: Who, range: [f32; 2]) {
+        self.cover = Some(Cover {
+            slot: who.slot,
+            range,
+        });
+        [self.farthest, _] = range;
+    }
+
+    /// Has no interest in shapes any more.
+    fn close(&mut self, state: State) {
+        self.state = state;
+        self.bounds = [
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+        ];
+        self.farthest = f32::INFINITY;
+    }
+
+    /// Has all rays see what was found while it was only aimed.
+    pub(super) fn settle(&mut self) {
+        let slot = self.cover.map_or(NOTHING, |cover| cover.slot);
+        self.slots.fill(slot);
+        (self.doubtful, self.undecided) = ([0; PACKETS], [0; PACKETS]);
     }
 
     /// Turns the canvas to a direction from its origin; whether that is one.
@@ -390,7 +472,7 @@ impl Canvas {
             Singles::load(simd, &self.boxes[2].0).smallest(),
             Singles::load(simd, &self.boxes[3].0).largest(),
         ];
-        self.look(simd);
+        self.farthest = Singles::load(simd, &self.far.0).smallest();
         self.state = if self.is_fit() && shallowest.smallest() > SHALLOWEST {
             State::Stretched
         } else {
@@ -520,8 +602,23 @@ impl Verdict for First {
     }
 
     #[inline(always)]
-    fn is_ready<S: Simd>(self, _: S, _: &mut Canvas) -> bool {
+    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, most: f32) -> bool {
+        if canvas.state != State::Aimed {
+            return false;
+        }
+        let before = canvas.cover.map(|cover| cover.range);
+        match (cover, before) {
+            (_, Some([least, _])) if most < least => {}
+            (Some(range), None) => canvas.cover_with(who, range),
+            (Some(range), Some([_, most])) if range[0] > most => canvas.cover_with(who, range),
+            _ => canvas.close(State::Unclear),
+        }
         true
+    }
+
+    #[inline(always)]
+    fn is_ready<S: Simd>(self, _: S, canvas: &mut Canvas) -> bool {
+        canvas.state == State::Stretched
     }
 
     #[inline(always)]
@@ -564,6 +661,17 @@ impl Verdict for Reached<'_> {
     #[inline(always)]
     fn are_all_on(self, who: Who) -> bool {
         self.points.only == Only::One(who.primitive)
+    }
+
+    #[inline(always)]
+    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, _: f32) -> bool {
+        let is_before = cover.is_some_and(|[least, _]| least > canvas.nearest_end);
+        let are_others = matches!(self.points.only, Only::One(own) if own != who.primitive);
+        let is_dark = canvas.state == State::Aimed && is_before && are_others;
+        if is_dark {
+            canvas.close(State::Dark);
+        }
+        is_dark
     }
 
     #[inline(always)]

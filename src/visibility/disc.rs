@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict, Who};
+use super::canvas::{
+    CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, State, Verdict, Who,
+};
 use super::outline::NOISE;
 use crate::lanes::{LANES, Lanes, SingleMask, Singles, Vectors, ones};
 
@@ -45,6 +47,9 @@ pub(super) struct Discs {
     untold: u32,
     /// One bit for each whose own points may be in its shadow, as far as can be told.
     hides_own: u32,
+    /// One bit for each that all rays of a canvas that is aimed surely meet, and the range of its closeness.
+    covers: u32,
+    ranges: [Row; 2],
 }
 
 impl Default for Discs {
@@ -60,6 +65,8 @@ impl Default for Discs {
             of_interest: 0,
             untold: 0,
             hides_own: 0,
+            covers: 0,
+            ranges: [row; 2],
         }
     }
 }
@@ -153,7 +160,8 @@ impl Discs {
         root_scale.store(&mut self.root_scale.0);
         let root_error = Singles::splat(simd, ROOT_ERROR as f32);
         let give = Singles::splat(simd, GIVES_WAY);
-        (along_size * give + root_scale * root_error).store(&mut self.error.0);
+        let closeness_error = along_size * give + root_scale * root_error;
+        closeness_error.store(&mut self.error.0);
         let size = (along_size + root_scale).widened(simd);
         let distance = distance_square.narrowed(simd).sqrt().widened(simd);
         let room = error / NEGLIGIBLE;
@@ -166,6 +174,39 @@ impl Discs {
         // Seen from outside, a sphere does not hide points of its own that face the light.
         let is_inside = power.lt(Lanes::splat(simd, 0.0)).to_bits();
         self.hides_own = self.untold | !(spheres.shows_outside | is_inside);
+        self.covers = 0;
+        if canvas.state == State::Aimed {
+            let [c, cx, cy, cxx, cxy, cyy] = coefficients;
+            let zero = Singles::splat(simd, 0.0);
+            let surely = Singles::splat(simd, 2.0 * SURELY);
+            let sides = cx.abs() * ex + cy.abs() * ey + cxy.abs() * (ex * ey);
+            let least = c - sides + cxx.min(zero) * (ex * ex) + cyy.min(zero) * (ey * ey);
+            let most = c + sides + cxx.max(zero) * (ex * ex) + cyy.max(zero) * (ey * ey);
+            let is_met = least.gt(surely);
+            // Twice the error: for the sums of this.
+            let error = closeness_error + closeness_error;
+            let sides = along[1].abs() * ex + along[2].abs() * ey + error;
+            let roots = [least.max(zero).sqrt(), most.max(zero).sqrt()];
+            let least = along[0] - sides + roots[0] * root_scale;
+            let most = along[0] + sides + roots[1] * root_scale;
+            self.covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
+            least.store(&mut self.ranges[0].0);
+            let largest = Singles::load(simd, &self.most.0);
+            let told = SingleMask::from_bits(simd, !self.untold & u32::from(u16::MAX));
+            told.select(most.min(largest), largest)
+                .store(&mut self.ranges[1].0);
+        }
+    }
+
+    /// The range of the closeness of a sphere that all rays of an aimed canvas surely meet.
+    pub(super) fn cover(&self, index: usize) -> Option<[f32; 2]> {
+        let covers = self.covers >> index & 1 == 1;
+        covers.then(|| self.ranges.each_ref().map(|row| row.0[index]))
+    }
+
+    /// The largest closeness of a sphere within an aimed canvas.
+    pub(super) fn most(&self, index: usize) -> f32 {
+        self.ranges[1].0[index]
     }
 
     /// The boxes of spheres on the canvas: the planes through the origin and an axis that touch them (Mara &

@@ -37,7 +37,7 @@ pub(crate) use surface::{Column, Facing, columns};
 
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
-use crate::world::{Plan, Projection, World};
+use crate::world::{Camera, Plan, Projection, World};
 use beam::{EMPTY_STACK, Stack};
 use canvas::{Canvas, First, Reached, State, Who};
 use disc::Discs;
@@ -109,6 +109,25 @@ pub struct Visibility<'w> {
     most_spread: f64,
     /// Whether canvases decide what they can, as they do but in tests.
     uses_canvas: bool,
+}
+
+/// Points of the image whose primary rays are traced together, in pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Samples<'s> {
+    /// x and y of each.
+    pub(crate) places: [&'s Column; 2],
+    pub(crate) count: usize,
+    /// The least and the largest x, and the least and the largest y.
+    pub(crate) window: [[f64; 2]; 2],
+}
+
+impl Samples<'_> {
+    /// The directions of the primary rays around all of them.
+    fn corners(&self, camera: &Camera) -> [DVec3; 4] {
+        let [[left, right], [top, bottom]] = self.window;
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        corners.map(|[x, y]| camera.ray(x, y).direction)
+    }
 }
 
 /// What is drawn on a canvas, block by block.
@@ -220,19 +239,18 @@ impl<'w> Visibility<'w> {
         }
     }
 
-    /// L1 and L2: the points that the primary rays through points of the image (in pixels) hit.
+    /// L1 and L2: the points that the primary rays through points of the image hit.
     #[inline(never)]
     pub(crate) fn see<S: Simd>(
         &self,
         simd: S,
-        places: [&Column; 2],
-        count: usize,
+        samples: Samples<'_>,
         space: &mut Workspace,
         points: &mut Points,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.see_all(simd, places, count, space, points),
+            || self.see_all(simd, samples, space, points),
         );
     }
 
@@ -240,11 +258,15 @@ impl<'w> Visibility<'w> {
     fn see_all<S: Simd>(
         &self,
         simd: S,
-        [xs, ys]: [&Column; 2],
-        count: usize,
+        samples: Samples<'_>,
         space: &mut Workspace,
         points: &mut Points,
     ) {
+        let Samples {
+            places: [xs, ys],
+            count,
+            ..
+        } = samples;
         let camera = self.world.camera();
         for packet in 0..PACKETS {
             let x = Lanes::load(simd, &xs[packet * LANES..]);
@@ -266,22 +288,32 @@ impl<'w> Visibility<'w> {
         let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
         let asked: [u32; PACKETS] = std::array::from_fn(|packet| first_lanes(count, packet));
         let has_canvas = self.uses_canvas && is_perspective && {
-            let middle = varying_at(varying, count / 2);
             let distance = (self.somewhere - eye.0).length();
             canvas.unit = if distance > 0.0 { distance } else { 1.0 };
-            canvas.stretch_around(
-                simd,
-                eye.0,
-                DVec3::from_array(middle),
-                &asked,
-                #[inline(always)]
-                |packet| Vectors::load(simd, columns(varying, packet)),
-            );
-            canvas.state == State::Stretched
+            // Amid many shapes, hardly any is all that is seen.
+            if self.are_few && canvas.aim_between(eye.0, samples.corners(camera)) {
+                self.cast(simd, canvas, drawings, stack, First);
+            }
+            if canvas.state == State::Aimed {
+                canvas.settle();
+                true
+            } else {
+                let middle = varying_at(varying, count / 2);
+                canvas.stretch_around(
+                    simd,
+                    eye.0,
+                    DVec3::from_array(middle),
+                    &asked,
+                    #[inline(always)]
+                    |packet| Vectors::load(simd, columns(varying, packet)),
+                );
+                let is_stretched = canvas.state == State::Stretched;
+                if is_stretched {
+                    self.cast(simd, canvas, drawings, stack, First);
+                }
+                is_stretched
+            }
         };
-        if has_canvas {
-            self.cast(simd, canvas, drawings, stack, First);
-        }
         points.begin(self.is_smooth);
         let mut last = None;
         for (packet, bits) in asked.into_iter().enumerate() {
@@ -495,6 +527,9 @@ impl<'w> Visibility<'w> {
             let is_fit = is_turned && canvas.state != State::Unfit;
             if is_fit {
                 self.cast(simd, canvas, drawings, stack, reached);
+            }
+            if is_fit && canvas.state == State::Dark {
+                continue;
             }
             if is_fit && canvas.state == State::Aimed {
                 // There is nothing between the light and the points.

@@ -2,7 +2,9 @@
 
 use fearless_simd::Simd;
 
-use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict, Who};
+use super::canvas::{
+    CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, State, Verdict, Who,
+};
 use crate::lanes::{LANES, SingleMask, Singles, Vectors, ones};
 use crate::math::DVec3;
 
@@ -154,6 +156,12 @@ impl<S: Simd> SingleVectors<S> {
     fn largest(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
         let terms = self.y.abs().times_plus(y, self.z);
         self.x.abs().times_plus(x, terms)
+    }
+
+    /// The smallest values of functions on a canvas, or less.
+    #[inline(always)]
+    fn smallest(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
+        self.z - (self.x.abs() * x + self.y.abs() * y)
     }
 
     /// The sum of the magnitudes of the terms of functions on a canvas, at most.
@@ -316,6 +324,9 @@ pub(super) struct Outlines {
     pub(super) of_interest: u32,
     /// One bit for each that cannot be told from f32.
     untold: u32,
+    /// One bit for each that all rays of a canvas that is aimed surely meet, and the range of its closeness.
+    covers: u32,
+    ranges: [Row; 2],
 }
 
 impl Default for Outlines {
@@ -330,6 +341,8 @@ impl Default for Outlines {
             packets: [0; LANES],
             of_interest: 0,
             untold: 0,
+            covers: 0,
+            ranges: [row; 2],
         }
     }
 }
@@ -500,6 +513,31 @@ impl Outlines {
         let told = is_told.to_bits();
         self.untold = !told;
         self.of_interest &= is_met.to_bits() | self.untold;
+        self.covers = 0;
+        if canvas.state == State::Aimed {
+            let inside = Singles::splat(simd, 2.0 * EDGE_GIVES_WAY);
+            let give = error + magnitude * Singles::splat(simd, 2.0 * GIVES_WAY);
+            let least = closeness.smallest(extent) - give;
+            let covers = edge_a.smallest(extent).gt(inside)
+                & edge_b.smallest(extent).gt(inside)
+                & edge_c.smallest(extent).gt(inside)
+                & least.gt(zero);
+            self.covers = covers.to_bits() & told;
+            least.store(&mut self.ranges[0].0);
+            let largest = (closeness.largest(extent) + give).min(most);
+            is_told.select(largest, most).store(&mut self.ranges[1].0);
+        }
+    }
+
+    /// The range of the closeness of a triangle that all rays of an aimed canvas surely meet.
+    pub(super) fn cover(&self, index: usize) -> Option<[f32; 2]> {
+        let covers = self.covers >> index & 1 == 1;
+        covers.then(|| self.ranges.each_ref().map(|row| row.0[index]))
+    }
+
+    /// The largest closeness of a triangle within an aimed canvas.
+    pub(super) fn most(&self, index: usize) -> f32 {
+        self.ranges[1].0[index]
     }
 
     fn extent(&self, index: usize) -> Extent {
@@ -566,8 +604,7 @@ pub(super) fn cast_plane<S: Simd>(
     canvas: &mut Canvas,
     verdict: impl Verdict,
 ) {
-    let is_beside = canvas.is_beside(point, normal) || verdict.are_all_on(who);
-    if is_beside || !verdict.is_ready(simd, canvas) {
+    if canvas.is_beside(point, normal) || verdict.are_all_on(who) {
         return;
     }
     let to_point = point - canvas.origin;
@@ -583,6 +620,13 @@ pub(super) fn cast_plane<S: Simd>(
     let magnitude = x.abs() * extent_x + y.abs() * extent_y + z.abs();
     let is_told = height.abs() > to_point.length() * NEGLIGIBLE + canvas.error / NEGLIGIBLE
         && (1.0 / CLOSENESS..CLOSENESS).contains(&magnitude);
+    let sides = x.abs() * extent_x + y.abs() * extent_y + magnitude * (2.0 * f64::from(GIVES_WAY));
+    let range = [(z - sides) as f32, (z + sides) as f32];
+    let cover = (is_told && range[0] > 0.0).then_some(range);
+    let is_settled = verdict.settles(canvas, who, cover, f32::INFINITY);
+    if is_settled || !verdict.is_ready(simd, canvas) {
+        return;
+    }
     let closeness = Affine([z as f32, x as f32, y as f32]);
     let error = Singles::splat(simd, magnitude as f32 * GIVES_WAY);
     let all = SingleMask::from_bits(simd, u32::from(u16::MAX));

@@ -186,7 +186,11 @@ impl Block<Ball> for Balls {
                 primitive: Primitive::whole(self.object[place]),
             };
             let is_harmless = verdict.are_all_on(who) && !discs.hides_own(place);
-            if !is_harmless && verdict.is_ready(simd, canvas) {
+            let (cover, most) = (discs.cover(place), discs.most(place));
+            if !is_harmless
+                && !verdict.settles(canvas, who, cover, most)
+                && verdict.is_ready(simd, canvas)
+            {
                 discs.cast(simd, place, who, canvas, verdict);
             }
         }

@@ -169,8 +169,12 @@ impl Kernel for Compare<'_> {
             }
             for way in 0..2 {
                 let (space, points) = (&mut spaces[way], &mut points[way]);
-                let places = [&places[0], &places[1]];
-                self.ways[way].see(simd, places, BATCH, space, points);
+                let samples = Samples {
+                    places: [&places[0], &places[1]],
+                    count: BATCH,
+                    window: corner.map(|least| [f64::from(least), f64::from(least + 16)]),
+                };
+                self.ways[way].see(simd, samples, space, points);
             }
             let again = |space: &Workspace, bits: &dyn Fn(usize) -> u32| -> u32 {
                 let again = |packet| (space.canvas.asked_again(packet) & bits(packet)).count_ones();

@@ -274,7 +274,11 @@ impl Block<Facet> for Facets {
                 primitive: self.primitives[place],
             };
             // A triangle does not hide its own points.
-            if !verdict.are_all_on(who) && verdict.is_ready(simd, canvas) {
+            let (cover, most) = (outlines.cover(place), outlines.most(place));
+            if !verdict.are_all_on(who)
+                && !verdict.settles(canvas, who, cover, most)
+                && verdict.is_ready(simd, canvas)
+            {
                 outlines.cast(simd, place, who, canvas, verdict);
             }
         }

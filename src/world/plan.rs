@@ -5,9 +5,11 @@ use serde::Serialize;
 use super::World;
 use crate::scene;
 
-/// Up to this many shapes of one kind are gone through one by one: a tree over fewer costs more
-/// than it saves (measured on spheres: see the notes on speed in ARCHITECTURE.md).
+/// Up to this many triangles are gone through one by one: a tree over fewer costs more than it saves.
 pub const LONGEST_LIST: usize = 16;
+
+/// So many spheres are: four blocks, of which most are soon told to be beside the rays.
+const LONGEST_LIST_OF_SPHERES: usize = 64;
 
 /// How the shapes of one kind are searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -58,9 +60,9 @@ pub struct Decision {
 impl Plan {
     /// The plan for a world.
     pub fn new(world: &World) -> Self {
-        let acceleration = |count: usize| match count {
+        let acceleration = |count: usize, longest_list: usize| match count {
             0 => Acceleration::None,
-            1..=LONGEST_LIST => Acceleration::List,
+            _ if count <= longest_list => Acceleration::List,
             _ => Acceleration::Tree,
         };
         let meshes = world.triangles().meshes();
@@ -72,8 +74,8 @@ impl Plan {
             },
             lights: world.lights().len(),
             planes: world.planes().len(),
-            spheres: acceleration(world.spheres().len()),
-            triangles: acceleration(world.triangles().len()),
+            spheres: acceleration(world.spheres().len(), LONGEST_LIST_OF_SPHERES),
+            triangles: acceleration(world.triangles().len(), LONGEST_LIST),
             specular: world
                 .objects()
                 .iter()
