@@ -20,6 +20,7 @@ mod outline;
 mod packet;
 mod plane;
 mod search;
+mod sketch;
 mod sphere;
 mod surface;
 mod triangle;

@@ -51,7 +51,7 @@ pub(super) trait Block<T>: Send + Sync {
     /// One bit for each place that the rays of a beam might meet a shape at.
     fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
 
-    /// See [`super::outline::Sketch::touch`].
+    /// Has it on its way from memory.
     fn touch(&self);
 
     /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow.
