@@ -54,7 +54,8 @@ pub(super) trait Block<T>: Send + Sync {
     /// Has it on its way from memory.
     fn touch(&self);
 
-    /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow.
+    /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow; sketched ones
+    /// have their places in the order of all for it.
     fn cast<S: Simd>(
         &self,
         simd: S,
@@ -134,6 +135,9 @@ impl<T: Shape> Search<T> {
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> T {
         let number = number as usize;
+        if T::IS_SKETCHED {
+            return self.shapes[number];
+        }
         self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
     }
 

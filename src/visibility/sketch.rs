@@ -119,11 +119,17 @@ pub(super) struct Sketch {
     /// No corner is further from the middle.
     size: f64,
     over_size: f64,
+    /// How many triangles come before in the order of all: beside the middle, which is read in any case.
+    pub(super) number: u32,
 }
 
 impl Sketch {
-    /// Of triangles whose first corners are between their shorter edges: at most sixteen.
-    pub(super) fn of(triangles: impl ExactSizeIterator<Item = [DVec3; 3]> + Clone) -> Self {
+    /// Of triangles whose first corners are between their shorter edges: at most sixteen, the first of which
+    /// has this number.
+    pub(super) fn of(
+        triangles: impl ExactSizeIterator<Item = [DVec3; 3]> + Clone,
+        number: u32,
+    ) -> Self {
         let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for [a, b, c] in triangles.clone() {
             least = least.min(a).min(b).min(c);
@@ -141,6 +147,7 @@ impl Sketch {
             middle,
             size,
             over_size: 1.0 / size,
+            number,
         };
         for (place, [a, b, c]) in triangles.enumerate() {
             let (first, to_second, to_third) =

@@ -220,8 +220,6 @@ impl Facet {
 pub(super) struct Facets {
     sketch: Sketch,
     primitives: [Primitive; LANES],
-    /// How many facets come before in the order of all.
-    first: u32,
 }
 
 impl Block<Facet> for Facets {
@@ -231,15 +229,14 @@ impl Block<Facet> for Facets {
             *primitive = shape.primitive;
         }
         Self {
-            sketch: Sketch::of(shapes.iter().map(Facet::vertices)),
+            sketch: Sketch::of(shapes.iter().map(Facet::vertices), first),
             primitives,
-            first,
         }
     }
 
     #[inline(always)]
     fn get(&self, shapes: &[Facet], place: usize) -> Facet {
-        shapes[self.first as usize + place]
+        shapes[self.sketch.number as usize + place]
     }
 
     #[inline(always)]
@@ -257,7 +254,7 @@ impl Block<Facet> for Facets {
         &self,
         simd: S,
         bits: u32,
-        slot: u32,
+        _: u32,
         outlines: &mut Outlines,
         canvas: &mut Canvas,
         verdict: impl Verdict,
@@ -265,7 +262,7 @@ impl Block<Facet> for Facets {
         outlines.draw(simd, canvas, &self.sketch, bits);
         for place in ones(outlines.of_interest) {
             let who = Who {
-                slot: slot + place as u32,
+                slot: Facet::SLOTS | (self.sketch.number + place as u32),
                 primitive: self.primitives[place],
             };
             outlines.cast(simd, place, who, canvas, verdict);
