@@ -212,8 +212,8 @@ impl Beam {
     }
 
     /// Goes down a tree to the leaves that a ray might meet, near ones first, and no deeper than `depth` of
-    /// the world. `show` is given a leaf's first block and how many shapes it has, and says how deep to
-    /// go from then on, if at all.
+    /// the world. `show` is given a leaf's first block, how many shapes it has, and the first block of
+    /// the leaf that is likely to be next, and says how deep to go from then on, if at all.
     #[inline(always)]
     pub(super) fn descend<S: Simd>(
         &self,
@@ -236,12 +236,8 @@ impl Beam {
                 height = self.open(simd, node, limit, stack, height);
                 continue;
             }
-            let next = if height > 0 {
-                stack[height - 1]
-            } else {
-                stack[0]
-            };
-            let next = (height > 0 && next.count > 0).then_some(next.child);
+            let next = stack[..height].last();
+            let next = next.filter(|next| next.count > 0).map(|next| next.child);
             let Some(depth) = show(child, count, next) else {
                 return;
             };

@@ -194,3 +194,91 @@ impl Bins {
         if rays.any() { rays.packets() } else { 0 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{Door, Kernel};
+
+    /// Rays without order in a rectangle, and boxes of all sizes, some beyond it.
+    struct Boxes;
+
+    const RECTANGLE: [f32; 4] = [-0.25, 0.75, 1.0, 3.0];
+
+    fn scattered(index: usize, step: f64) -> f32 {
+        (index as f64 * step).fract() as f32
+    }
+
+    impl Kernel for Boxes {
+        type Output = ();
+
+        fn run<S: Simd>(self, simd: S) {
+            let [left, right, bottom, top] = RECTANGLE;
+            let (width, height) = (right - left, top - bottom);
+            let x: [f32; BATCH] =
+                std::array::from_fn(|i| left + width * scattered(i, 0.819_172_513));
+            let y: [f32; BATCH] =
+                std::array::from_fn(|i| bottom + height * scattered(i, 0.671_043_606));
+            let asked: [u32; PACKETS] =
+                std::array::from_fn(|packet| if packet == 3 { 0 } else { 0x7ffe });
+            let mut bins = Bins::default();
+            bins.fill(simd, RECTANGLE, [&x, &y], &asked);
+            for round in 0..64 {
+                let size = 0.5_f32.powi(round / 8);
+                let boxes: [[f32; LANES]; 4] = std::array::from_fn(|side| {
+                    std::array::from_fn(|lane| {
+                        let index = round as usize * LANES + lane;
+                        let (x, y) = (scattered(index, 0.549_700), scattered(index, 0.324_717));
+                        match side {
+                            0 => left + width * (x * 1.2 - 0.1) - size * 0.5,
+                            1 => left + width * (x * 1.2 - 0.1) + size * 0.5,
+                            2 => bottom + height * (y * 1.2 - 0.1) - size,
+                            _ if lane == 0 => f32::INFINITY,
+                            _ => bottom + height * (y * 1.2 - 0.1) + size,
+                        }
+                    })
+                });
+                let sides = boxes.each_ref().map(|side| Singles::load(simd, side));
+                let places = bins.places(simd, sides);
+                for lane in 0..LANES {
+                    let [l, r, b, t] = boxes.each_ref().map(|side| side[lane]);
+                    // Packets with rays in a box that is larger by some part of a bin.
+                    let packets = |give: f32| {
+                        let (over_x, over_y) = (give * width, give * height);
+                        let holds = |&ray: &usize| {
+                            asked[ray / LANES] >> (ray % LANES) & 1 == 1
+                                && (l - over_x..=r + over_x).contains(&x[ray])
+                                && (b - over_y..=t + over_y).contains(&y[ray])
+                        };
+                        let rays = (0..BATCH).filter(holds);
+                        rays.fold(0, |packets, ray| packets | 1 << (ray / LANES))
+                    };
+                    let found = bins.packets(&places, lane);
+                    assert_eq!(packets(0.0) & !found, 0, "none is missed");
+                    // A box beyond the rectangle counts as at its border.
+                    let is_inside = l <= right && r >= left && b <= top && t >= bottom;
+                    let most = packets(1.01 / BINS as f32);
+                    assert!(!is_inside || found & !most == 0, "nothing far from the box");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn boxes_find_their_rays() {
+        for (_, door) in Door::available() {
+            door.run(Boxes);
+        }
+    }
+
+    #[test]
+    fn packets_of_rays() {
+        assert_eq!(RaySet([0; 4]).packets(), 0);
+        assert_eq!(RaySet([u64::MAX; 4]).packets(), 0xffff);
+        for ray in 0..BATCH {
+            let mut set = RaySet::NONE;
+            set.0[ray / 64] = 1 << (ray % 64);
+            assert_eq!(set.packets(), 1 << (ray / LANES));
+        }
+    }
+}

@@ -21,6 +21,7 @@ mod outline;
 mod packet;
 mod plane;
 mod search;
+mod sketch;
 mod smooth;
 mod sphere;
 mod surface;

@@ -53,10 +53,11 @@ pub(super) trait Block<T>: Send + Sync {
     /// One bit for each place that the rays of a beam might meet a shape at.
     fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
 
-    /// See [`super::outline::Sketch::touch`].
+    /// Has it on its way from memory.
     fn touch(&self);
 
-    /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow.
+    /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow; sketched ones
+    /// have their places in the order of all for it.
     fn cast<S: Simd>(
         &self,
         simd: S,
@@ -136,6 +137,9 @@ impl<T: Shape> Search<T> {
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> T {
         let number = number as usize;
+        if T::IS_SKETCHED {
+            return self.shapes[number];
+        }
         self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
     }
 

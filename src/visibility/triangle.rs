@@ -12,9 +12,10 @@ use fearless_simd::Simd;
 use super::beam::Beam;
 use super::bvh::Bounds;
 use super::canvas::{Canvas, Verdict, Who};
-use super::outline::{Outlines, Sketch};
+use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
+use super::sketch::Sketch;
 use super::{Primitive, ROUNDING};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::DVec3;
@@ -223,8 +224,6 @@ impl Facet {
 pub(super) struct Facets {
     sketch: Sketch,
     primitives: [Primitive; LANES],
-    /// How many facets come before in the order of all.
-    first: u32,
 }
 
 impl Block<Facet> for Facets {
@@ -236,15 +235,14 @@ impl Block<Facet> for Facets {
             *primitive = shape.primitive;
         }
         Self {
-            sketch: Sketch::of(shapes.iter().map(Facet::vertices)),
+            sketch: Sketch::of(shapes.iter().map(Facet::vertices), first),
             primitives,
-            first,
         }
     }
 
     #[inline(always)]
     fn get(&self, shapes: &[Facet], place: usize) -> Facet {
-        shapes[self.first as usize + place]
+        shapes[self.sketch.number as usize + place]
     }
 
     #[inline(always)]
@@ -262,7 +260,7 @@ impl Block<Facet> for Facets {
         &self,
         simd: S,
         bits: u32,
-        slot: u32,
+        _: u32,
         outlines: &mut Outlines,
         canvas: &mut Canvas,
         verdict: impl Verdict,
@@ -270,7 +268,7 @@ impl Block<Facet> for Facets {
         outlines.draw(simd, canvas, &self.sketch, bits);
         for place in ones(outlines.of_interest) {
             let who = Who {
-                slot: slot + place as u32,
+                slot: Facet::SLOTS | (self.sketch.number + place as u32),
                 primitive: self.primitives[place],
             };
             // A triangle does not hide its own points.
