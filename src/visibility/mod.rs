@@ -123,6 +123,16 @@ pub(crate) struct Samples<'s> {
 }
 
 impl Samples<'_> {
+    /// What differs among the primary rays of a packet: their directions, of an orthographic camera where they
+    /// start.
+    #[inline(always)]
+    fn varying<S: Simd>(&self, simd: S, camera: &Camera, packet: usize) -> Vectors<S> {
+        let [x, y] = self.places;
+        let first = packet * LANES;
+        let x = Lanes::load(simd, &x[first..]);
+        camera.varying(simd, x, Lanes::load(simd, &y[first..]))
+    }
+
     /// The directions of the primary rays around all of them.
     fn corners(&self, camera: &Camera) -> [DVec3; 4] {
         let [[left, right], [top, bottom]] = self.window;
@@ -141,8 +151,6 @@ struct Drawings {
 /// What a thread needs to trace batches, to be used again and again.
 #[derive(Debug)]
 pub struct Workspace {
-    /// Of a perspective camera where each ray goes, of an orthographic one where each starts.
-    varying: [Column; 3],
     canvas: Canvas,
     drawings: Drawings,
     stack: Box<Stack>,
@@ -153,7 +161,6 @@ pub struct Workspace {
 impl Default for Workspace {
     fn default() -> Self {
         Self {
-            varying: [Column::ZERO; 3],
             canvas: Canvas::default(),
             drawings: Drawings::default(),
             stack: Box::new(EMPTY_STACK),
@@ -263,28 +270,14 @@ impl<'w> Visibility<'w> {
         space: &mut Workspace,
         points: &mut Points,
     ) {
-        let Samples {
-            places: [xs, ys],
-            count,
-            ..
-        } = samples;
+        let count = samples.count;
         let camera = self.world.camera();
-        for packet in 0..PACKETS {
-            let x = Lanes::load(simd, &xs[packet * LANES..]);
-            let y = Lanes::load(simd, &ys[packet * LANES..]);
-            let varying = camera.varying(simd, x, y);
-            let [x, y, z] = &mut space.varying;
-            let lanes = packet * LANES..(packet + 1) * LANES;
-            varying.store([&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]]);
-        }
         let Workspace {
-            varying,
             canvas,
             drawings,
             stack,
             ..
         } = space;
-        let varying = &*varying;
         let (eye, forward) = (camera.eye(), camera.forward().get());
         let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
         let asked: [u32; PACKETS] = std::array::from_fn(|packet| first_lanes(count, packet));
@@ -299,14 +292,14 @@ impl<'w> Visibility<'w> {
                 canvas.settle();
                 true
             } else {
-                let middle = varying_at(varying, count / 2);
+                let [x, y] = samples.places.map(|places| places[count / 2]);
                 canvas.stretch_around(
                     simd,
                     eye.0,
-                    DVec3::from_array(middle),
+                    camera.ray(x, y).direction,
                     &asked,
                     #[inline(always)]
-                    |packet| Vectors::load(simd, columns(varying, packet)),
+                    |packet| samples.varying(simd, camera, packet),
                 );
                 let is_stretched = canvas.state == State::Stretched;
                 if is_stretched {
@@ -322,11 +315,11 @@ impl<'w> Visibility<'w> {
                 points.hit[packet] = 0;
                 continue;
             }
-            let varying_lanes = Vectors::load(simd, columns(varying, packet));
+            let varying = samples.varying(simd, camera, packet);
             let rays = if is_perspective {
-                Rays::from_point(simd, eye, varying_lanes)
+                Rays::from_point(simd, eye, varying)
             } else {
-                Rays::new(varying_lanes, Vectors::splat(simd, forward), None)
+                Rays::new(varying, Vectors::splat(simd, forward), None)
             };
             let again = if has_canvas {
                 canvas.asked_again(packet) & bits
@@ -580,8 +573,4 @@ fn longest([least, most]: &[DVec3; 2]) -> f64 {
 #[inline(always)]
 fn way<S: Simd>(simd: S, points: &Points, packet: usize, light: Point) -> Vectors<S> {
     Vectors::load(simd, columns(&points.position, packet)).minus(light.0)
-}
-
-fn varying_at(columns: &[Column; 3], slot: usize) -> [f64; 3] {
-    columns.each_ref().map(|column| column.0[slot])
 }
