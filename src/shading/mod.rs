@@ -6,9 +6,10 @@ mod reflectance;
 use fearless_simd::Simd;
 
 pub use power::power;
-use reflectance::{Ends, geometry};
+use reflectance::{Ends, Gloss, geometry};
 
 use crate::lanes::{LANES, Lanes, Mask, ones};
+use crate::math::Point;
 use crate::visibility::{Column, Facing, PACKETS, Points, Visibility, Workspace};
 use crate::world::{Lobes, World};
 
@@ -21,8 +22,17 @@ pub struct Shaded {
     pub shadow_rays: u64,
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
-    /// The lights that reach any point, and for each packet one bit for each point that they reach.
-    lit: Vec<(usize, [u32; PACKETS])>,
+    lit: Vec<Lit>,
+}
+
+/// A light that is above some points of a batch.
+#[derive(Clone, Debug)]
+struct Lit {
+    /// An index into [`World::lights`].
+    light: usize,
+    position: Point,
+    /// For each packet one bit for each point that it reaches.
+    points: [u32; PACKETS],
 }
 
 impl Default for Shaded {
@@ -120,8 +130,11 @@ impl Shaded {
             self.shadow_rays += u64::from(asked);
             self.singular += u64::from(at);
             if asked > 0 {
-                let lit = visibility.lit(simd, position, points, &above, space);
-                self.lit.push((index, lit));
+                self.lit.push(Lit {
+                    light: index,
+                    position,
+                    points: visibility.lit(simd, position, points, &above, space),
+                });
             }
         }
     }
@@ -143,18 +156,24 @@ impl Shaded {
             let mut sums = [zero; 3];
             if hit != 0 {
                 let mut groups = Groups::default();
-                groups.take(materials, hit, points.is_uniform[packet]);
+                groups.take(world, materials, hit, points.is_uniform[packet]);
                 let ends = Ends::load(simd, points, packet);
-                for &(light, ref lit) in &self.lit {
+                for &Lit {
+                    light,
+                    position,
+                    points: ref lit,
+                } in &self.lit
+                {
                     let bits = lit[packet];
                     if bits == 0 {
                         continue;
                     }
-                    let position = world.lights()[light].value.position;
                     let transport = world.transport(light);
-                    let materials_of = world.materials();
-                    let geometry = geometry(simd, &ends, position, groups.get(), materials_of);
-                    for &Group { material, members } in groups.get() {
+                    let geometry = geometry(simd, &ends, position, groups.get());
+                    for &Group {
+                        material, members, ..
+                    } in groups.get()
+                    {
                         let is_lit = Mask::from_bits(simd, bits & members);
                         let diffuse = is_lit.select(geometry.diffuse, zero);
                         let specular = is_lit.select(geometry.specular, zero);
@@ -194,6 +213,17 @@ struct Group {
     material: u32,
     /// One bit for each.
     members: u32,
+    gloss: Gloss,
+}
+
+impl Group {
+    fn new(world: &World, material: u32, members: u32) -> Self {
+        Self {
+            material,
+            members,
+            gloss: Gloss::of(&world.materials()[material as usize].value),
+        }
+    }
 }
 
 /// The points of a packet, material by material.
@@ -206,13 +236,10 @@ struct Groups {
 impl Groups {
     /// Takes the points with a bit.
     #[inline(always)]
-    fn take(&mut self, materials: &[u32], bits: u32, are_uniform: bool) {
+    fn take(&mut self, world: &World, materials: &[u32], bits: u32, are_uniform: bool) {
         if are_uniform {
             let material = materials[bits.trailing_zeros() as usize];
-            self.groups[0] = Group {
-                material,
-                members: bits,
-            };
+            self.groups[0] = Group::new(world, material, bits);
             self.count = 1;
             return;
         }
@@ -222,10 +249,7 @@ impl Groups {
             match known.iter_mut().find(|group| group.material == material) {
                 Some(group) => group.members |= 1 << lane,
                 None => {
-                    self.groups[self.count] = Group {
-                        material,
-                        members: 1 << lane,
-                    };
+                    self.groups[self.count] = Group::new(world, material, 1 << lane);
                     self.count += 1;
                 }
             }

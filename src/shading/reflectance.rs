@@ -8,7 +8,47 @@ use crate::lanes::{LANES, Lanes, Mask, Vectors};
 use crate::math::{Point, SAFE_SQUARES};
 use crate::visibility::{Points, columns};
 use crate::world::material::Model;
-use crate::world::{Lobes, Material, Named};
+use crate::world::{Lobes, Material};
+
+/// The specular lobe of a material.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) enum Gloss {
+    /// There is none.
+    #[default]
+    None,
+    /// cosⁿ of L7, with the cosine of the incident light as a factor or without.
+    Lobe {
+        shininess: Shininess,
+        has_cosine: bool,
+    },
+}
+
+/// n of L7.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Shininess {
+    /// So that its powers come by multiplication.
+    Whole(u32),
+    Any(f64),
+}
+
+impl Gloss {
+    pub(super) fn of(material: &Material) -> Self {
+        if !material.is_specular() {
+            return Self::None;
+        }
+        let shininess = material.shininess();
+        Self::Lobe {
+            shininess: match whole_exponent(shininess) {
+                Some(exponent) => Shininess::Whole(exponent),
+                None => Shininess::Any(shininess),
+            },
+            has_cosine: match material.model() {
+                Model::Phong => false,
+                Model::NormalizedPhong => true,
+            },
+        }
+    }
+}
 
 /// What L5 to L8 need of the points of a packet.
 #[derive(Clone, Copy)]
@@ -41,7 +81,6 @@ pub(super) fn geometry<S: Simd>(
     ends: &Ends<S>,
     light: Point,
     groups: &[Group],
-    materials: &[Named<Material>],
 ) -> Lobes<Lanes<S>> {
     let zero = Lanes::splat(simd, 0.0);
     let to_light = -ends.position.minus(light.0);
@@ -60,20 +99,23 @@ pub(super) fn geometry<S: Simd>(
     let along = height * ends.cos_viewer * 2.0 - to_light.dot(ends.to_viewer);
     let cos_reflected = along * inverse;
     let mut specular = zero;
-    for &Group { material, members } in groups {
-        let material = &materials[material as usize].value;
-        if !material.is_specular() {
+    for &Group { members, gloss, .. } in groups {
+        let Gloss::Lobe {
+            shininess,
+            has_cosine,
+        } = gloss
+        else {
             continue;
-        }
-        // By the material alone, so that a point has the same bits beside any others.
-        let shininess = material.shininess();
-        let lobe = match whole_exponent(shininess) {
-            Some(exponent) => whole_powers(simd, cos_reflected, exponent),
-            None => powers(simd, cos_reflected, Lanes::splat(simd, shininess)),
         };
-        let lobe = match material.model() {
-            Model::Phong => lobe,
-            Model::NormalizedPhong => lobe * cos_incident,
+        // By the material alone, so that a point has the same bits beside any others.
+        let lobe = match shininess {
+            Shininess::Whole(exponent) => whole_powers(simd, cos_reflected, exponent),
+            Shininess::Any(exponent) => powers(simd, cos_reflected, Lanes::splat(simd, exponent)),
+        };
+        let lobe = if has_cosine {
+            lobe * cos_incident
+        } else {
+            lobe
         };
         specular = Mask::from_bits(simd, members).select(lobe, specular);
     }
