@@ -581,6 +581,17 @@ impl Canvas {
         &self.slots[packet * LANES..(packet + 1) * LANES]
     }
 
+    /// Whether what is met at these closenesses is of interest to the rays of a packet.
+    #[inline(always)]
+    pub(super) fn concerns<S: Simd>(
+        &self,
+        simd: S,
+        packet: usize,
+        closeness: Singles<S>,
+    ) -> SingleMask<S> {
+        closeness.ge(Singles::load(simd, &self.least.0[packet * LANES..]))
+    }
+
     /// One bit for each shadow ray of a packet whose end is not known to be dark.
     #[inline(always)]
     pub(super) fn reached<S: Simd>(&self, simd: S, packet: usize) -> u32 {

@@ -6,6 +6,7 @@ use super::canvas::{
     CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, State, Verdict, Who,
 };
 use super::sketch::{Frame, ROUNDING, SingleVectors, Sketch};
+use super::surface::PACKETS;
 use crate::lanes::{LANES, SingleMask, Singles, Vectors, ones};
 use crate::math::DVec3;
 
@@ -306,50 +307,72 @@ impl Outlines {
         }
     }
 
-    /// Puts one triangle on the canvas.
+    /// Puts the triangles with a bit on the canvas; `who` says which they are.
     #[inline(always)]
     pub(super) fn cast<S: Simd>(
         &self,
         simd: S,
-        index: usize,
-        who: Who,
+        triangles: u32,
+        who: impl Fn(usize) -> Who,
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
-        let packets = canvas.meets(simd, &self.extent(index)) & self.packets[index];
-        let is_untold = self.untold >> index & 1 == 1;
-        let edges = [
-            self.edges[0].get(index),
-            self.edges[1].get(index),
-            self.edges[2].get(index),
-        ];
-        let closeness = self.closeness.get(index);
-        let error = Singles::splat(simd, self.closeness_error.0[index]);
-        for packet in ones(packets) {
-            if is_untold {
-                verdict.abstain(simd, canvas, packet, who);
-                continue;
+        // A triangle has to do with one packet or with a few, and with none of the rays of every other:
+        // a branch on each would mostly be mispredicted. So first all pairs are told that may be of interest.
+        let mut near = [0_u64; PAIRS / 64];
+        for triangle in ones(triangles) {
+            let packets = canvas.meets(simd, &self.extent(triangle)) & self.packets[triangle];
+            if self.untold >> triangle & 1 == 1 {
+                for packet in ones(packets) {
+                    verdict.abstain(simd, canvas, packet, who(triangle));
+                }
+            } else {
+                let first = triangle * PACKETS;
+                near[first / 64] |= u64::from(packets) << (first % 64);
             }
-            let dots = canvas.dots(simd, packet);
-            let inside = edges[0]
-                .at(simd, dots)
-                .min(edges[1].at(simd, dots))
-                .min(edges[2].at(simd, dots));
-            let maybe = inside.ge(Singles::splat(simd, -EDGE_GIVES_WAY));
-            if maybe.to_bits() == 0 {
-                continue;
+        }
+        let mut pairs = [0; PAIRS];
+        let mut count = 0;
+        for (first, mut bits) in (0..).step_by(64).zip(near) {
+            while bits != 0 {
+                let pair = first + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                let packet = pair % PACKETS;
+                let claim = self.claim(simd, canvas, pair / PACKETS, packet);
+                let is_heard = claim.maybe & canvas.concerns(simd, packet, claim.most);
+                pairs[count] = pair as u8;
+                count += usize::from(is_heard.to_bits() != 0);
             }
-            let closeness = closeness.at(simd, dots);
-            let claim = Claim {
-                maybe,
-                surely: inside.gt(Singles::splat(simd, EDGE_GIVES_WAY)),
-                least: closeness - error,
-                most: closeness + error,
-            };
-            verdict.hear(simd, canvas, packet, who, claim);
+        }
+        for &pair in &pairs[..count] {
+            let (triangle, packet) = (usize::from(pair) / PACKETS, usize::from(pair) % PACKETS);
+            let claim = self.claim(simd, canvas, triangle, packet);
+            verdict.hear(simd, canvas, packet, who(triangle), claim);
+        }
+    }
+
+    /// What a triangle says of the rays of a packet.
+    #[inline(always)]
+    fn claim<S: Simd>(&self, simd: S, canvas: &Canvas, triangle: usize, packet: usize) -> Claim<S> {
+        let dots = canvas.dots(simd, packet);
+        let [a, b, c] = &self.edges;
+        let inside = a.get(triangle).at(simd, dots);
+        let inside = inside.min(b.get(triangle).at(simd, dots));
+        let inside = inside.min(c.get(triangle).at(simd, dots));
+        let closeness = self.closeness.get(triangle).at(simd, dots);
+        let error = Singles::splat(simd, self.closeness_error.0[triangle]);
+        Claim {
+            maybe: inside.ge(Singles::splat(simd, -EDGE_GIVES_WAY)),
+            surely: inside.gt(Singles::splat(simd, EDGE_GIVES_WAY)),
+            least: closeness - error,
+            most: closeness + error,
         }
     }
 }
+
+/// Triangles of a leaf and packets of a batch: one fits a byte.
+const PAIRS: usize = LANES * PACKETS;
+const _: () = assert!(PAIRS == 1 << u8::BITS);
 
 /// Puts an endless plane through `point` on the canvas.
 #[inline(always)]

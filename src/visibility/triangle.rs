@@ -11,7 +11,7 @@ use fearless_simd::Simd;
 
 use super::beam::Beam;
 use super::bvh::Bounds;
-use super::canvas::{Canvas, Verdict, Who};
+use super::canvas::{Canvas, State, Verdict, Who};
 use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
@@ -266,19 +266,23 @@ impl Block<Facet> for Facets {
         verdict: impl Verdict,
     ) {
         outlines.draw(simd, canvas, &self.sketch, bits);
-        for place in ones(outlines.of_interest) {
-            let who = Who {
-                slot: Facet::SLOTS | (self.sketch.number + place as u32),
-                primitive: self.primitives[place],
-            };
-            // A triangle does not hide its own points.
-            let (cover, most) = (outlines.cover(place), outlines.most(place));
-            if !verdict.are_all_on(who)
-                && !verdict.settles(canvas, who, cover, most)
-                && verdict.is_ready(simd, canvas)
-            {
-                outlines.cast(simd, place, who, canvas, verdict);
+        let who = |place: usize| Who {
+            slot: Facet::SLOTS | (self.sketch.number + place as u32),
+            primitive: self.primitives[place],
+        };
+        let mut left = outlines.of_interest;
+        if canvas.state != State::Stretched {
+            for place in ones(outlines.of_interest) {
+                let (cover, most) = (outlines.cover(place), outlines.most(place));
+                // A triangle does not hide its own points.
+                let is_settled = verdict.are_all_on(who(place))
+                    || verdict.settles(canvas, who(place), cover, most)
+                    || !verdict.is_ready(simd, canvas);
+                left &= !(u32::from(is_settled) << place);
             }
+        }
+        if left != 0 {
+            outlines.cast(simd, left, who, canvas, verdict);
         }
     }
 }
