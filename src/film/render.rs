@@ -334,6 +334,7 @@ impl PixelSums {
                     *hits += samples as u32;
                 }
             }
+            _ if points.none_hit() => {}
             _ => {
                 for Run { pixel, slots } in range.runs() {
                     self.hits[pixel] += points.hits(slots);

@@ -123,6 +123,9 @@ impl Shaded {
     ) {
         self.lit.clear();
         (self.shadow_rays, self.singular) = (0, 0);
+        if points.none_hit() {
+            return;
+        }
         for (index, light) in world.lights().iter().enumerate() {
             let position = light.value.position;
             let Facing { above, at } = points.facing(simd, world, position);

@@ -575,6 +575,14 @@ impl Canvas {
         self.doubtful[packet] | self.undecided[packet]
     }
 
+    /// One bit for each primary ray of a packet that is known to meet something.
+    #[inline(always)]
+    pub(super) fn found<S: Simd>(&self, simd: S, packet: usize) -> u32 {
+        Words::load(simd, self.first_met(packet))
+            .lt(Words::splat(simd, NOTHING))
+            .to_bits()
+    }
+
     /// What the primary rays of a packet meet first, [`NOTHING`] where they meet nothing; except for
     /// those that have to be asked again.
     pub(super) fn first_met(&self, packet: usize) -> &[u32] {

@@ -32,9 +32,9 @@ mod tests;
 
 use fearless_simd::Simd;
 
-use surface::Known;
 pub use surface::{BATCH, PACKETS, Points};
 pub(crate) use surface::{Column, Facing, columns};
+use surface::{Known, Only};
 
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
@@ -284,11 +284,13 @@ impl<'w> Visibility<'w> {
         let has_canvas = self.uses_canvas && is_perspective && {
             let distance = (self.somewhere - eye.0).length();
             canvas.unit = if distance > 0.0 { distance } else { 1.0 };
-            // Amid many shapes, hardly any is all that is seen.
-            if self.are_few && canvas.aim_between(eye.0, samples.corners(camera)) {
+            // What one batch sees, the next one mostly does.
+            let may_settle = self.are_few || points.only != Only::Many;
+            let is_aimed = may_settle && canvas.aim_between(eye.0, samples.corners(camera));
+            if is_aimed {
                 self.cast(simd, canvas, drawings, stack, First);
             }
-            if canvas.state == State::Aimed {
+            if is_aimed && canvas.state == State::Aimed {
                 canvas.settle();
                 true
             } else {
@@ -315,16 +317,21 @@ impl<'w> Visibility<'w> {
                 points.hit[packet] = 0;
                 continue;
             }
+            let again = if has_canvas {
+                canvas.asked_again(packet) & bits
+            } else {
+                bits
+            };
+            let known = bits & !again;
+            if again == 0 && canvas.found(simd, packet) & known == 0 {
+                points.hit[packet] = 0;
+                continue;
+            }
             let varying = samples.varying(simd, camera, packet);
             let rays = if is_perspective {
                 Rays::from_point(simd, eye, varying)
             } else {
                 Rays::new(varying, Vectors::splat(simd, forward), None)
-            };
-            let again = if has_canvas {
-                canvas.asked_again(packet) & bits
-            } else {
-                bits
             };
             let mut nearest = Nearest::new(simd, again);
             if again != 0 {
@@ -332,7 +339,7 @@ impl<'w> Visibility<'w> {
             }
             let known = Known {
                 slots: canvas.first_met(packet),
-                met: bits & !again,
+                met: known,
                 last: &mut last,
             };
             points.fill(simd, self, packet, &rays, &nearest, known);
@@ -514,8 +521,9 @@ impl<'w> Visibility<'w> {
             canvas.error = points.largest_error + light.0.length() * (2.0 * ROUNDING);
             let is_turned =
                 self.uses_canvas && is_worth && canvas.turn_to_ends(light.0, [least, most]);
-            // Amid many shapes, some are always on the way to the box.
-            if is_turned && !(self.are_few && canvas.aim()) {
+            // Around a point of a mesh, neighbors are always on the way to the box.
+            let may_settle = self.are_few || points.only != Only::Many;
+            if is_turned && !(may_settle && canvas.aim()) {
                 reached.stretch(simd, canvas);
             }
             let is_fit = is_turned && canvas.state != State::Unfit;

@@ -340,6 +340,12 @@ impl Points {
             .all(|&bits| bits.count_ones() == LANES as u32)
     }
 
+    /// Whether no ray of the batch hits anything.
+    #[inline(always)]
+    pub(crate) fn none_hit(&self) -> bool {
+        self.hit.iter().all(|&bits| bits == 0)
+    }
+
     /// How many rays of some slots hit something.
     #[inline(always)]
     pub(crate) fn hits(&self, slots: Range<usize>) -> u32 {
