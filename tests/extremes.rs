@@ -201,7 +201,7 @@ fn crowd(scale: f64, intensity: f64) -> String {
         text += &light(number, at(position), intensity);
     }
     let mut random = Random::new(11);
-    for number in 0..30 {
+    for number in 0..70 {
         let center = [
             random.between(-2.5, 2.5),
             random.between(0.2, 1.2),
@@ -359,7 +359,7 @@ fn a_tree_finds_what_a_list_finds() {
     for far in [20.0, 1e4, 1e7, 1e12] {
         let mut random = Random::new(8);
         let mut text = listed.clone();
-        for number in 100..130 {
+        for number in 100..170 {
             let [x, _, z] = random.point(far);
             text += &sphere(number, [x, -far, z], random.between(0.2, 0.6));
         }

@@ -461,7 +461,7 @@ fn windings_turned_over() {
 /// that is below everything, so that lists become trees, the image stays to the bit.
 #[test]
 fn trees_and_lists() {
-    const HIDDEN: usize = 20;
+    const HIDDEN: usize = 70;
     let folder = tempfile::tempdir().unwrap();
     let mut compared = 0;
     let lecture = ("lecture".to_owned(), at_width(Scene::builtin(), 64));
