@@ -10,6 +10,8 @@
 //! which the bound does not tell is *doubtful*. It is asked again in f64, alone with its packet, in
 //! the way of [`super::packet`]. So the canvas decides how long an image takes, and not one of its bits.
 
+mod parallel;
+
 use fearless_simd::Simd;
 
 use super::Primitive;
@@ -62,7 +64,8 @@ struct Floats([f32; BATCH]);
 /// The canvas of a batch and what is on it.
 #[derive(Debug)]
 pub(super) struct Canvas {
-    /// What all rays share.
+    pub(super) shared: Shared,
+    /// Where all rays start; or, of parallel rays, a point amid them.
     pub(super) origin: DVec3,
     /// u, v and w, orthonormal; w is the middle of the rays.
     pub(super) axes: [DVec3; 3],
@@ -74,7 +77,7 @@ pub(super) struct Canvas {
     pub(super) farthest: f32,
     /// The largest |x| and the largest |y| of any ray.
     pub(super) extent: [f64; 2],
-    /// Closeness is this over the depth along w.
+    /// Closeness is this over the depth along w; see [`Shared`] for parallel rays.
     pub(super) unit: f64,
     /// A box around the ends of shadow rays, relative to the origin.
     pub(super) ends: Option<[DVec3; 2]>,
@@ -83,8 +86,9 @@ pub(super) struct Canvas {
     pub(super) state: State,
     x: Floats,
     y: Floats,
-    /// The range of the closeness of what is known of a ray: of a primary ray its nearest hit, 0 where
-    /// there is none; of a shadow ray its end, infinite where that is known to be dark.
+    /// The range of the closeness of what is known of a ray: of a primary ray its nearest hit, the closeness
+    /// of the infinitely far where there is none; of a shadow ray its end, infinite where that is known
+    /// to be dark.
     least: Floats,
     most: Floats,
     /// What a primary ray meets first.
@@ -102,6 +106,25 @@ pub(super) struct Canvas {
     /// How many triangles were near any ray, and from [`MANY`] on where the rays are.
     drawn: u32,
     bins: Bins,
+}
+
+/// What the rays on a canvas share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Shared {
+    /// The point that they start at: the canvas's origin.
+    Point,
+    /// The direction w. Their dots are how far along u and v they are beside the origin, over the unit; the
+    /// closeness of what they meet is minus its depth along w from there, over the unit.
+    Direction(Start),
+}
+
+/// Where parallel rays start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Start {
+    /// At which depth along w, from the origin.
+    pub(super) depth: f64,
+    /// Between which closenesses, all rounding included.
+    pub(super) closeness: [f32; 2],
 }
 
 /// How much is known of a canvas.
@@ -218,6 +241,7 @@ impl Default for Canvas {
         let floats = Floats([0.0; BATCH]);
         let row = Row([0.0; LANES]);
         Self {
+            shared: Shared::Point,
             origin: DVec3::ZERO,
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
             turn: [[0.0; 3]; 3],
@@ -282,6 +306,7 @@ impl Canvas {
             return false;
         };
         let (u, v) = w.any_orthonormal_pair();
+        self.shared = Shared::Point;
         (self.origin, self.axes) = (origin, [u, v, w]);
         self.turn = self.axes.map(|axis| axis.as_vec3().to_array());
         true
@@ -338,6 +363,7 @@ impl Canvas {
         let infinite = Singles::splat(simd, f32::INFINITY);
         let one = Singles::splat(simd, 1.0);
         let zero = Singles::splat(simd, 0.0);
+        let endless = Singles::splat(simd, self.endless());
         let mut shallowest = infinite;
         let mut sides = [[infinite; PACKETS]; 4];
         let mut far = [infinite; PACKETS];
@@ -346,6 +372,9 @@ impl Canvas {
             let bits = asked[packet];
             (self.doubtful[packet], self.undecided[packet]) = (0, 0);
             if bits == 0 {
+                // Shapes that are anywhere are shown to these rays as well.
+                infinite.store(&mut self.least.0[first..]);
+                infinite.store(&mut self.most.0[first..]);
                 continue;
             }
             let direction = direction(packet);
@@ -370,7 +399,7 @@ impl Canvas {
                 )
             } else {
                 Words::splat(simd, NOTHING).store(&mut self.slots[first..]);
-                (zero, zero)
+                (endless, endless)
             };
             far[packet] = is_asked.select(least, infinite);
             far[packet].store(&mut self.least.0[first..]);
@@ -390,7 +419,8 @@ impl Canvas {
             Singles::load(simd, &self.boxes[2].0).smallest(),
             Singles::load(simd, &self.boxes[3].0).largest(),
         ];
-        self.look(simd);
+        // Listed shapes come before any look, and must not meet what was left of the canvas before.
+        self.farthest = Singles::load(simd, &self.far.0).smallest();
         self.state = if self.is_fit() && shallowest.smallest() > SHALLOWEST {
             State::Stretched
         } else {
@@ -441,13 +471,16 @@ impl Canvas {
         ]
     }
 
-    /// Looks how far it goes; the largest depth along w that is of interest to any ray.
+    /// Looks how far it goes; the largest depth along w, from where rays start, that is of interest to any.
     #[inline(always)]
     pub(super) fn look<S: Simd>(&mut self, simd: S) -> f64 {
         if self.state == State::Stretched {
             self.farthest = Singles::load(simd, &self.far.0).smallest();
         }
-        self.unit / f64::from(self.farthest)
+        match self.shared {
+            Shared::Point => self.unit / f64::from(self.farthest),
+            Shared::Direction(start) => -f64::from(self.farthest) * self.unit - start.depth,
+        }
     }
 
     /// Whether shapes of these least and largest x and y and largest closenesses may be of interest to any ray.

@@ -1,10 +1,14 @@
 //! The outlines of spheres on a [`Canvas`].
 
+mod parallel;
+
 use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict, Who};
+use super::canvas::{
+    CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Shared, Verdict, Who,
+};
 use super::outline::NOISE;
 use crate::lanes::{LANES, Lanes, SingleMask, Singles, Vectors, ones};
 
@@ -45,6 +49,8 @@ pub(super) struct Discs {
     untold: u32,
     /// One bit for each whose own points may be in its shadow, as far as can be told.
     hides_own: u32,
+    /// One bit for each that may reach behind where parallel rays start.
+    cut: u32,
 }
 
 impl Default for Discs {
@@ -60,6 +66,7 @@ impl Default for Discs {
             of_interest: 0,
             untold: 0,
             hides_own: 0,
+            cut: 0,
         }
     }
 }
@@ -83,6 +90,11 @@ impl Discs {
         spheres: &Spheres<S>,
         bits: u32,
     ) {
+        if let Shared::Direction(start) = canvas.shared {
+            self.draw_parallel(simd, canvas, start, spheres, bits);
+            return;
+        }
+        self.cut = 0;
         let over_unit = 1.0 / canvas.unit;
         let from_origin = spheres.center.minus(canvas.origin);
         let [u, v, w] = canvas.axes.map(|axis| axis * over_unit);
@@ -240,6 +252,7 @@ impl Discs {
         let packets = canvas.meets(simd, &self.extent(index));
         let is_untold = self.untold >> index & 1 == 1;
         let hides_own = self.hides_own(index);
+        let is_cut = self.cut >> index & 1 == 1;
         let zero = Singles::splat(simd, 0.0);
         let splat = |row: &Row| Singles::splat(simd, row.0[index]);
         let [c, cx, cy, cxx, cxy, cyy] = [
@@ -286,6 +299,12 @@ impl Discs {
                 surely,
                 least: closeness - error,
                 most: surely.select(most, most + edge_error),
+            };
+            let claim = if is_cut {
+                let second = along - root * root_scale;
+                canvas.first_ahead(simd, claim, second, [error, edge_error])
+            } else {
+                claim
             };
             verdict.hear(simd, canvas, packet, who, claim);
         }

@@ -265,18 +265,29 @@ impl<'w> Visibility<'w> {
         let (eye, forward) = (camera.eye(), camera.forward().get());
         let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
         let asked: [u32; PACKETS] = std::array::from_fn(|packet| first_lanes(count, packet));
-        let has_canvas = self.uses_canvas && is_perspective && {
-            let middle = varying_at(varying, count / 2);
-            let distance = (self.somewhere - eye.0).length();
-            canvas.unit = if distance > 0.0 { distance } else { 1.0 };
-            canvas.stretch_around(
-                simd,
-                eye.0,
-                DVec3::from_array(middle),
-                &asked,
-                #[inline(always)]
-                |packet| Vectors::load(simd, columns(varying, packet)),
-            );
+        let has_canvas = self.uses_canvas && {
+            if is_perspective {
+                let middle = varying_at(varying, count / 2);
+                let distance = (self.somewhere - eye.0).length();
+                canvas.unit = if distance > 0.0 { distance } else { 1.0 };
+                canvas.stretch_around(
+                    simd,
+                    eye.0,
+                    DVec3::from_array(middle),
+                    &asked,
+                    #[inline(always)]
+                    |packet| Vectors::load(simd, columns(varying, packet)),
+                );
+            } else {
+                canvas.stretch_along(
+                    simd,
+                    forward,
+                    self.somewhere,
+                    &asked,
+                    #[inline(always)]
+                    |packet| Vectors::load(simd, columns(varying, packet)),
+                );
+            }
             canvas.state == State::Stretched
         };
         if has_canvas {

@@ -1,8 +1,12 @@
 //! The outlines of shapes on a [`Canvas`].
 
+mod parallel;
+
 use fearless_simd::Simd;
 
-use super::canvas::{CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Verdict, Who};
+use super::canvas::{
+    CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, Shared, Verdict, Who,
+};
 use crate::lanes::{LANES, SingleMask, Singles, Vectors, ones};
 use crate::math::DVec3;
 
@@ -316,6 +320,8 @@ pub(super) struct Outlines {
     pub(super) of_interest: u32,
     /// One bit for each that cannot be told from f32.
     untold: u32,
+    /// One bit for each that may reach behind where parallel rays start.
+    cut: u32,
 }
 
 impl Default for Outlines {
@@ -330,6 +336,7 @@ impl Default for Outlines {
             packets: [0; LANES],
             of_interest: 0,
             untold: 0,
+            cut: 0,
         }
     }
 }
@@ -355,6 +362,11 @@ impl Outlines {
         sketch: &Sketch,
         bits: u32,
     ) {
+        if let Shared::Direction(start) = canvas.shared {
+            self.draw_parallel(simd, canvas, start, sketch, bits);
+            return;
+        }
+        self.cut = 0;
         let frame = Frame::new(canvas, sketch);
         let middle = SingleVectors {
             x: Singles::splat(simd, frame.middle[0]),
@@ -417,28 +429,10 @@ impl Outlines {
         let most = inverse * to_closeness * (one + slope);
         let most = is_before.select(most, infinite);
         let meets = canvas.is_of_interest(simd, [left, right, bottom, top], most);
-        self.of_interest = meets.to_bits() & bits;
-        if self.of_interest == 0 {
+        let of_interest = meets.to_bits() & bits;
+        if !self.place(simd, canvas, [left, right, bottom, top], most, of_interest) {
             return;
         }
-        if let Some(bins) = canvas.bins(simd, self.of_interest.count_ones()) {
-            let places = bins.places(simd, [left, right, bottom, top]);
-            for place in ones(self.of_interest) {
-                let packets = bins.packets(&places, place);
-                self.packets[place] = packets;
-                self.of_interest &= !(u32::from(packets == 0) << place);
-            }
-            if self.of_interest == 0 {
-                return;
-            }
-        } else {
-            self.packets = [u32::MAX; LANES];
-        }
-        left.store(&mut self.boxes[0].0);
-        right.store(&mut self.boxes[1].0);
-        bottom.store(&mut self.boxes[2].0);
-        top.store(&mut self.boxes[3].0);
-        most.store(&mut self.most.0);
 
         // Twice the areas that the edges span with the origin, as vectors: the edge functions. Of a
         // corner and an edge, not of two corners: the products of these would cancel.
@@ -454,6 +448,91 @@ impl Outlines {
                 .abs()
                 .gt(edges * Singles::splat(simd, frame.distance * FLATTEST + frame.error));
         let sign = volume.gt(zero).select(one, zero - one);
+        let extent = [
+            Singles::splat(simd, extent_x),
+            Singles::splat(simd, extent_y),
+        ];
+        let sizes = [ab_size, ac_size, bc_size];
+        let (are_told, is_met) =
+            self.draw_edges(simd, &frame, [a, b], [ab, ac, bc], sizes, sign, extent);
+        // k (n · d) / V: an error of a sixth in V makes 20 u of 16 u, and 26 u of 21 u.
+        let over_volume = one / volume;
+        let closeness = normal.times(to_closeness * over_volume);
+        let magnitude = closeness.magnitude(extent);
+        let is_told = is_clear
+            & are_told
+            & magnitude.gt(Singles::splat(simd, (1.0 / CLOSENESS) as f32))
+            & magnitude.le(Singles::splat(simd, CLOSENESS as f32));
+        self.closeness.store(closeness);
+        let flatness = edges * Singles::splat(simd, ROUNDING) * over_volume.abs();
+        let of_volume = flatness.times_plus(
+            Singles::splat(simd, frame.distance * 26.0),
+            Singles::splat(simd, ROUNDING * 16.0),
+        );
+        let of_normal =
+            flatness * to_closeness * Singles::splat(simd, (1.0 + extent_x + extent_y) * 20.0);
+        let error = magnitude.times_plus(of_volume, of_normal);
+        error.store(&mut self.closeness_error.0);
+        let told = is_told.to_bits();
+        self.untold = !told;
+        self.of_interest &= is_met.to_bits() | self.untold;
+    }
+
+    /// Keeps the boxes of triangles, and which of those with a bit hold any ray; whether there are such.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        canvas: &mut Canvas,
+        boxes: [Singles<S>; 4],
+        most: Singles<S>,
+        bits: u32,
+    ) -> bool {
+        self.of_interest = bits;
+        if bits == 0 {
+            return false;
+        }
+        if let Some(bins) = canvas.bins(simd, self.of_interest.count_ones()) {
+            let places = bins.places(simd, boxes);
+            for place in ones(self.of_interest) {
+                let packets = bins.packets(&places, place);
+                self.packets[place] = packets;
+                self.of_interest &= !(u32::from(packets == 0) << place);
+            }
+            if self.of_interest == 0 {
+                return false;
+            }
+        } else {
+            self.packets = [u32::MAX; LANES];
+        }
+        let [left, right, bottom, top] = boxes;
+        left.store(&mut self.boxes[0].0);
+        right.store(&mut self.boxes[1].0);
+        bottom.store(&mut self.boxes[2].0);
+        top.store(&mut self.boxes[3].0);
+        most.store(&mut self.most.0);
+        true
+    }
+
+    /// The edge functions, of which `sign` makes those positive whose triangles turn the other way: by the
+    /// first two corners, the ways ab, ac and bc, and their sizes. Which can be told, and which
+    /// may hold a ray of this extent.
+    #[inline(always)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what both kinds of canvas know of triangles"
+    )]
+    fn draw_edges<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        [a, b]: [SingleVectors<S>; 2],
+        [ab, ac, bc]: [SingleVectors<S>; 3],
+        [ab_size, ac_size, bc_size]: [Singles<S>; 3],
+        sign: Singles<S>,
+        extent: [Singles<S>; 2],
+    ) -> (SingleMask<S>, SingleMask<S>) {
+        let edges = ab_size * ac_size;
         // Of the longest edge, opposite of the first corner: rounding on the way to a corner moves all.
         let rounding = bc_size * Singles::splat(simd, frame.distance * NEGLIGIBLE as f32);
         let [beside_first, opposite_first] = frame.edge_error;
@@ -470,36 +549,12 @@ impl Outlines {
         opposite_a.store(edge_a);
         opposite_b.store(edge_b);
         opposite_c.store(edge_c);
-        // k (n · d) / V: an error of a sixth in V makes 20 u of 16 u, and 26 u of 21 u.
-        let over_volume = one / volume;
-        let closeness = normal.times(to_closeness * over_volume);
-        let extent = [
-            Singles::splat(simd, extent_x),
-            Singles::splat(simd, extent_y),
-        ];
-        let magnitude = closeness.magnitude(extent);
-        let is_told = is_clear
-            & are_told
-            & magnitude.gt(Singles::splat(simd, (1.0 / CLOSENESS) as f32))
-            & magnitude.le(Singles::splat(simd, CLOSENESS as f32));
-        self.closeness.store(closeness);
-        let flatness = edges * Singles::splat(simd, ROUNDING) * over_volume.abs();
-        let of_volume = flatness.times_plus(
-            Singles::splat(simd, frame.distance * 26.0),
-            Singles::splat(simd, ROUNDING * 16.0),
-        );
-        let of_normal =
-            flatness * to_closeness * Singles::splat(simd, (1.0 + extent_x + extent_y) * 20.0);
-        let error = magnitude.times_plus(of_volume, of_normal);
-        error.store(&mut self.closeness_error.0);
         // One edge may have all rays on its outer side. Twice the room: for the three sums of this.
         let outside = Singles::splat(simd, -2.0 * EDGE_GIVES_WAY);
         let is_met = edge_a.largest(extent).gt(outside)
             & edge_b.largest(extent).gt(outside)
             & edge_c.largest(extent).gt(outside);
-        let told = is_told.to_bits();
-        self.untold = !told;
-        self.of_interest &= is_met.to_bits() | self.untold;
+        (are_told, is_met)
     }
 
     fn extent(&self, index: usize) -> Extent {
@@ -530,6 +585,7 @@ impl Outlines {
         ];
         let closeness = self.closeness.get(index);
         let error = Singles::splat(simd, self.closeness_error.0[index]);
+        let is_cut = self.cut >> index & 1 == 1;
         for packet in ones(packets) {
             if is_untold {
                 verdict.abstain(simd, canvas, packet, who);
@@ -551,6 +607,11 @@ impl Outlines {
                 least: closeness - error,
                 most: closeness + error,
             };
+            let claim = if is_cut {
+                canvas.ahead(simd, claim)
+            } else {
+                claim
+            };
             verdict.hear(simd, canvas, packet, who, claim);
         }
     }
@@ -568,6 +629,10 @@ pub(super) fn cast_plane<S: Simd>(
 ) {
     let is_beside = canvas.is_beside(point, normal) || verdict.are_all_on(who);
     if is_beside || !verdict.is_ready(simd, canvas) {
+        return;
+    }
+    if let Shared::Direction(start) = canvas.shared {
+        parallel::cast_plane(simd, point, normal, start, who, canvas, verdict);
         return;
     }
     let to_point = point - canvas.origin;

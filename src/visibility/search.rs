@@ -196,8 +196,7 @@ impl<T: Shape> Search<T> {
             }
         }
         if let Some(tree) = &self.tree {
-            let rectangle = canvas.rectangle();
-            let beam = Beam::from_point(tree, canvas.origin, canvas.axes, rectangle);
+            let beam = canvas.beam(tree);
             beam.descend(
                 simd,
                 tree,
