@@ -127,6 +127,34 @@ impl Beam {
         }
     }
 
+    /// Rays along w that start `start` beyond `origin` and, along u and v, in a rectangle beside it.
+    #[inline(always)]
+    pub(super) fn along(
+        tree: &Tree,
+        origin: DVec3,
+        [u, v, w]: [DVec3; 3],
+        [left, right, bottom, top]: [f64; 4],
+        start: f64,
+    ) -> Self {
+        let origin = origin - tree.center;
+        let distance = origin.length() + start.abs() + (right - left) + (top - bottom);
+        let side = |normal: DVec3, offset: f64| {
+            let offset = normal.dot(origin) + offset;
+            Side::new(normal, offset * tree.scale, distance * tree.scale)
+        };
+        Self {
+            sides: [
+                side(u, left),
+                side(-u, -right),
+                side(v, bottom),
+                side(-v, -top),
+            ],
+            start: side(w, start),
+            center: tree.center,
+            scale: tree.scale,
+        }
+    }
+
     /// Rays that start at one point, and are much the same, or that have one direction, those with a bit
     /// in `asked`; and the largest depth that is gained with t, of those.
     #[inline(always)]

@@ -10,13 +10,15 @@
 //! which the bound does not tell is *doubtful*. It is asked again in f64, alone with its packet, in
 //! the way of [`super::packet`]. So the canvas decides how long an image takes, and not one of its bits.
 
+mod parallel;
+
 use fearless_simd::Simd;
 
-use super::Primitive;
 use super::bins::Bins;
 use super::longest;
-use super::surface::{BATCH, Only, PACKETS, Points, columns};
-use crate::lanes::{Ids, LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
+use super::surface::{BATCH, PACKETS};
+use super::verdict::Who;
+use crate::lanes::{LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
 use crate::math::DVec3;
 
 /// The bound on the error of an affine or quadratic function of x and y, over the sum of the magnitudes
@@ -57,12 +59,13 @@ pub(super) struct Row(pub(super) [f32; LANES]);
 /// An f32 for each ray of a batch.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Floats([f32; BATCH]);
+pub(super) struct Floats(pub(super) [f32; BATCH]);
 
 /// The canvas of a batch and what is on it.
 #[derive(Debug)]
 pub(super) struct Canvas {
-    /// What all rays share.
+    pub(super) shared: Shared,
+    /// Where all rays start; or, of parallel rays, a point amid them.
     pub(super) origin: DVec3,
     /// u, v and w, orthonormal; w is the middle of the rays.
     pub(super) axes: [DVec3; 3],
@@ -74,7 +77,7 @@ pub(super) struct Canvas {
     pub(super) farthest: f32,
     /// The largest |x| and the largest |y| of any ray.
     pub(super) extent: [f64; 2],
-    /// Closeness is this over the depth along w.
+    /// Closeness is this over the depth along w; see [`Shared`] for parallel rays.
     pub(super) unit: f64,
     /// A box around the ends of shadow rays, relative to the origin.
     pub(super) ends: Option<[DVec3; 2]>,
@@ -83,29 +86,49 @@ pub(super) struct Canvas {
     pub(super) state: State,
     /// Of a canvas aimed at what primary rays see the first shape so far, and of one aimed at ends of rays the
     /// largest closeness of these.
-    cover: Option<Cover>,
-    nearest_end: f32,
+    pub(super) cover: Option<Cover>,
+    pub(super) nearest_end: f32,
     x: Floats,
     y: Floats,
-    /// The range of the closeness of what is known of a ray: of a primary ray its nearest hit, 0 where
-    /// there is none; of a shadow ray its end, infinite where that is known to be dark.
-    least: Floats,
-    most: Floats,
+    /// The range of the closeness of what is known of a ray: of a primary ray its nearest hit, the closeness
+    /// of the infinitely far where there is none; of a shadow ray its end, infinite where that is known
+    /// to be dark.
+    pub(super) least: Floats,
+    pub(super) most: Floats,
     /// What a primary ray meets first.
-    slots: [u32; BATCH],
+    pub(super) slots: [u32; BATCH],
     /// For each packet a bit for each ray that f32 cannot decide: unless something nearer hides it, or
     /// in any case.
-    doubtful: [u32; PACKETS],
-    undecided: [u32; PACKETS],
+    pub(super) doubtful: [u32; PACKETS],
+    pub(super) undecided: [u32; PACKETS],
     /// The least and the largest x and y of each packet.
     boxes: [Row; 4],
     /// The least closeness that is of interest to any ray of each packet.
-    far: Row,
+    pub(super) far: Row,
     /// For each packet one bit for each ray.
     asked: [u32; PACKETS],
     /// How many triangles were near any ray, and from [`MANY`] on where the rays are.
     drawn: u32,
     bins: Bins,
+}
+
+/// What the rays on a canvas share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Shared {
+    /// The point that they start at: the canvas's origin.
+    Point,
+    /// The direction w. Their dots are how far along u and v they are beside the origin, over the unit; the
+    /// closeness of what they meet is minus its depth along w from there, over the unit.
+    Direction(Start),
+}
+
+/// Where parallel rays start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Start {
+    /// At which depth along w, from the origin.
+    pub(super) depth: f64,
+    /// Between which closenesses, all rounding included.
+    pub(super) closeness: [f32; 2],
 }
 
 /// How much is known of a canvas.
@@ -128,26 +151,7 @@ pub(super) enum State {
 pub(super) struct Cover {
     slot: u32,
     /// Between which closenesses.
-    range: [f32; 2],
-}
-
-/// Which shape it is.
-#[derive(Clone, Copy)]
-pub(super) struct Who {
-    pub(super) slot: u32,
-    pub(super) primitive: Primitive,
-}
-
-/// What a shape says of the rays of a packet.
-#[derive(Clone, Copy)]
-pub(super) struct Claim<S: Simd> {
-    /// Those that may meet it.
-    pub(super) maybe: SingleMask<S>,
-    /// Those that do, certainly.
-    pub(super) surely: SingleMask<S>,
-    /// Between which closenesses they do.
-    pub(super) least: Singles<S>,
-    pub(super) most: Singles<S>,
+    pub(super) range: [f32; 2],
 }
 
 /// The box of a shape on the canvas, and the largest closeness of any of its points.
@@ -167,78 +171,12 @@ impl Extent {
     };
 }
 
-/// What is made of the claims.
-pub(super) trait Verdict: Copy {
-    /// Whether all rays end on the shape.
-    fn are_all_on(self, who: Who) -> bool;
-
-    /// Takes note on a canvas that is only aimed of a shape that may be of interest: `cover` is between which
-    /// closenesses all rays surely meet it, if they do, and `most` its largest closeness in any case. Whether
-    /// no ray need be asked.
-    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, most: f32) -> bool;
-
-    /// Stretches a canvas that is only aimed; whether it is fit for its rays.
-    fn is_ready<S: Simd>(self, simd: S, canvas: &mut Canvas) -> bool;
-
-    /// Takes note of a claim of the shape.
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>);
-
-    /// The shape cannot be told from f32: all rays of a packet that may meet it are asked again.
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
-
-    /// A shape that the end of a ray is on may hide it all the same: those are asked again.
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
-}
-
-/// What is the first that a primary ray meets?
-#[derive(Clone, Copy)]
-pub(super) struct First;
-
-/// Which points does the light reach, of those with a bit?
-#[derive(Clone, Copy)]
-pub(super) struct Reached<'p> {
-    /// Where the light is.
-    pub(super) light: DVec3,
-    pub(super) points: &'p Points,
-    pub(super) asked: &'p [u32; PACKETS],
-}
-
-impl Reached<'_> {
-    /// The points of a packet that are on a shape.
-    #[inline(always)]
-    fn are_on<S: Simd>(self, simd: S, packet: usize, who: Who) -> SingleMask<S> {
-        let on = Ids::load(simd, &self.points.primitive[packet * LANES..]);
-        SingleMask::from_bits(simd, on.eq(who.primitive.lanes(simd)).to_bits())
-    }
-
-    /// From the light to the points of a packet.
-    #[inline(always)]
-    pub(super) fn way<S: Simd>(self, simd: S, packet: usize) -> Vectors<S> {
-        Vectors::load(simd, columns(&self.points.position, packet)).minus(self.light)
-    }
-
-    /// Stretches a canvas before the light.
-    #[inline(never)]
-    pub(super) fn stretch<S: Simd>(self, simd: S, canvas: &mut Canvas) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                canvas.stretch(
-                    simd,
-                    self.asked,
-                    #[inline(always)]
-                    |packet| self.way(simd, packet),
-                );
-            },
-        );
-    }
-}
-
 impl Default for Canvas {
     fn default() -> Self {
         let floats = Floats([0.0; BATCH]);
         let row = Row([0.0; LANES]);
         Self {
+            shared: Shared::Point,
             origin: DVec3::ZERO,
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
             turn: [[0.0; 3]; 3],
@@ -331,7 +269,7 @@ impl Canvas {
     }
 
     /// Takes a shape to be what all rays see first, as far as is known.
-    fn cover_with(&mut self, who: Who, range: [f32; 2]) {
+    pub(super) fn cover_with(&mut self, who: Who, range: [f32; 2]) {
         self.cover = Some(Cover {
             slot: who.slot,
             range,
@@ -340,7 +278,7 @@ impl Canvas {
     }
 
     /// Has no interest in shapes any more.
-    fn close(&mut self, state: State) {
+    pub(super) fn close(&mut self, state: State) {
         self.state = state;
         self.bounds = [
             f32::INFINITY,
@@ -364,6 +302,7 @@ impl Canvas {
             return false;
         };
         let (u, v) = w.any_orthonormal_pair();
+        self.shared = Shared::Point;
         (self.origin, self.axes) = (origin, [u, v, w]);
         self.turn = self.axes.map(|axis| axis.as_vec3().to_array());
         true
@@ -420,6 +359,7 @@ impl Canvas {
         let infinite = Singles::splat(simd, f32::INFINITY);
         let one = Singles::splat(simd, 1.0);
         let zero = Singles::splat(simd, 0.0);
+        let endless = Singles::splat(simd, self.endless());
         let mut shallowest = infinite;
         let mut sides = [[infinite; PACKETS]; 4];
         let mut far = [infinite; PACKETS];
@@ -428,6 +368,9 @@ impl Canvas {
             let bits = asked[packet];
             (self.doubtful[packet], self.undecided[packet]) = (0, 0);
             if bits == 0 {
+                // Shapes that are anywhere are shown to these rays as well.
+                infinite.store(&mut self.least.0[first..]);
+                infinite.store(&mut self.most.0[first..]);
                 continue;
             }
             let direction = direction(packet);
@@ -452,7 +395,7 @@ impl Canvas {
                 )
             } else {
                 Words::splat(simd, NOTHING).store(&mut self.slots[first..]);
-                (zero, zero)
+                (endless, endless)
             };
             far[packet] = is_asked.select(least, infinite);
             far[packet].store(&mut self.least.0[first..]);
@@ -472,6 +415,7 @@ impl Canvas {
             Singles::load(simd, &self.boxes[2].0).smallest(),
             Singles::load(simd, &self.boxes[3].0).largest(),
         ];
+        // Listed shapes come before any look, and must not meet what was left of the canvas before.
         self.farthest = Singles::load(simd, &self.far.0).smallest();
         self.state = if self.is_fit() && shallowest.smallest() > SHALLOWEST {
             State::Stretched
@@ -523,13 +467,16 @@ impl Canvas {
         ]
     }
 
-    /// Looks how far it goes; the largest depth along w that is of interest to any ray.
+    /// Looks how far it goes; the largest depth along w, from where rays start, that is of interest to any.
     #[inline(always)]
     pub(super) fn look<S: Simd>(&mut self, simd: S) -> f64 {
         if self.state == State::Stretched {
             self.farthest = Singles::load(simd, &self.far.0).smallest();
         }
-        self.unit / f64::from(self.farthest)
+        match self.shared {
+            Shared::Point => self.unit / f64::from(self.farthest),
+            Shared::Direction(start) => -f64::from(self.farthest) * self.unit - start.depth,
+        }
     }
 
     /// Whether shapes of these least and largest x and y and largest closenesses may be of interest to any ray.
@@ -608,134 +555,8 @@ impl Canvas {
 
     /// The rays of a packet that still ask for something.
     #[inline(always)]
-    fn asking<S: Simd>(&self, simd: S, packet: usize) -> SingleMask<S> {
+    pub(super) fn asking<S: Simd>(&self, simd: S, packet: usize) -> SingleMask<S> {
         let least = Singles::load(simd, &self.least.0[packet * LANES..]);
         !least.ge(Singles::splat(simd, f32::INFINITY))
-    }
-}
-
-impl Verdict for First {
-    #[inline(always)]
-    fn are_all_on(self, _: Who) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, most: f32) -> bool {
-        if canvas.state != State::Aimed {
-            return false;
-        }
-        let before = canvas.cover.map(|cover| cover.range);
-        match (cover, before) {
-            (_, Some([least, _])) if most < least => {}
-            (Some(range), None) => canvas.cover_with(who, range),
-            (Some(range), Some([_, most])) if range[0] > most => canvas.cover_with(who, range),
-            _ => canvas.close(State::Unclear),
-        }
-        true
-    }
-
-    #[inline(always)]
-    fn is_ready<S: Simd>(self, _: S, canvas: &mut Canvas) -> bool {
-        canvas.state == State::Stretched
-    }
-
-    #[inline(always)]
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
-        let first = packet * LANES;
-        let least = Singles::load(simd, &canvas.least.0[first..]);
-        let maybe = claim.maybe & claim.most.ge(least);
-        let bits = maybe.to_bits();
-        if bits == 0 {
-            return;
-        }
-        let most = Singles::load(simd, &canvas.most.0[first..]);
-        let is_nearer = maybe & claim.surely & claim.least.gt(most);
-        let nearer = is_nearer.to_bits();
-        let least = is_nearer.select(claim.least, least);
-        least.store(&mut canvas.least.0[first..]);
-        let doubt = bits & !nearer;
-        let most_of_both = most.max(claim.most);
-        let most = SingleMask::from_bits(simd, doubt).select(most_of_both, most);
-        is_nearer
-            .select(claim.most, most)
-            .store(&mut canvas.most.0[first..]);
-        let slots = Words::load(simd, &canvas.slots[first..]);
-        let slots = is_nearer.select_words(Words::splat(simd, who.slot), slots);
-        slots.store(&mut canvas.slots[first..]);
-        canvas.doubtful[packet] = canvas.doubtful[packet] & !nearer | doubt;
-        canvas.far.0[packet] = least.smallest();
-    }
-
-    #[inline(always)]
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, _: Who) {
-        canvas.undecided[packet] |= canvas.asking(simd, packet).to_bits();
-    }
-
-    #[inline(always)]
-    fn doubt_own<S: Simd>(self, _: S, _: &mut Canvas, _: usize, _: Who) {}
-}
-
-impl Verdict for Reached<'_> {
-    #[inline(always)]
-    fn are_all_on(self, who: Who) -> bool {
-        self.points.only == Only::One(who.primitive)
-    }
-
-    #[inline(always)]
-    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, _: f32) -> bool {
-        let is_before = cover.is_some_and(|[least, _]| least > canvas.nearest_end);
-        let are_others = matches!(self.points.only, Only::One(own) if own != who.primitive);
-        let is_dark = canvas.state == State::Aimed && is_before && are_others;
-        if is_dark {
-            canvas.close(State::Dark);
-        }
-        is_dark
-    }
-
-    #[inline(always)]
-    fn is_ready<S: Simd>(self, simd: S, canvas: &mut Canvas) -> bool {
-        if canvas.state == State::Aimed {
-            self.stretch(simd, canvas);
-        }
-        canvas.state == State::Stretched
-    }
-
-    #[inline(always)]
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
-        let first = packet * LANES;
-        let least = Singles::load(simd, &canvas.least.0[first..]);
-        let maybe = claim.maybe & claim.most.ge(least);
-        if maybe.to_bits() == 0 {
-            return;
-        }
-        let maybe = maybe & !self.are_on(simd, packet, who);
-        let bits = maybe.to_bits();
-        if bits == 0 {
-            return;
-        }
-        let most = Singles::load(simd, &canvas.most.0[first..]);
-        let is_dark = maybe & claim.surely & claim.least.gt(most);
-        let dark = is_dark.to_bits();
-        canvas.doubtful[packet] = (canvas.doubtful[packet] | bits) & !dark;
-        canvas.undecided[packet] &= !dark;
-        if dark != 0 {
-            let infinite = Singles::splat(simd, f32::INFINITY);
-            let least = is_dark.select(infinite, least);
-            least.store(&mut canvas.least.0[first..]);
-            canvas.far.0[packet] = least.smallest();
-        }
-    }
-
-    #[inline(always)]
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who) {
-        let own = self.are_on(simd, packet, who);
-        canvas.undecided[packet] |= (canvas.asking(simd, packet) & !own).to_bits();
-    }
-
-    #[inline(always)]
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who) {
-        let own = self.are_on(simd, packet, who);
-        canvas.undecided[packet] |= (canvas.asking(simd, packet) & own).to_bits();
     }
 }

@@ -1,13 +1,14 @@
 //! The outlines of spheres on a [`Canvas`].
 
+mod parallel;
+
 use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::canvas::{
-    CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, State, Verdict, Who,
-};
+use super::canvas::{CLOSENESS, Canvas, Extent, GIVES_WAY, NEGLIGIBLE, Row, Shared, State};
 use super::outline::NOISE;
+use super::verdict::{Claim, Verdict, Who};
 use crate::lanes::{LANES, Lanes, SingleMask, Singles, Vectors, ones};
 
 /// Where R²|d|² − |oc × d|², over the sum of the magnitudes of its terms, is above this, a ray surely
@@ -50,6 +51,8 @@ pub(super) struct Discs {
     /// One bit for each that all rays of a canvas that is aimed surely meet, and the range of its closeness.
     covers: u32,
     ranges: [Row; 2],
+    /// One bit for each that may reach behind where parallel rays start.
+    cut: u32,
 }
 
 impl Default for Discs {
@@ -67,6 +70,7 @@ impl Default for Discs {
             hides_own: 0,
             covers: 0,
             ranges: [row; 2],
+            cut: 0,
         }
     }
 }
@@ -90,6 +94,11 @@ impl Discs {
         spheres: &Spheres<S>,
         bits: u32,
     ) {
+        if let Shared::Direction(start) = canvas.shared {
+            self.draw_parallel(simd, canvas, start, spheres, bits);
+            return;
+        }
+        self.cut = 0;
         let over_unit = 1.0 / canvas.unit;
         let from_origin = spheres.center.minus(canvas.origin);
         let [u, v, w] = canvas.axes.map(|axis| axis * over_unit);
@@ -281,6 +290,7 @@ impl Discs {
         let packets = canvas.meets(simd, &self.extent(index));
         let is_untold = self.untold >> index & 1 == 1;
         let hides_own = self.hides_own(index);
+        let is_cut = self.cut >> index & 1 == 1;
         let zero = Singles::splat(simd, 0.0);
         let splat = |row: &Row| Singles::splat(simd, row.0[index]);
         let [c, cx, cy, cxx, cxy, cyy] = [
@@ -327,6 +337,12 @@ impl Discs {
                 surely,
                 least: closeness - error,
                 most: surely.select(most, most + edge_error),
+            };
+            let claim = if is_cut {
+                let second = along - root * root_scale;
+                canvas.first_ahead(simd, claim, second, [error, edge_error])
+            } else {
+                claim
             };
             verdict.hear(simd, canvas, packet, who, claim);
         }

@@ -26,6 +26,7 @@ mod smooth;
 mod sphere;
 mod surface;
 mod triangle;
+mod verdict;
 
 #[cfg(test)]
 mod tests;
@@ -40,12 +41,13 @@ use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
 use crate::world::{Camera, Plan, Projection, World};
 use beam::{EMPTY_STACK, Stack};
-use canvas::{Canvas, First, Reached, State, Who};
+use canvas::{Canvas, State};
 use disc::Discs;
 use outline::Outlines;
 use packet::{Ends, Nearest, Packet, Rays, Shadow};
 use search::Search;
 use triangle::Facet;
+use verdict::{First, Reached, Verdict, Who};
 
 /// How much a few operations in f64 on coordinates of magnitude 1 can be off: each by ε/2, eight of
 /// them, and as much again for room. Times a length, it is the bound below which "on the surface"
@@ -131,6 +133,42 @@ impl Samples<'_> {
         let first = packet * LANES;
         let x = Lanes::load(simd, &x[first..]);
         camera.varying(simd, x, Lanes::load(simd, &y[first..]))
+    }
+
+    /// Stretches a canvas before the primary rays of the packets' samples with a bit; `somewhere` is amid the
+    /// shapes.
+    #[inline(always)]
+    fn stretch<S: Simd>(
+        &self,
+        simd: S,
+        camera: &Camera,
+        somewhere: DVec3,
+        asked: &[u32; PACKETS],
+        canvas: &mut Canvas,
+    ) {
+        match camera.projection() {
+            Projection::Perspective { .. } => {
+                let [x, y] = self.places.map(|places| places[self.count / 2]);
+                canvas.stretch_around(
+                    simd,
+                    camera.eye().0,
+                    camera.ray(x, y).direction,
+                    asked,
+                    #[inline(always)]
+                    |packet| self.varying(simd, camera, packet),
+                );
+            }
+            Projection::Orthographic { .. } => {
+                canvas.stretch_along(
+                    simd,
+                    camera.forward().get(),
+                    somewhere,
+                    asked,
+                    #[inline(always)]
+                    |packet| self.varying(simd, camera, packet),
+                );
+            }
+        }
     }
 
     /// The directions of the primary rays around all of them.
@@ -281,34 +319,25 @@ impl<'w> Visibility<'w> {
         let (eye, forward) = (camera.eye(), camera.forward().get());
         let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
         let asked: [u32; PACKETS] = std::array::from_fn(|packet| first_lanes(count, packet));
-        let has_canvas = self.uses_canvas && is_perspective && {
+        let has_canvas = self.uses_canvas && {
             let distance = (self.somewhere - eye.0).length();
             canvas.unit = if distance > 0.0 { distance } else { 1.0 };
             // What one batch sees, the next one mostly does.
             let may_settle = self.are_few || points.only != Only::Many;
-            let is_aimed = may_settle && canvas.aim_between(eye.0, samples.corners(camera));
+            let is_aimed =
+                is_perspective && may_settle && canvas.aim_between(eye.0, samples.corners(camera));
             if is_aimed {
                 self.cast(simd, canvas, drawings, stack, First);
             }
             if is_aimed && canvas.state == State::Aimed {
                 canvas.settle();
-                true
             } else {
-                let [x, y] = samples.places.map(|places| places[count / 2]);
-                canvas.stretch_around(
-                    simd,
-                    eye.0,
-                    camera.ray(x, y).direction,
-                    &asked,
-                    #[inline(always)]
-                    |packet| samples.varying(simd, camera, packet),
-                );
-                let is_stretched = canvas.state == State::Stretched;
-                if is_stretched {
+                samples.stretch(simd, camera, self.somewhere, &asked, canvas);
+                if canvas.state == State::Stretched {
                     self.cast(simd, canvas, drawings, stack, First);
                 }
-                is_stretched
             }
+            canvas.state != State::Unfit
         };
         points.begin(self.is_smooth);
         let mut last = None;
@@ -358,7 +387,7 @@ impl<'w> Visibility<'w> {
         canvas: &mut Canvas,
         drawings: &mut Drawings,
         stack: &mut Stack,
-        verdict: impl canvas::Verdict,
+        verdict: impl Verdict,
     ) {
         for (index, plane) in self.world.planes().iter().enumerate() {
             let (point, normal) = (plane.point.0, plane.normal.get());

@@ -1,12 +1,13 @@
 //! The outlines of shapes on a [`Canvas`].
 
+mod parallel;
+
 use fearless_simd::Simd;
 
-use super::canvas::{
-    CLOSENESS, Canvas, Claim, Extent, GIVES_WAY, NEGLIGIBLE, Row, State, Verdict, Who,
-};
+use super::canvas::{CLOSENESS, Canvas, Extent, GIVES_WAY, NEGLIGIBLE, Row, Shared, State};
 use super::sketch::{Frame, ROUNDING, SingleVectors, Sketch};
 use super::surface::PACKETS;
+use super::verdict::{Claim, Verdict, Who};
 use crate::lanes::{LANES, SingleMask, Singles, Vectors, ones};
 use crate::math::DVec3;
 
@@ -34,6 +35,16 @@ impl Affines {
     fn get(&self, index: usize) -> Affine {
         let [constant, x, y] = &self.0;
         Affine([constant.0[index], x.0[index], y.0[index]])
+    }
+
+    #[inline(always)]
+    fn load<S: Simd>(&self, simd: S) -> SingleVectors<S> {
+        let [constant, x, y] = &self.0;
+        SingleVectors {
+            x: Singles::load(simd, &x.0),
+            y: Singles::load(simd, &y.0),
+            z: Singles::load(simd, &constant.0),
+        }
     }
 
     #[inline(always)]
@@ -85,6 +96,8 @@ pub(super) struct Outlines {
     /// One bit for each that all rays of a canvas that is aimed surely meet, and the range of its closeness.
     covers: u32,
     ranges: [Row; 2],
+    /// One bit for each that may reach behind where parallel rays start.
+    cut: u32,
 }
 
 impl Default for Outlines {
@@ -101,6 +114,7 @@ impl Default for Outlines {
             untold: 0,
             covers: 0,
             ranges: [row; 2],
+            cut: 0,
         }
     }
 }
@@ -126,6 +140,11 @@ impl Outlines {
         sketch: &Sketch,
         bits: u32,
     ) {
+        if let Shared::Direction(start) = canvas.shared {
+            self.draw_parallel(simd, canvas, start, sketch, bits);
+            return;
+        }
+        self.cut = 0;
         let frame = Frame::new(canvas, sketch);
         let middle = SingleVectors {
             x: Singles::splat(simd, frame.middle[0]),
@@ -188,28 +207,10 @@ impl Outlines {
         let most = inverse * to_closeness * (one + slope);
         let most = is_before.select(most, infinite);
         let meets = canvas.is_of_interest(simd, [left, right, bottom, top], most);
-        self.of_interest = meets.to_bits() & bits;
-        if self.of_interest == 0 {
+        let of_interest = meets.to_bits() & bits;
+        if !self.place(simd, canvas, [left, right, bottom, top], most, of_interest) {
             return;
         }
-        if let Some(bins) = canvas.bins(simd, self.of_interest.count_ones()) {
-            let places = bins.places(simd, [left, right, bottom, top]);
-            for place in ones(self.of_interest) {
-                let packets = bins.packets(&places, place);
-                self.packets[place] = packets;
-                self.of_interest &= !(u32::from(packets == 0) << place);
-            }
-            if self.of_interest == 0 {
-                return;
-            }
-        } else {
-            self.packets = [u32::MAX; LANES];
-        }
-        left.store(&mut self.boxes[0].0);
-        right.store(&mut self.boxes[1].0);
-        bottom.store(&mut self.boxes[2].0);
-        top.store(&mut self.boxes[3].0);
-        most.store(&mut self.most.0);
 
         // Twice the areas that the edges span with the origin, as vectors: the edge functions. Of a
         // corner and an edge, not of two corners: the products of these would cancel.
@@ -225,29 +226,16 @@ impl Outlines {
                 .abs()
                 .gt(edges * Singles::splat(simd, frame.distance * FLATTEST + frame.error));
         let sign = volume.gt(zero).select(one, zero - one);
-        // Of the longest edge, opposite of the first corner: rounding on the way to a corner moves all.
-        let rounding = bc_size * Singles::splat(simd, frame.distance * NEGLIGIBLE as f32);
-        let [beside_first, opposite_first] = frame.edge_error;
-        let shortest = ab_size.min(ac_size).min(bc_size);
-        let are_told = (shortest * Singles::splat(simd, beside_first)).gt(rounding);
-        // The reciprocals of the three lengths from one division: none is below 2⁻⁴².
-        let scale = sign / (edges * bc_size);
-        let beside = scale * bc_size * Singles::splat(simd, 1.0 / beside_first);
-        let opposite = scale * edges * Singles::splat(simd, 1.0 / opposite_first);
-        let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
-        let edge_a = b.cross(bc).times(opposite);
-        let edge_b = ac.cross(a).times(beside * ab_size);
-        let edge_c = a.cross(ab).times(beside * ac_size);
-        opposite_a.store(edge_a);
-        opposite_b.store(edge_b);
-        opposite_c.store(edge_c);
-        // k (n · d) / V: an error of a sixth in V makes 20 u of 16 u, and 26 u of 21 u.
-        let over_volume = one / volume;
-        let closeness = normal.times(to_closeness * over_volume);
         let extent = [
             Singles::splat(simd, extent_x),
             Singles::splat(simd, extent_y),
         ];
+        let sizes = [ab_size, ac_size, bc_size];
+        let (are_told, is_met) =
+            self.draw_edges(simd, &frame, [a, b], [ab, ac, bc], sizes, sign, extent);
+        // k (n · d) / V: an error of a sixth in V makes 20 u of 16 u, and 26 u of 21 u.
+        let over_volume = one / volume;
+        let closeness = normal.times(to_closeness * over_volume);
         let magnitude = closeness.magnitude(extent);
         let is_told = is_clear
             & are_told
@@ -263,22 +251,18 @@ impl Outlines {
             flatness * to_closeness * Singles::splat(simd, (1.0 + extent_x + extent_y) * 20.0);
         let error = magnitude.times_plus(of_volume, of_normal);
         error.store(&mut self.closeness_error.0);
-        // One edge may have all rays on its outer side. Twice the room: for the three sums of this.
-        let outside = Singles::splat(simd, -2.0 * EDGE_GIVES_WAY);
-        let is_met = edge_a.largest(extent).gt(outside)
-            & edge_b.largest(extent).gt(outside)
-            & edge_c.largest(extent).gt(outside);
         let told = is_told.to_bits();
         self.untold = !told;
         self.of_interest &= is_met.to_bits() | self.untold;
         self.covers = 0;
         if canvas.state == State::Aimed {
             let inside = Singles::splat(simd, 2.0 * EDGE_GIVES_WAY);
+            let [edge_a, edge_b, edge_c] = &self.edges;
             let give = error + magnitude * Singles::splat(simd, 2.0 * GIVES_WAY);
             let least = closeness.smallest(extent) - give;
-            let covers = edge_a.smallest(extent).gt(inside)
-                & edge_b.smallest(extent).gt(inside)
-                & edge_c.smallest(extent).gt(inside)
+            let covers = edge_a.load(simd).smallest(extent).gt(inside)
+                & edge_b.load(simd).smallest(extent).gt(inside)
+                & edge_c.load(simd).smallest(extent).gt(inside)
                 & least.gt(zero);
             self.covers = covers.to_bits() & told;
             least.store(&mut self.ranges[0].0);
@@ -296,6 +280,85 @@ impl Outlines {
     /// The largest closeness of a triangle within an aimed canvas.
     pub(super) fn most(&self, index: usize) -> f32 {
         self.ranges[1].0[index]
+    }
+
+    /// Keeps the boxes of triangles, and which of those with a bit hold any ray; whether there are such.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        canvas: &mut Canvas,
+        boxes: [Singles<S>; 4],
+        most: Singles<S>,
+        bits: u32,
+    ) -> bool {
+        self.of_interest = bits;
+        if bits == 0 {
+            return false;
+        }
+        if let Some(bins) = canvas.bins(simd, self.of_interest.count_ones()) {
+            let places = bins.places(simd, boxes);
+            for place in ones(self.of_interest) {
+                let packets = bins.packets(&places, place);
+                self.packets[place] = packets;
+                self.of_interest &= !(u32::from(packets == 0) << place);
+            }
+            if self.of_interest == 0 {
+                return false;
+            }
+        } else {
+            self.packets = [u32::MAX; LANES];
+        }
+        let [left, right, bottom, top] = boxes;
+        left.store(&mut self.boxes[0].0);
+        right.store(&mut self.boxes[1].0);
+        bottom.store(&mut self.boxes[2].0);
+        top.store(&mut self.boxes[3].0);
+        most.store(&mut self.most.0);
+        true
+    }
+
+    /// The edge functions, of which `sign` makes those positive whose triangles turn the other way: by the
+    /// first two corners, the ways ab, ac and bc, and their sizes. Which can be told, and which
+    /// may hold a ray of this extent.
+    #[inline(always)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what both kinds of canvas know of triangles"
+    )]
+    fn draw_edges<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame,
+        [a, b]: [SingleVectors<S>; 2],
+        [ab, ac, bc]: [SingleVectors<S>; 3],
+        [ab_size, ac_size, bc_size]: [Singles<S>; 3],
+        sign: Singles<S>,
+        extent: [Singles<S>; 2],
+    ) -> (SingleMask<S>, SingleMask<S>) {
+        let edges = ab_size * ac_size;
+        // Of the longest edge, opposite of the first corner: rounding on the way to a corner moves all.
+        let rounding = bc_size * Singles::splat(simd, frame.distance * NEGLIGIBLE as f32);
+        let [beside_first, opposite_first] = frame.edge_error;
+        let shortest = ab_size.min(ac_size).min(bc_size);
+        let are_told = (shortest * Singles::splat(simd, beside_first)).gt(rounding);
+        // The reciprocals of the three lengths from one division: none is below 2⁻⁴².
+        let scale = sign / (edges * bc_size);
+        let beside = scale * bc_size * Singles::splat(simd, 1.0 / beside_first);
+        let opposite = scale * edges * Singles::splat(simd, 1.0 / opposite_first);
+        let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
+        let edge_a = b.cross(bc).times(opposite);
+        let edge_b = ac.cross(a).times(beside * ab_size);
+        let edge_c = a.cross(ab).times(beside * ac_size);
+        opposite_a.store(edge_a);
+        opposite_b.store(edge_b);
+        opposite_c.store(edge_c);
+        // One edge may have all rays on its outer side. Twice the room: for the three sums of this.
+        let outside = Singles::splat(simd, -2.0 * EDGE_GIVES_WAY);
+        let is_met = edge_a.largest(extent).gt(outside)
+            & edge_b.largest(extent).gt(outside)
+            & edge_c.largest(extent).gt(outside);
+        (are_told, is_met)
     }
 
     fn extent(&self, index: usize) -> Extent {
@@ -361,11 +424,16 @@ impl Outlines {
         let inside = inside.min(c.get(triangle).at(simd, dots));
         let closeness = self.closeness.get(triangle).at(simd, dots);
         let error = Singles::splat(simd, self.closeness_error.0[triangle]);
-        Claim {
+        let claim = Claim {
             maybe: inside.ge(Singles::splat(simd, -EDGE_GIVES_WAY)),
             surely: inside.gt(Singles::splat(simd, EDGE_GIVES_WAY)),
             least: closeness - error,
             most: closeness + error,
+        };
+        if self.cut >> triangle & 1 == 1 {
+            canvas.ahead(simd, claim)
+        } else {
+            claim
         }
     }
 }
@@ -385,6 +453,10 @@ pub(super) fn cast_plane<S: Simd>(
     verdict: impl Verdict,
 ) {
     if canvas.is_beside(point, normal) || verdict.are_all_on(who) {
+        return;
+    }
+    if let Shared::Direction(start) = canvas.shared {
+        parallel::cast_plane(simd, point, normal, start, who, canvas, verdict);
         return;
     }
     let to_point = point - canvas.origin;

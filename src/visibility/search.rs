@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use super::beam::{Beam, Stack};
 use super::bvh::Bounds;
-use super::canvas::{Canvas, Verdict};
+use super::canvas::Canvas;
 use super::nodes::{Members, Tree, blocks_of};
 use super::packet::{Nearest, Packet, Question, Shadow, descend};
+use super::verdict::Verdict;
 use crate::lanes::ones;
 use crate::math::DVec3;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
@@ -200,8 +201,7 @@ impl<T: Shape> Search<T> {
             }
         }
         if let Some(tree) = &self.tree {
-            let rectangle = canvas.rectangle();
-            let beam = Beam::from_point(tree, canvas.origin, canvas.axes, rectangle);
+            let beam = canvas.beam(tree);
             beam.descend(
                 simd,
                 tree,

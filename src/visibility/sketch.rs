@@ -131,7 +131,7 @@ pub(super) struct Sketch {
     middle: DVec3,
     /// No corner is further from the middle.
     size: f64,
-    over_size: f64,
+    pub(super) over_size: f64,
     /// How many triangles come before in the order of all: beside the middle, which is read in any case.
     pub(super) number: u32,
 }

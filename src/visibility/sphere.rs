@@ -4,10 +4,11 @@ use fearless_simd::Simd;
 
 use super::beam::Beam;
 use super::bvh::Bounds;
-use super::canvas::{Canvas, NEGLIGIBLE, Verdict, Who};
+use super::canvas::{Canvas, NEGLIGIBLE};
 use super::disc::{Discs, Spheres};
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
+use super::verdict::{Verdict, Who};
 use super::{Primitive, ROUNDING};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::{DVec3, Point};

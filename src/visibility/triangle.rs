@@ -11,11 +11,12 @@ use fearless_simd::Simd;
 
 use super::beam::Beam;
 use super::bvh::Bounds;
-use super::canvas::{Canvas, State, Verdict, Who};
+use super::canvas::{Canvas, State};
 use super::outline::Outlines;
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
 use super::sketch::Sketch;
+use super::verdict::{Verdict, Who};
 use super::{Primitive, ROUNDING};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::DVec3;
