@@ -16,6 +16,7 @@ mod builder;
 mod bvh;
 mod canvas;
 mod disc;
+mod facing;
 mod nodes;
 mod outline;
 mod packet;
@@ -33,8 +34,9 @@ mod tests;
 
 use fearless_simd::Simd;
 
+pub(crate) use facing::Facing;
 pub use surface::{BATCH, PACKETS, Points};
-pub(crate) use surface::{Column, Facing, columns};
+pub(crate) use surface::{Column, columns};
 use surface::{Known, Only};
 
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
