@@ -201,7 +201,7 @@ impl<T: Shape> Search<T> {
         }
         if let Some(tree) = &self.tree {
             let rectangle = canvas.rectangle();
-            let beam = Beam::from_point(tree, canvas.origin, canvas.axes, rectangle);
+            let beam = Beam::from_point(tree, canvas.origin, canvas.axes, rectangle, canvas.error);
             beam.descend(
                 simd,
                 tree,

@@ -159,3 +159,21 @@ fn rays_that_touch_a_sphere() {
         scene.agrees();
     }
 }
+
+/// Far from where the scene is relative to, a point of a sphere is so far off that the way to it passes beside.
+#[test]
+fn spheres_that_hide_what_is_beside_them() {
+    agrees(
+        "[camera.perspective]\n\
+         eye = [2.520171881976074, 0.9204047352870787, -2.6699483954553678]\n\
+         look_at = [5.063403578114252e10, 5.514789428797495e9, 2.5372383614007327e11]\n\
+         vertical_fov = 24.58436248611003\n\
+         [lights.a.point]\nintensity = 1\n\
+         position = [-34.22479650321694, -78.52531760858241, -159.89059644994106]\n\
+         [objects.ground.plane]\nmaterial = \"m\"\n\
+         point = [2.5369728686063775, 0.9223765649700554, -2.581257862275146]\n\
+         normal = [-0.9757259253836982, 5.458830455241365e-2, 0.2120826148938631]\n\
+         [objects.ball.sphere]\nmaterial = \"m\"\nradius = 2.9696605909858604\n\
+         center = [-0.36060195960880126, 1.0844853017280922, -1.9514444787916099]\n",
+    );
+}
