@@ -44,11 +44,12 @@ struct Side {
 
 impl Side {
     /// What is further along `normal` than `offset`, and somewhat more. In lengths of the frame, from the
-    /// middle of which rays start `distance` away at most.
+    /// middle of which rays start `distance` away at most; what is `error` beside them counts as met.
     #[inline(always)]
-    fn new(normal: DVec3, offset: f64, distance: f64) -> Self {
+    fn new(normal: DVec3, offset: f64, distance: f64, error: f64) -> Self {
         let size = normal.x.abs() + normal.y.abs() + normal.z.abs();
-        let room = (size * REACH + offset.abs()) * GIVES_WAY + size * distance * ROUNDING;
+        let rounding = distance * ROUNDING + error;
+        let room = (size * REACH + offset.abs()) * GIVES_WAY + size * rounding;
         let offset = offset - room;
         // Too far away to tell, and NaN: everything.
         let offset = if offset.abs() < FARTHEST {
@@ -103,17 +104,18 @@ pub(super) fn range<S: Simd>(simd: S, column: Lanes<S>, asked: Mask<S>) -> [f64;
 
 impl Beam {
     /// Rays from `origin` whose directions are x u + y v + w, or the like of it, with x and y in a
-    /// rectangle.
+    /// rectangle. What is `error` beside them counts as met: an end that is this far off may be on a sphere.
     #[inline(always)]
     pub(super) fn from_point(
         tree: &Tree,
         origin: DVec3,
         [u, v, w]: [DVec3; 3],
         [left, right, bottom, top]: [f64; 4],
+        error: f64,
     ) -> Self {
         let origin = (origin - tree.center) * tree.scale;
-        let distance = origin.length();
-        let side = |normal: DVec3| Side::new(normal, normal.dot(origin), distance);
+        let (distance, error) = (origin.length(), error * tree.scale);
+        let side = |normal: DVec3| Side::new(normal, normal.dot(origin), distance, error);
         Self {
             sides: [
                 side(u - w * left),
@@ -140,7 +142,7 @@ impl Beam {
         let distance = origin.length() + start.abs() + (right - left) + (top - bottom);
         let side = |normal: DVec3, offset: f64| {
             let offset = normal.dot(origin) + offset;
-            Side::new(normal, offset * tree.scale, distance * tree.scale)
+            Side::new(normal, offset * tree.scale, distance * tree.scale, 0.0)
         };
         Self {
             sides: [
@@ -156,7 +158,8 @@ impl Beam {
     }
 
     /// Rays that start at one point, and are much the same, or that have one direction, those with a bit
-    /// in `asked`; and the largest depth that is gained with t, of those.
+    /// in `asked`; and the largest depth that is gained with t, of those. What is `error` beside them counts
+    /// as met.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -164,6 +167,7 @@ impl Beam {
         rays: &Rays<S>,
         middle: DVec3,
         asked: u32,
+        error: f64,
     ) -> (Self, f64) {
         let asked = Mask::from_bits(simd, asked);
         let Some(w) = middle.try_normalize() else {
@@ -179,14 +183,15 @@ impl Beam {
             let [left, right] = range(simd, rays.direction.dot_with(u) / depth, asked);
             let [bottom, top] = range(simd, rays.direction.dot_with(v) / depth, asked);
             let rectangle = [left, right, bottom, top];
-            let beam = Self::from_point(tree, origin, [u, v, w], rectangle);
+            let beam = Self::from_point(tree, origin, [u, v, w], rectangle, error);
             return (beam, deepest);
         }
         let origin = rays.origin.minus(tree.center);
         let [_, distance] = range(simd, origin.taxicab(), asked);
         let side = |normal: DVec3| {
             let [least, _] = range(simd, origin.dot_with(normal), asked);
-            Side::new(normal, least * tree.scale, distance * tree.scale)
+            let (distance, error) = (distance * tree.scale, error * tree.scale);
+            Side::new(normal, least * tree.scale, distance, error)
         };
         let beam = Self {
             sides: [side(u), side(-u), side(v), side(-v)],
@@ -199,7 +204,7 @@ impl Beam {
 
     /// Any rays.
     fn everything(tree: &Tree) -> Self {
-        let side = Side::new(DVec3::ZERO, f64::NEG_INFINITY, 0.0);
+        let side = Side::new(DVec3::ZERO, f64::NEG_INFINITY, 0.0, 0.0);
         Self {
             sides: [side; 4],
             start: side,

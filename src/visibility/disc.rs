@@ -18,8 +18,9 @@ const SURELY: f32 = 1.0 / (1 << 13) as f32;
 /// By how much that root is off at most, √ of [`SURELY`] being 2⁻⁶·⁵: 2⁻²⁰ · 2⁶·⁵ / 2, and room.
 const ROOT_ERROR: f64 = 1.0 / (1 << 14) as f64;
 
-/// A sphere smaller than this many times the error of the points may have points of its own anywhere.
-const SMALLEST_RADIUS: f64 = 128.0;
+/// A sphere smaller than this many times the error of the points may be on the way to points that are on it as
+/// far as rounding tells, though none of their rays meets it: the room of its box is less than the error.
+const SMALLEST_RADIUS: f64 = 1.0 / NEGLIGIBLE;
 
 /// The squares of lengths in this range are far from the ends of f32.
 const SQUARES_FIT: Range<f64> = 1e-14..1e14;
@@ -195,7 +196,8 @@ impl Discs {
             // Twice the error: for the sums of this.
             let error = closeness_error + closeness_error;
             let sides = along[1].abs() * ex + along[2].abs() * ey + error;
-            let roots = [least.max(zero).sqrt(), most.max(zero).sqrt()];
+            // Where it is not sure that the sphere is met, the root is below that of 2 · SURELY.
+            let roots = [least.max(zero).sqrt(), most.max(surely).sqrt()];
             let least = along[0] - sides + roots[0] * root_scale;
             let most = along[0] + sides + roots[1] * root_scale;
             self.covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
@@ -214,7 +216,7 @@ impl Discs {
     }
 
     /// The largest closeness of a sphere within an aimed canvas.
-    pub(super) fn most(&self, index: usize) -> f32 {
+    pub(super) fn most_within(&self, index: usize) -> f32 {
         self.ranges[1].0[index]
     }
 

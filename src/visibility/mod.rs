@@ -498,11 +498,21 @@ impl<'w> Visibility<'w> {
             ..
         } = space;
         let mut lit = [0; PACKETS];
+        let mut facing = *facing;
+        // A canvas takes it that no sphere hides points of its own that are seen from outside and face the
+        // light. Those with a normal on the wrong side it does hide.
+        for (packet, bits) in facing.iter_mut().enumerate() {
+            let edge_on = *bits & points.edge_on[packet];
+            if edge_on != 0 {
+                *bits &= !edge_on;
+                lit[packet] = self.ask_reached(simd, light, points, packet, edge_on, stack);
+            }
+        }
         if facing.iter().all(|&bits| bits == 0) {
             return lit;
         }
         groups.clear();
-        groups.push(*facing);
+        groups.push(facing);
         // All points of the batch will often do.
         let [least, most] = points.bounds;
         let mut range =

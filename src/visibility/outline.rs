@@ -278,7 +278,7 @@ impl Outlines {
     }
 
     /// The largest closeness of a triangle within an aimed canvas.
-    pub(super) fn most(&self, index: usize) -> f32 {
+    pub(super) fn most_within(&self, index: usize) -> f32 {
         self.ranges[1].0[index]
     }
 
@@ -475,7 +475,9 @@ pub(super) fn cast_plane<S: Simd>(
     let sides = x.abs() * extent_x + y.abs() * extent_y + magnitude * (2.0 * f64::from(GIVES_WAY));
     let range = [(z - sides) as f32, (z + sides) as f32];
     let cover = (is_told && range[0] > 0.0).then_some(range);
-    let is_settled = verdict.settles(canvas, who, cover, f32::INFINITY);
+    let most = if is_told { range[1] } else { f32::INFINITY };
+    let is_behind = canvas.state == State::Aimed && most < 0.0;
+    let is_settled = is_behind || verdict.settles(canvas, who, cover, most);
     if is_settled || !verdict.is_ready(simd, canvas) {
         return;
     }

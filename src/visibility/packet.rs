@@ -128,6 +128,9 @@ pub(super) trait Question<S: Simd> {
     /// The largest t that is of interest to any of them.
     fn limit(&self, simd: S) -> f64;
 
+    /// How far the ends of their rays may be from where they should be.
+    fn error(&self, simd: S) -> f64;
+
     /// Asks one shape.
     fn ask<T: Shape>(&mut self, simd: S, packet: &Packet<S>, shape: &T);
 
@@ -145,6 +148,12 @@ impl<S: Simd> Question<S> for Nearest<S> {
     fn limit(&self, simd: S) -> f64 {
         let zero = Lanes::splat(simd, 0.0);
         self.asked.select(self.t, zero).largest()
+    }
+
+    #[inline(always)]
+    fn error(&self, _: S) -> f64 {
+        // They end on no shape yet.
+        0.0
     }
 
     #[inline(always)]
@@ -169,6 +178,12 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
     fn limit(&self, _: S) -> f64 {
         // A shadow ray ends at the point.
         1.0
+    }
+
+    #[inline(always)]
+    fn error(&self, simd: S) -> f64 {
+        let zero = Lanes::splat(simd, 0.0);
+        self.asked.select(self.points.error, zero).largest()
     }
 
     #[inline(always)]
@@ -256,8 +271,9 @@ pub(super) fn descend<S: Simd, Q: Question<S>>(
         let group = groups[waiting];
         let Spread { middle, parted } = Spread::of(simd, &packet.rays, group);
         if parted == 0 {
-            let (beam, pace) = Beam::of(simd, tree, &packet.rays, middle, group);
             question.only(simd, group);
+            let error = question.error(simd);
+            let (beam, pace) = Beam::of(simd, tree, &packet.rays, middle, group, error);
             beam.descend(
                 simd,
                 tree,

@@ -17,6 +17,10 @@ use crate::world::{Shape, World};
 /// Rays that are traced and shaded together.
 pub const BATCH: usize = 256;
 
+/// Where a ray touches a sphere, rounding may put the outward normal on the far side, and it is turned inwards.
+/// n·ω_o is then the error of the point over the radius, which is far below this for spheres that canvases tell.
+const EDGE_ON: f64 = 1.0 / 64.0;
+
 /// Packets of a batch.
 pub const PACKETS: usize = BATCH / LANES;
 
@@ -70,6 +74,9 @@ pub struct Points {
     pub(super) shading_normal: [Column; 3],
     /// n · ω_o
     pub(crate) cos_viewer: Column,
+    /// For each packet one bit for each point of a sphere that is seen so nearly edge-on that rounding may have
+    /// turned its normal to the wrong side.
+    pub(super) edge_on: [u32; PACKETS],
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
     /// What all of them are on.
@@ -96,6 +103,7 @@ impl Default for Points {
             is_smooth: false,
             shading_normal: [NONE; 3],
             cos_viewer: NONE,
+            edge_on: [0; PACKETS],
             primitive: [0; BATCH],
             only: Only::Nothing,
             largest_error: 0.0,
@@ -296,6 +304,9 @@ impl Points {
         };
         let is_turned = normal.dot(to_viewer).lt(Lanes::splat(simd, 0.0));
         let geometric = is_turned.select_vectors(-normal, normal);
+        let cos_viewer = geometric.dot(to_viewer);
+        let is_edge_on = is_turned & cos_viewer.lt(Lanes::splat(simd, EDGE_ON));
+        self.edge_on[packet] = is_edge_on.to_bits() & curved;
         let tangent = is_curved.select_vectors(position, tangent);
         // t comes from the way to the shape's own reference, and is rounded with it; then one rounding
         // for the product and one for the sum.
@@ -310,9 +321,7 @@ impl Points {
         if self.is_smooth {
             geometric.store(columns_mut(&mut self.shading_normal, packet));
         }
-        geometric
-            .dot(to_viewer)
-            .store(&mut self.cos_viewer[first_lane..]);
+        cos_viewer.store(&mut self.cos_viewer[first_lane..]);
     }
 
     /// n of L5 to L7: the interpolated normal of a smooth mesh, on the viewer's side of the surface; elsewhere

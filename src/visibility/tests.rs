@@ -6,6 +6,8 @@ use super::*;
 use crate::lanes::{Door, Kernel};
 use crate::scene::Scene;
 
+mod contacts;
+
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];
 

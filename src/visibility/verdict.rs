@@ -32,7 +32,7 @@ pub(super) trait Verdict: Copy {
     fn are_all_on(self, who: Who) -> bool;
 
     /// Takes note on a canvas that is only aimed of a shape that may be of interest: `cover` is between which
-    /// closenesses all rays surely meet it, if they do, and `most` its largest closeness in any case. Whether
+    /// closenesses all rays surely meet it, if they do, and `most` the largest at which any does. Whether
     /// no ray need be asked.
     fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, most: f32) -> bool;
 

@@ -89,7 +89,7 @@ impl Canvas {
     pub(in crate::visibility) fn beam(&self, tree: &Tree) -> Beam {
         let rectangle = self.rectangle();
         match self.shared {
-            Shared::Point => Beam::from_point(tree, self.origin, self.axes, rectangle),
+            Shared::Point => Beam::from_point(tree, self.origin, self.axes, rectangle, self.error),
             Shared::Direction(start) => {
                 let rectangle = rectangle.map(|side| side * self.unit);
                 Beam::along(tree, self.origin, self.axes, rectangle, start.depth)
