@@ -16,7 +16,8 @@ const ASKED_AGAIN: f64 = 0.01;
 
 /// Numbers without order from 0 to 1: multiples of irrational ones.
 fn scattered(index: u32, dimension: u32) -> f64 {
-    let step = f64::from(dimension * 2 + 3).sqrt();
+    // No number of this kind is a square.
+    let step = f64::from(dimension * 4 + 2).sqrt();
     ((f64::from(index) + 1.0) * step).fract()
 }
 
