@@ -281,6 +281,7 @@ impl<'w> Visibility<'w> {
             } else {
                 canvas.stretch_along(
                     simd,
+                    eye.0,
                     forward,
                     self.somewhere,
                     &asked,
