@@ -163,6 +163,7 @@ impl Samples<'_> {
             Projection::Orthographic { .. } => {
                 canvas.stretch_along(
                     simd,
+                    camera.eye().0,
                     camera.forward().get(),
                     somewhere,
                     asked,

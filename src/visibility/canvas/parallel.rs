@@ -9,7 +9,7 @@
 use fearless_simd::Simd;
 
 use super::{Canvas, NARROWEST, PACKETS, Shared, Start, State};
-use crate::lanes::{Singles, Vectors};
+use crate::lanes::{Lanes, Singles, Vectors};
 use crate::math::DVec3;
 use crate::visibility::beam::Beam;
 use crate::visibility::nodes::Tree;
@@ -24,11 +24,13 @@ const SMALLEST_UNIT: f64 = 1e-290;
 const START_GIVES_WAY: f64 = 1.0 / (1 << 23) as f64;
 
 impl Canvas {
-    /// Stretches the canvas across rays of one direction, those with a bit; `amid` is a point amid the shapes.
+    /// Stretches the canvas across rays of one direction, those with a bit, that start on the plane across it
+    /// through `eye`; `amid` is a point amid the shapes.
     #[inline(always)]
     pub(in crate::visibility) fn stretch_along<S: Simd>(
         &mut self,
         simd: S,
+        eye: DVec3,
         direction: DVec3,
         amid: DVec3,
         asked: &[u32; PACKETS],
@@ -45,8 +47,9 @@ impl Canvas {
         let Some([least, most]) = range else {
             return;
         };
+        // Rays that are not spread evenly have the middle of their box beside the plane that they start on.
         let middle = least * 0.5 + most * 0.5;
-        // No start is further from the middle than this.
+        let middle = middle + direction * direction.dot(eye - middle);
         let unit = (most - least).max_element();
         let depth = direction.dot(amid - middle);
         // As with tangents: from further away, f64 places shapes no better than the rays are apart.
@@ -56,23 +59,28 @@ impl Canvas {
             return;
         }
         self.unit = unit;
-        let (start_closeness, room) = (depth / unit, (depth.abs() / unit + 2.0) * START_GIVES_WAY);
+        let closeness = depth / unit;
+        // The rounding of coordinates moves a start along w as well.
+        let coordinates = least.abs().max(most.abs()).max_element() + eye.abs().max_element();
+        let room =
+            (closeness.abs() + 2.0) * START_GIVES_WAY + coordinates / unit * (16.0 * f64::EPSILON);
         self.shared = Shared::Direction(Start {
             depth: -depth,
-            closeness: [
-                (start_closeness - room) as f32,
-                (start_closeness + room) as f32,
-            ],
+            closeness: [(closeness - room) as f32, (closeness + room) as f32],
         });
-        // The same dots are those of rays from a point one unit behind the middle of the starts.
+        // The same dots are those of rays from a point one unit behind the starts, all in one plane.
         let [.., w] = self.axes;
-        let behind = w * -unit;
+        let one_unit = Lanes::splat(simd, unit);
         self.stretch_over(
             simd,
             1.0 / unit,
             asked,
             #[inline(always)]
-            |packet| start(packet).minus(middle).minus(behind),
+            |packet| {
+                let beside = start(packet).minus(middle);
+                let ahead = one_unit - beside.dot_with(w);
+                beside + Vectors::splat(simd, w).times(ahead)
+            },
         );
     }
 
