@@ -200,7 +200,7 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
 
 /// Rays whose directions differ by more than this part of their length do not share a beam: at a
 /// silhouette, points of the object and points far behind it would be enclosed in one.
-const MOST_SPREAD: f64 = 1.0 / 64.0;
+const MOST_BEAM_SPREAD: f64 = 1.0 / 64.0;
 
 /// How far apart some rays are.
 struct Spread {
@@ -229,7 +229,7 @@ impl Spread {
             length = f64::max(length, f64::max(most.abs(), least.abs()));
         }
         let mut parted = 0;
-        if width > length * MOST_SPREAD {
+        if width > length * MOST_BEAM_SPREAD {
             let [least, most] = directions[widest];
             let middle = Lanes::splat(simd, least * 0.5 + most * 0.5);
             parted = d.component(widest).lt(middle).to_bits() & bits;

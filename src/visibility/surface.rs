@@ -145,7 +145,7 @@ struct Source {
 pub(super) enum Only {
     Nothing,
     One(Primitive),
-    /// More than one primitive, or it is not known that it is one.
+    /// More than one primitive, or it is not known that it is one: no batch is settled by that.
     Many,
 }
 
