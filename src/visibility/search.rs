@@ -216,7 +216,10 @@ impl<T: Shape> Search<T> {
                         let slot = T::SLOTS | number as u32;
                         block.cast(simd, bits, slot, drawing, canvas, verdict);
                     }
-                    Some(canvas.look(simd))
+                    (!canvas.gives_up(simd)).then(
+                        #[inline(always)]
+                        || canvas.look(simd),
+                    )
                 },
             );
         }

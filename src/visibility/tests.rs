@@ -476,6 +476,16 @@ fn triangles_between_rays() {
     }
 }
 
+/// All of them before a few batches: their canvases give up.
+#[test]
+fn far_more_triangles_than_rays() {
+    let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE.map(|x| 8.0 * x));
+    scene.clutter(4000, 0, 0.003);
+    scene.lights();
+    let again = scene.agrees();
+    assert!(again > ASKED_AGAIN, "{again}");
+}
+
 /// Triangles that touch each other with corners, edges and faces, and lights on them.
 #[test]
 fn points_of_contact() {
