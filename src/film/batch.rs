@@ -125,11 +125,7 @@ impl Batch {
                 [first[slot], second[slot]] = sampler.sequence(sample);
             }
         }
-        let range = SampleRange {
-            samples: self.samples,
-            first: self.first,
-            len: self.len,
-        };
+        let range = self.range();
         for dimension in 0..2 {
             let pixels = &self.pixels;
             range.spread(&pixels.in_image[dimension], &mut self.corners[dimension]);

@@ -85,6 +85,22 @@ pub(super) struct Spheres<S: Simd> {
     pub(super) shows_outside: u32,
 }
 
+impl<S: Simd> Spheres<S> {
+    /// Centers in the axes of a canvas, and radii, both in its unit.
+    #[inline(always)]
+    fn before(&self, canvas: &Canvas) -> (Vectors<S>, Lanes<S>) {
+        let over_unit = 1.0 / canvas.unit;
+        let from_origin = self.center.minus(canvas.origin);
+        let [u, v, w] = canvas.axes.map(|axis| axis * over_unit);
+        let center = Vectors {
+            x: from_origin.dot_with(u),
+            y: from_origin.dot_with(v),
+            z: from_origin.dot_with(w),
+        };
+        (center, self.radius * over_unit)
+    }
+}
+
 impl Discs {
     /// The discs of the spheres with a bit. All is in units of the canvas's unit.
     #[inline(always)]
@@ -100,16 +116,8 @@ impl Discs {
             return;
         }
         self.cut = 0;
-        let over_unit = 1.0 / canvas.unit;
-        let from_origin = spheres.center.minus(canvas.origin);
-        let [u, v, w] = canvas.axes.map(|axis| axis * over_unit);
-        let center = Vectors {
-            x: from_origin.dot_with(u),
-            y: from_origin.dot_with(v),
-            z: from_origin.dot_with(w),
-        };
-        let radius = spheres.radius * over_unit;
-        let error = canvas.error * over_unit;
+        let (center, radius) = spheres.before(canvas);
+        let error = canvas.error / canvas.unit;
         let is_tiny = radius
             .le(Lanes::splat(simd, error * SMALLEST_RADIUS))
             .to_bits();

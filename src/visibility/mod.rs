@@ -556,7 +556,7 @@ impl<'w> Visibility<'w> {
                 }
             }
             let reached = Reached {
-                light: light.0,
+                light,
                 points,
                 asked: &group,
             };

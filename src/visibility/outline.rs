@@ -1,4 +1,4 @@
-//! The outlines of shapes on a [`Canvas`].
+//! The outlines of triangles and planes on a [`Canvas`].
 
 mod parallel;
 
@@ -146,15 +146,7 @@ impl Outlines {
         }
         self.cut = 0;
         let frame = Frame::new(canvas, sketch);
-        let middle = SingleVectors {
-            x: Singles::splat(simd, frame.middle[0]),
-            y: Singles::splat(simd, frame.middle[1]),
-            z: Singles::splat(simd, frame.middle[2]),
-        };
-        let a = SingleVectors::load(simd, &sketch.first).turned(simd, &canvas.turn);
-        let ab = SingleVectors::load(simd, &sketch.to_second).turned(simd, &canvas.turn);
-        let ac = SingleVectors::load(simd, &sketch.to_third).turned(simd, &canvas.turn);
-        let a = middle.plus(a);
+        let [a, ab, ac] = frame.ways(simd, canvas, sketch);
         let (b, c) = (a.plus(ab), a.plus(ac));
 
         // The box, where all corners are clearly before the canvas's origin.

@@ -227,6 +227,28 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    /// In the axes of the canvas the ways to the first corners, and from there to the others.
+    #[inline(always)]
+    pub(super) fn ways<S: Simd>(
+        &self,
+        simd: S,
+        canvas: &Canvas,
+        sketch: &Sketch,
+    ) -> [SingleVectors<S>; 3] {
+        let [x, y, z] = self.middle;
+        let middle = SingleVectors {
+            x: Singles::splat(simd, x),
+            y: Singles::splat(simd, y),
+            z: Singles::splat(simd, z),
+        };
+        let first = SingleVectors::load(simd, &sketch.first).turned(simd, &canvas.turn);
+        [
+            middle.plus(first),
+            SingleVectors::load(simd, &sketch.to_second).turned(simd, &canvas.turn),
+            SingleVectors::load(simd, &sketch.to_third).turned(simd, &canvas.turn),
+        ]
+    }
+
     #[inline(always)]
     pub(super) fn new(canvas: &Canvas, sketch: &Sketch) -> Self {
         let to_middle = sketch.middle - canvas.origin;

@@ -2,11 +2,11 @@
 
 use fearless_simd::Simd;
 
-use super::Primitive;
 use super::canvas::{Canvas, State};
-use super::surface::{Only, PACKETS, Points, columns};
-use crate::lanes::{Ids, LANES, SingleMask, Singles, Vectors, Words};
-use crate::math::DVec3;
+use super::surface::{Only, PACKETS, Points};
+use super::{Primitive, way};
+use crate::lanes::{Ids, LANES, SingleMask, Singles, Words};
+use crate::math::Point;
 
 /// Which shape it is.
 #[derive(Clone, Copy)]
@@ -26,6 +26,7 @@ pub(super) struct Claim<S: Simd> {
     pub(super) least: Singles<S>,
     pub(super) most: Singles<S>,
 }
+
 /// What is made of the claims.
 pub(super) trait Verdict: Copy {
     /// Whether all rays end on the shape.
@@ -57,7 +58,7 @@ pub(super) struct First;
 #[derive(Clone, Copy)]
 pub(super) struct Reached<'p> {
     /// Where the light is.
-    pub(super) light: DVec3,
+    pub(super) light: Point,
     pub(super) points: &'p Points,
     pub(super) asked: &'p [u32; PACKETS],
 }
@@ -70,12 +71,6 @@ impl Reached<'_> {
         SingleMask::from_bits(simd, on.eq(who.primitive.lanes(simd)).to_bits())
     }
 
-    /// From the light to the points of a packet.
-    #[inline(always)]
-    pub(super) fn way<S: Simd>(self, simd: S, packet: usize) -> Vectors<S> {
-        Vectors::load(simd, columns(&self.points.position, packet)).minus(self.light)
-    }
-
     /// Stretches a canvas before the light.
     #[inline(never)]
     pub(super) fn stretch<S: Simd>(self, simd: S, canvas: &mut Canvas) {
@@ -86,7 +81,7 @@ impl Reached<'_> {
                     simd,
                     self.asked,
                     #[inline(always)]
-                    |packet| self.way(simd, packet),
+                    |packet| way(simd, self.points, packet, self.light),
                 );
             },
         );

@@ -34,16 +34,8 @@ impl Discs {
         spheres: &Spheres<S>,
         bits: u32,
     ) {
-        let over_unit = 1.0 / canvas.unit;
-        let from_origin = spheres.center.minus(canvas.origin);
-        let [u, v, w] = canvas.axes.map(|axis| axis * over_unit);
-        let center = Vectors {
-            x: from_origin.dot_with(u),
-            y: from_origin.dot_with(v),
-            z: from_origin.dot_with(w),
-        };
-        let radius = spheres.radius * over_unit;
-        let from_start = start.depth * over_unit;
+        let (center, radius) = spheres.before(canvas);
+        let from_start = start.depth / canvas.unit;
         // At least how far away from the starts the center is, and how far all of it is off in f32.
         let distance = center.taxicab() + (from_start.abs() + 2.0);
         let room = (distance + radius) * f64::from(GIVES_WAY);

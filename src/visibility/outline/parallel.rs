@@ -72,15 +72,7 @@ impl Outlines {
     ) {
         let frame = Frame::parallel(canvas, sketch, start);
         let splat = |value: f32| Singles::splat(simd, value);
-        let middle = SingleVectors {
-            x: splat(frame.middle[0]),
-            y: splat(frame.middle[1]),
-            z: splat(frame.middle[2]),
-        };
-        let a = SingleVectors::load(simd, &sketch.first).turned(simd, &canvas.turn);
-        let ab = SingleVectors::load(simd, &sketch.to_second).turned(simd, &canvas.turn);
-        let ac = SingleVectors::load(simd, &sketch.to_third).turned(simd, &canvas.turn);
-        let a = middle.plus(a);
+        let [a, ab, ac] = frame.ways(simd, canvas, sketch);
         let (b, c) = (a.plus(ab), a.plus(ac));
 
         // The box, and how deep it reaches.
