@@ -219,12 +219,17 @@ impl Kernel for Compare<'_> {
                 };
                 self.ways[way].see(simd, samples, space, points);
             }
+            // A canvas that does not fit leaves all rays to the packets, one that is only aimed none.
             let again = |space: &Workspace, bits: &dyn Fn(usize) -> u32| -> u32 {
-                let again = |packet| (space.canvas.asked_again(packet) & bits(packet)).count_ones();
-                (0..PACKETS).map(again).sum()
+                let again = |packet| match space.canvas.state {
+                    State::Stretched => space.canvas.asked_again(packet) & bits(packet),
+                    State::Unfit => bits(packet),
+                    State::Aimed | State::Dark | State::Unclear => 0,
+                };
+                (0..PACKETS).map(|packet| again(packet).count_ones()).sum()
             };
             asked += BATCH as u32;
-            asked_again += again(&spaces[0], &|_| u32::MAX);
+            asked_again += again(&spaces[0], &|_| u32::from(u16::MAX));
             let [seen, expected] = &points;
             assert_eq!(seen.hit, expected.hit);
             for slot in (0..BATCH).filter(|&slot| expected.is_hit(slot)) {
