@@ -15,6 +15,7 @@ mod parallel;
 use fearless_simd::Simd;
 
 use super::bins::Bins;
+use super::extent::Extent;
 use super::longest;
 use super::surface::{BATCH, PACKETS};
 use super::verdict::Who;
@@ -164,23 +165,6 @@ pub(super) struct Cover {
     slot: u32,
     /// Between which closenesses.
     pub(super) range: [f32; 2],
-}
-
-/// The box of a shape on the canvas, and the largest closeness of any of its points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    pub(super) x: [f32; 2],
-    pub(super) y: [f32; 2],
-    pub(super) most: f32,
-}
-
-impl Extent {
-    /// Anywhere.
-    pub(super) const EVERYTHING: Self = Self {
-        x: [f32::NEG_INFINITY, f32::INFINITY],
-        y: [f32::NEG_INFINITY, f32::INFINITY],
-        most: f32::INFINITY,
-    };
 }
 
 impl Default for Canvas {

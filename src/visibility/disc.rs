@@ -6,7 +6,8 @@ use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::canvas::{CLOSENESS, Canvas, Extent, GIVES_WAY, NEGLIGIBLE, Row, Shared, State};
+use super::canvas::{CLOSENESS, Canvas, GIVES_WAY, NEGLIGIBLE, Row, Shared, State};
+use super::extent::Extents;
 use super::outline::NOISE;
 use super::verdict::{Claim, Verdict, Who};
 use crate::lanes::{LANES, Lanes, SingleMask, Singles, Vectors, ones};
@@ -40,18 +41,13 @@ pub(super) struct Discs {
     root_scale: Row,
     /// How far the closeness may be off.
     error: Row,
-    /// The least and the largest x and y, and the largest closeness.
-    boxes: [Row; 4],
-    most: Row,
+    pub(super) extents: Extents,
     /// One bit for each sphere that may be of interest to any ray.
     pub(super) of_interest: u32,
     /// One bit for each that cannot be told from f32.
     untold: u32,
     /// One bit for each whose own points may be in its shadow, as far as can be told.
     hides_own: u32,
-    /// One bit for each that all rays of a canvas that is aimed surely meet, and the range of its closeness.
-    covers: u32,
-    ranges: [Row; 2],
     /// One bit for each that may reach behind where parallel rays start.
     cut: u32,
 }
@@ -64,13 +60,10 @@ impl Default for Discs {
             along: [row; 3],
             root_scale: row,
             error: row,
-            boxes: [row; 4],
-            most: row,
+            extents: Extents::default(),
             of_interest: 0,
             untold: 0,
             hides_own: 0,
-            covers: 0,
-            ranges: [row; 2],
             cut: 0,
         }
     }
@@ -192,7 +185,7 @@ impl Discs {
         // Seen from outside, a sphere does not hide points of its own that face the light.
         let is_inside = power.lt(Lanes::splat(simd, 0.0)).to_bits();
         self.hides_own = self.untold | !(spheres.shows_outside | is_inside);
-        self.covers = 0;
+        self.extents.covers = 0;
         if canvas.state == State::Aimed {
             let [c, cx, cy, cxx, cxy, cyy] = coefficients;
             let zero = Singles::splat(simd, 0.0);
@@ -208,24 +201,12 @@ impl Discs {
             let roots = [least.max(zero).sqrt(), most.max(surely).sqrt()];
             let least = along[0] - sides + roots[0] * root_scale;
             let most = along[0] + sides + roots[1] * root_scale;
-            self.covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
-            least.store(&mut self.ranges[0].0);
-            let largest = Singles::load(simd, &self.most.0);
+            let covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
+            let largest = Singles::load(simd, &self.extents.most.0);
             let told = SingleMask::from_bits(simd, !self.untold & u32::from(u16::MAX));
-            told.select(most.min(largest), largest)
-                .store(&mut self.ranges[1].0);
+            let most = told.select(most.min(largest), largest);
+            self.extents.cover_with(covers, [least, most]);
         }
-    }
-
-    /// The range of the closeness of a sphere that all rays of an aimed canvas surely meet.
-    pub(super) fn cover(&self, index: usize) -> Option<[f32; 2]> {
-        let covers = self.covers >> index & 1 == 1;
-        covers.then(|| self.ranges.each_ref().map(|row| row.0[index]))
-    }
-
-    /// The largest closeness of a sphere within an aimed canvas.
-    pub(super) fn most_within(&self, index: usize) -> f32 {
-        self.ranges[1].0[index]
     }
 
     /// The boxes of spheres on the canvas: the planes through the origin and an axis that touch them (Mara &
@@ -257,6 +238,7 @@ impl Discs {
         let width = nearest * size;
         let over_width = in_nearest / size;
         let noise = (x.abs() + y.abs() + size) * in_nearest * Singles::splat(simd, NOISE);
+        let mut sides = [[infinite; 2]; 2];
         for (axis, across) in [x, y].into_iter().enumerate() {
             let root = radius * (across * across + width).sqrt();
             let middle = across * z;
@@ -264,27 +246,19 @@ impl Discs {
             let most = (middle + root) * over_width;
             let extent = Singles::splat(simd, canvas.extent[axis] as f32);
             let room = (least.abs().max(most.abs()) + extent) * give + noise;
-            let least = is_before.select(least - room, nowhere);
-            let most = is_before.select(most + room, infinite);
-            least.store(&mut self.boxes[2 * axis].0);
-            most.store(&mut self.boxes[2 * axis + 1].0);
+            sides[axis] = [
+                is_before.select(least - room, nowhere),
+                is_before.select(most + room, infinite),
+            ];
         }
         let most = is_before.select(in_nearest * (one + give), infinite);
-        most.store(&mut self.most.0);
+        let [[left, right], [bottom, top]] = sides;
+        self.extents.store([left, right, bottom, top], most);
     }
 
     /// Whether points of a sphere may be in its own shadow, as far as can be told.
     pub(super) fn hides_own(&self, index: usize) -> bool {
         self.hides_own >> index & 1 == 1
-    }
-
-    fn extent(&self, index: usize) -> Extent {
-        let [left, right, bottom, top] = &self.boxes;
-        Extent {
-            x: [left.0[index], right.0[index]],
-            y: [bottom.0[index], top.0[index]],
-            most: self.most.0[index],
-        }
     }
 
     /// Puts one sphere on the canvas.
@@ -297,7 +271,7 @@ impl Discs {
         canvas: &mut Canvas,
         verdict: impl Verdict,
     ) {
-        let packets = canvas.meets(simd, &self.extent(index));
+        let packets = canvas.meets(simd, &self.extents.get(index));
         let is_untold = self.untold >> index & 1 == 1;
         let hides_own = self.hides_own(index);
         let is_cut = self.cut >> index & 1 == 1;

@@ -16,6 +16,7 @@ mod builder;
 mod bvh;
 mod canvas;
 mod disc;
+mod extent;
 mod facing;
 mod nodes;
 mod outline;

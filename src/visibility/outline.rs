@@ -4,7 +4,8 @@ mod parallel;
 
 use fearless_simd::Simd;
 
-use super::canvas::{CLOSENESS, Canvas, Extent, GIVES_WAY, NEGLIGIBLE, Row, Shared, State};
+use super::canvas::{CLOSENESS, Canvas, GIVES_WAY, NEGLIGIBLE, Row, Shared, State};
+use super::extent::{Extent, Extents};
 use super::sketch::{Frame, ROUNDING, SingleVectors, Sketch};
 use super::surface::PACKETS;
 use super::verdict::{Claim, Verdict, Who};
@@ -83,19 +84,13 @@ pub(super) struct Outlines {
     closeness: Affines,
     /// How far the closeness may be off.
     closeness_error: Row,
-    /// The least and the largest x and y.
-    boxes: [Row; 4],
-    /// The largest closeness.
-    most: Row,
+    pub(super) extents: Extents,
     /// One bit for each packet that a triangle may be of interest to.
     packets: [u32; LANES],
     /// One bit for each triangle that may be of interest to any ray.
     pub(super) of_interest: u32,
     /// One bit for each that cannot be told from f32.
     untold: u32,
-    /// One bit for each that all rays of a canvas that is aimed surely meet, and the range of its closeness.
-    covers: u32,
-    ranges: [Row; 2],
     /// One bit for each that may reach behind where parallel rays start.
     cut: u32,
 }
@@ -107,13 +102,10 @@ impl Default for Outlines {
             edges: [Affines::NONE; 3],
             closeness: Affines::NONE,
             closeness_error: row,
-            boxes: [row; 4],
-            most: row,
+            extents: Extents::default(),
             packets: [0; LANES],
             of_interest: 0,
             untold: 0,
-            covers: 0,
-            ranges: [row; 2],
             cut: 0,
         }
     }
@@ -246,7 +238,7 @@ impl Outlines {
         let told = is_told.to_bits();
         self.untold = !told;
         self.of_interest &= is_met.to_bits() | self.untold;
-        self.covers = 0;
+        self.extents.covers = 0;
         if canvas.state == State::Aimed {
             let inside = Singles::splat(simd, 2.0 * EDGE_GIVES_WAY);
             let [edge_a, edge_b, edge_c] = &self.edges;
@@ -256,22 +248,10 @@ impl Outlines {
                 & edge_b.load(simd).smallest(extent).gt(inside)
                 & edge_c.load(simd).smallest(extent).gt(inside)
                 & least.gt(zero);
-            self.covers = covers.to_bits() & told;
-            least.store(&mut self.ranges[0].0);
             let largest = (closeness.largest(extent) + give).min(most);
-            is_told.select(largest, most).store(&mut self.ranges[1].0);
+            let range = [least, is_told.select(largest, most)];
+            self.extents.cover_with(covers.to_bits() & told, range);
         }
-    }
-
-    /// The range of the closeness of a triangle that all rays of an aimed canvas surely meet.
-    pub(super) fn cover(&self, index: usize) -> Option<[f32; 2]> {
-        let covers = self.covers >> index & 1 == 1;
-        covers.then(|| self.ranges.each_ref().map(|row| row.0[index]))
-    }
-
-    /// The largest closeness of a triangle within an aimed canvas.
-    pub(super) fn most_within(&self, index: usize) -> f32 {
-        self.ranges[1].0[index]
     }
 
     /// Keeps the boxes of triangles, and which of those with a bit hold any ray; whether there are such.
@@ -301,12 +281,7 @@ impl Outlines {
         } else {
             self.packets = [u32::MAX; LANES];
         }
-        let [left, right, bottom, top] = boxes;
-        left.store(&mut self.boxes[0].0);
-        right.store(&mut self.boxes[1].0);
-        bottom.store(&mut self.boxes[2].0);
-        top.store(&mut self.boxes[3].0);
-        most.store(&mut self.most.0);
+        self.extents.store(boxes, most);
         true
     }
 
@@ -353,15 +328,6 @@ impl Outlines {
         (are_told, is_met)
     }
 
-    fn extent(&self, index: usize) -> Extent {
-        let [left, right, bottom, top] = &self.boxes;
-        Extent {
-            x: [left.0[index], right.0[index]],
-            y: [bottom.0[index], top.0[index]],
-            most: self.most.0[index],
-        }
-    }
-
     /// Puts the triangles with a bit on the canvas; `who` says which they are.
     #[inline(always)]
     pub(super) fn cast<S: Simd>(
@@ -376,7 +342,7 @@ impl Outlines {
         // a branch on each would mostly be mispredicted. So first all pairs are told that may be of interest.
         let mut near = [0_u64; PAIRS / 64];
         for triangle in ones(triangles) {
-            let packets = canvas.meets(simd, &self.extent(triangle)) & self.packets[triangle];
+            let packets = canvas.meets(simd, &self.extents.get(triangle)) & self.packets[triangle];
             if self.untold >> triangle & 1 == 1 {
                 for packet in ones(packets) {
                     verdict.abstain(simd, canvas, packet, who(triangle));
@@ -475,21 +441,39 @@ pub(super) fn cast_plane<S: Simd>(
     }
     let closeness = Affine([z as f32, x as f32, y as f32]);
     let error = Singles::splat(simd, magnitude as f32 * GIVES_WAY);
+    let plane = is_told.then_some((closeness, error));
+    claim_everywhere(simd, plane, who, canvas, verdict);
+}
+
+/// Puts a plane on the canvas: its closeness and how far that may be off, `None` if it cannot be told.
+#[inline(always)]
+fn claim_everywhere<S: Simd>(
+    simd: S,
+    plane: Option<(Affine, Singles<S>)>,
+    who: Who,
+    canvas: &mut Canvas,
+    verdict: impl Verdict,
+) {
     let all = SingleMask::from_bits(simd, u32::from(u16::MAX));
     let packets = canvas.meets(simd, &Extent::EVERYTHING);
     for packet in ones(packets) {
-        if !is_told {
+        let Some((closeness, error)) = plane else {
             verdict.abstain(simd, canvas, packet, who);
             continue;
-        }
+        };
         let closeness = closeness.at(simd, canvas.dots(simd, packet));
-        let maybe = closeness.ge(Singles::splat(simd, 0.0) - error);
+        let maybe = match canvas.shared {
+            // Behind the point a plane is of negative closeness.
+            Shared::Point => closeness.ge(Singles::splat(simd, 0.0) - error),
+            Shared::Direction(_) => all,
+        };
         let claim = Claim {
             maybe,
             surely: all,
             least: closeness - error,
             most: closeness + error,
         };
+        let claim = canvas.ahead(simd, claim);
         verdict.hear(simd, canvas, packet, who, claim);
     }
 }

@@ -187,7 +187,7 @@ impl Block<Ball> for Balls {
                 primitive: Primitive::whole(self.object[place]),
             };
             let is_harmless = verdict.are_all_on(who) && !discs.hides_own(place);
-            let (cover, most) = (discs.cover(place), discs.most_within(place));
+            let (cover, most) = (discs.extents.cover(place), discs.extents.most_within(place));
             if !is_harmless
                 && !verdict.settles(canvas, who, cover, most)
                 && verdict.is_ready(simd, canvas)

@@ -274,7 +274,10 @@ impl Block<Facet> for Facets {
         let mut left = outlines.of_interest;
         if canvas.state != State::Stretched {
             for place in ones(outlines.of_interest) {
-                let (cover, most) = (outlines.cover(place), outlines.most_within(place));
+                let (cover, most) = (
+                    outlines.extents.cover(place),
+                    outlines.extents.most_within(place),
+                );
                 // A triangle does not hide its own points.
                 let is_settled = verdict.are_all_on(who(place))
                     || verdict.settles(canvas, who(place), cover, most)

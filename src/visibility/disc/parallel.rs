@@ -116,18 +116,20 @@ impl Discs {
         let radius = radius.narrowed(simd);
         let noise = distance.narrowed(simd) * Singles::splat(simd, NOISE);
         let across = [center.x.narrowed(simd), center.y.narrowed(simd)];
+        let mut sides = [[infinite; 2]; 2];
         for (axis, across) in across.into_iter().enumerate() {
             let extent = Singles::splat(simd, canvas.extent[axis] as f32);
             let room = (across.abs() + radius + extent) * give + noise;
-            let least = fits.select(across - radius - room, nowhere);
-            let most = fits.select(across + radius + room, infinite);
-            least.store(&mut self.boxes[2 * axis].0);
-            most.store(&mut self.boxes[2 * axis + 1].0);
+            sides[axis] = [
+                fits.select(across - radius - room, nowhere),
+                fits.select(across + radius + room, infinite),
+            ];
         }
         let depth = center.z.narrowed(simd);
         let room = (depth.abs() + radius) * give + noise;
         let most = fits.select(radius - depth + room, infinite);
-        most.store(&mut self.most.0);
+        let [[left, right], [bottom, top]] = sides;
+        self.extents.store([left, right, bottom, top], most);
         let [ahead, _] = start.closeness;
         self.cut = !Singles::splat(simd, ahead).gt(most).to_bits();
     }

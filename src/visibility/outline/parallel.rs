@@ -2,11 +2,14 @@
 
 use fearless_simd::Simd;
 
-use super::{Affine, FLATTEST, Frame, NOISE, Outlines, ROUNDING, SMALLEST, SingleVectors, Sketch};
-use crate::lanes::{SingleMask, Singles, ones};
+use super::{
+    Affine, FLATTEST, Frame, NOISE, Outlines, ROUNDING, SMALLEST, SingleVectors, Sketch,
+    claim_everywhere,
+};
+use crate::lanes::Singles;
 use crate::math::DVec3;
-use crate::visibility::canvas::{CLOSENESS, Canvas, Extent, GIVES_WAY, NEGLIGIBLE, Start};
-use crate::visibility::verdict::{Claim, Verdict, Who};
+use crate::visibility::canvas::{CLOSENESS, Canvas, GIVES_WAY, NEGLIGIBLE, Start};
+use crate::visibility::verdict::{Verdict, Who};
 
 /// The units of canvases, in sizes of sketches, that are far from the ends of f32.
 const UNITS_FIT: std::ops::Range<f64> = 1e-20..1e20;
@@ -211,21 +214,6 @@ pub(super) fn cast_plane<S: Simd>(
     let is_told = over_slope.abs() * NEGLIGIBLE < 1.0 && magnitude + error < CLOSENESS;
     let closeness = Affine([z as f32, x as f32, y as f32]);
     let error = Singles::splat(simd, error as f32);
-    let all = SingleMask::from_bits(simd, u32::from(u16::MAX));
-    let packets = canvas.meets(simd, &Extent::EVERYTHING);
-    for packet in ones(packets) {
-        if !is_told {
-            verdict.abstain(simd, canvas, packet, who);
-            continue;
-        }
-        let closeness = closeness.at(simd, canvas.dots(simd, packet));
-        let claim = Claim {
-            maybe: all,
-            surely: all,
-            least: closeness - error,
-            most: closeness + error,
-        };
-        let claim = canvas.ahead(simd, claim);
-        verdict.hear(simd, canvas, packet, who, claim);
-    }
+    let plane = is_told.then_some((closeness, error));
+    claim_everywhere(simd, plane, who, canvas, verdict);
 }
