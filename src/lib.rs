@@ -37,6 +37,7 @@
 //! | [`lanes`] | sixteen numbers side by side, on any instruction set |
 //! | [`color`] | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
 //! | [`output`] | files that appear whole or not at all |
+//! | [`printable`] | text from files and command lines as it may be shown on a terminal |
 //! | [`spectrum`] | functions of wavelength: the CIE's tables, curves, illuminants, smooth spectra of colors |
 //! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
 //! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the [`Plan`](world::Plan) |
@@ -120,6 +121,7 @@ pub mod lanes;
 pub mod math;
 pub mod oracle;
 pub mod output;
+pub mod printable;
 pub mod scene;
 pub mod shading;
 pub mod spectrum;

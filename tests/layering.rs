@@ -7,17 +7,26 @@ use std::path::{Path, PathBuf};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("units", &[]),
     ("math", &[]),
     ("lanes", &["math"]),
     ("color", &[]),
-    ("output", &[]),
+    ("printable", &[]),
+    ("output", &["printable"]),
     ("spectrum", &["units"]),
-    ("scene", &["units", "spectrum"]),
+    ("scene", &["units", "spectrum", "printable"]),
     (
         "world",
-        &["scene", "units", "math", "lanes", "color", "spectrum"],
+        &[
+            "scene",
+            "units",
+            "math",
+            "lanes",
+            "color",
+            "spectrum",
+            "printable",
+        ],
     ),
     ("visibility", &["world", "math", "lanes"]),
     (
@@ -36,9 +45,10 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "units",
             "color",
             "output",
+            "printable",
         ],
     ),
-    ("display", &["film", "color", "output"]),
+    ("display", &["film", "color", "output", "printable"]),
     ("oracle", &["scene", "spectrum"]),
 ];
 

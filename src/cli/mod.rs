@@ -2,6 +2,7 @@
 
 mod check;
 mod completions;
+mod develop;
 mod probe;
 mod render;
 mod tonemap;

@@ -5,7 +5,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use candela::display::{self, Alpha, Bits, Exposure, Settings, View};
+use super::develop::DevelopArguments;
+use candela::display::{self, Alpha, Bits, Exposure, Settings};
 use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
@@ -34,31 +35,8 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
     output: Option<PathBuf>,
 
-    /// Multiply the radiance by 2^EV; may be negative or a fraction
-    #[arg(
-        long,
-        value_name = "EV",
-        default_value_t = 0.0,
-        value_parser = finite,
-        allow_negative_numbers = true
-    )]
-    exposure: f64,
-
-    /// Choose the EV that brings the log-average luminance of what is lit to 18 % gray
-    #[arg(long, conflicts_with = "exposure")]
-    auto_exposure: bool,
-
-    /// How radiance beyond the screen's range is shown
-    ///
-    /// srgb: it clips, all below is as it is; reinhard: x / (1 + x) in each channel, nothing clips.
-    #[arg(
-        long,
-        value_name = "NAME",
-        default_value = View::default().name(),
-        value_parser = PossibleValuesParser::new(View::ALL.map(View::name))
-            .try_map(|name| name.parse::<View>())
-    )]
-    view: View,
+    #[command(flatten)]
+    development: DevelopArguments,
 
     /// Bits of each sample
     #[arg(
@@ -90,12 +68,8 @@ pub(crate) fn run(
     messages: &mut impl Write,
 ) -> Result<(), Failure> {
     let settings = Settings {
-        exposure: if arguments.auto_exposure {
-            Exposure::Auto
-        } else {
-            Exposure::Ev(arguments.exposure)
-        },
-        view: arguments.view,
+        exposure: arguments.development.exposure(),
+        view: arguments.development.view,
         bits: arguments.bits,
         alpha: arguments.alpha,
     };
@@ -112,7 +86,7 @@ pub(crate) fn run(
             arguments.input.display()
         );
     }
-    if arguments.auto_exposure {
+    if matches!(settings.exposure, Exposure::Auto) {
         let _ = writeln!(messages, "exposure: {:.3} EV", report.ev);
     }
     Ok(())
@@ -137,16 +111,10 @@ fn png_path() -> impl TypedValueParser<Value = PathBuf> {
     })
 }
 
-fn finite(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err("expected a finite number of EV, such as 1.5 or -2".to_string()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use candela::display::View;
     use clap::Parser;
 
     #[derive(Debug, Parser)]
@@ -163,9 +131,9 @@ mod tests {
     #[test]
     fn defaults() {
         let arguments = parse("a/b.c.exr").unwrap();
-        assert_eq!(arguments.exposure, 0.0);
+        assert_eq!(arguments.development.exposure(), Exposure::Ev(0.0));
         assert_eq!(
-            (arguments.view, arguments.bits, arguments.alpha),
+            (arguments.development.view, arguments.bits, arguments.alpha),
             (View::Srgb, Bits::Eight, Alpha::Auto)
         );
         assert_eq!(default_output(&arguments.input), Path::new("b.c.png"));
@@ -177,12 +145,13 @@ mod tests {
             parse("a.exr -o x.PNG --exposure -1.5 --view reinhard --bits 16 --alpha opaque")
                 .unwrap();
         assert_eq!(arguments.output.as_deref(), Some(Path::new("x.PNG")));
-        assert_eq!(arguments.exposure, -1.5);
+        assert_eq!(arguments.development.exposure(), Exposure::Ev(-1.5));
         assert_eq!(
-            (arguments.view, arguments.bits, arguments.alpha),
+            (arguments.development.view, arguments.bits, arguments.alpha),
             (View::Reinhard, Bits::Sixteen, Alpha::Opaque)
         );
-        assert!(parse("a.exr --auto-exposure").unwrap().auto_exposure);
+        let chosen = parse("a.exr --auto-exposure").unwrap();
+        assert_eq!(chosen.development.exposure(), Exposure::Auto);
     }
 
     #[test]

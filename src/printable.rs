@@ -1,0 +1,97 @@
+//! Text from files and command lines as it may be shown on a terminal.
+//!
+//! A name in a file may hold anything: escape sequences that steer the terminal, line ends that fake
+//! a message, characters that turn the direction of writing, or a megabyte of text. Whatever a message
+//! quotes goes through here.
+
+use std::path::Path;
+
+/// A text that is longer, in characters, loses its middle: both ends of a name or a path tell more.
+const LONGEST: usize = 240;
+
+/// `text` with escapes for all that does not print, such as `\u{1b}`, and without its middle where it
+/// is longer than 240 characters.
+pub fn printable(text: &str) -> String {
+    let count = text.chars().count();
+    if count <= LONGEST {
+        return text.chars().map(Escaped).map(String::from).collect();
+    }
+    let half = LONGEST / 2;
+    let start = text.chars().take(half);
+    let end = text.chars().skip(count - (LONGEST - half - 1));
+    let escaped = |characters: &mut dyn Iterator<Item = char>| -> String {
+        characters.map(Escaped).map(String::from).collect()
+    };
+    escaped(&mut { start }) + "…" + &escaped(&mut { end })
+}
+
+/// A file's name as [`printable`] text.
+pub fn printable_path(path: &Path) -> String {
+    printable(&path.to_string_lossy())
+}
+
+/// Bytes that should be UTF-8, as [`printable`] text; what is not becomes U+FFFD.
+pub fn printable_bytes(bytes: &[u8]) -> String {
+    printable(&String::from_utf8_lossy(bytes))
+}
+
+/// A character that is written as an escape where it would not print as itself.
+struct Escaped(char);
+
+impl From<Escaped> for String {
+    fn from(Escaped(character): Escaped) -> Self {
+        if steers(character) {
+            character.escape_default().collect()
+        } else {
+            character.into()
+        }
+    }
+}
+
+/// Whether a character moves the cursor, ends a line or changes the direction of writing.
+fn steers(character: char) -> bool {
+    character.is_control()
+        || matches!(
+            character,
+            // Line and paragraph separators, and the controls of bidirectional text (UAX #9).
+            '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+                // A byte order mark amid a text is invisible.
+                | '\u{feff}'
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_text_is_as_it_is() {
+        for text in [
+            "",
+            "light_key.R",
+            "Füll.光",
+            "a path/with spaces.exr",
+            &"x".repeat(240),
+        ] {
+            assert_eq!(printable(text), text);
+        }
+    }
+
+    #[test]
+    fn what_steers_a_terminal_is_escaped() {
+        assert_eq!(printable("a\u{1b}[31mb\u{7}\r\n"), r"a\u{1b}[31mb\u{7}\r\n");
+        assert_eq!(
+            printable("a\u{9b}b\u{202e}c\u{2028}"),
+            r"a\u{9b}b\u{202e}c\u{2028}"
+        );
+        assert_eq!(printable_bytes(b"a\xffb\x1b"), "a\u{fffd}b\\u{1b}");
+        assert_eq!(printable_path(Path::new("a\nb.exr")), r"a\nb.exr");
+    }
+
+    #[test]
+    fn long_text_loses_its_middle() {
+        let long = format!("{}{}", "a".repeat(100_000), "z".repeat(100_000));
+        let short = printable(&long);
+        assert_eq!(short, format!("{}…{}", "a".repeat(120), "z".repeat(119)));
+    }
+}
