@@ -59,6 +59,7 @@ pub(crate) fn inverse_root(x: f64) -> f64 {
 ///
 /// Tiny and huge vectors are scaled by their largest component first, so that they neither
 /// underflow nor overflow when they are squared.
+#[inline]
 fn unit(vector: DVec3) -> Option<DVec3> {
     let square = vector.length_squared();
     if SAFE_SQUARES.contains(&square) {
@@ -74,6 +75,7 @@ fn unit(vector: DVec3) -> Option<DVec3> {
 
 impl Direction {
     /// The direction of `vector`, or `None` where it has none (zero, infinite or NaN).
+    #[inline]
     pub fn new(vector: DVec3) -> Option<Self> {
         unit(vector).map(Self)
     }
@@ -86,6 +88,7 @@ impl Direction {
 
 impl Normal {
     /// The normal along `vector`, or `None` where it has no direction (zero, infinite or NaN).
+    #[inline]
     pub fn new(vector: DVec3) -> Option<Self> {
         unit(vector).map(Self)
     }
@@ -112,6 +115,19 @@ impl Ray {
     pub fn at(&self, t: f64) -> Point {
         Point(self.origin.0 + self.direction * t)
     }
+}
+
+/// `f` of each of two. What the standard library does for arrays of any length is mostly compiled apart from
+/// its caller, and so without the instructions of a kernel.
+#[inline(always)]
+pub fn both<T, U>([a, b]: [T; 2], f: impl Fn(T) -> U) -> [U; 2] {
+    [f(a), f(b)]
+}
+
+/// `f` of each of three, as [`both`].
+#[inline(always)]
+pub fn all_three<T, U>([a, b, c]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
+    [f(a), f(b), f(c)]
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use fearless_simd::Simd;
 use super::Window;
 use super::sampling::Sampler;
 use crate::lanes::{LANES, Words};
+use crate::math::both;
 use crate::visibility::{BATCH, Column, Samples};
 
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
@@ -128,8 +129,8 @@ impl Batch {
         let range = self.range();
         for dimension in 0..2 {
             let pixels = &self.pixels;
-            range.spread(&pixels.in_image[dimension], &mut self.corners[dimension]);
-            range.spread(&pixels.seeds[dimension], &mut self.seeds[dimension]);
+            range.spread(simd, &pixels.in_image[dimension], &mut self.corners[dimension]);
+            range.spread(simd, &pixels.seeds[dimension], &mut self.seeds[dimension]);
             for first in (0..self.len).step_by(LANES) {
                 let sequence = &self.sequence[dimension][first..];
                 let seeds = &self.seeds[dimension][first..];
@@ -149,7 +150,8 @@ impl Batch {
     /// Where in the image the samples are.
     pub(super) fn samples(&self) -> Samples<'_> {
         let pixels = self.range().pixel(0)..=self.range().last_pixel();
-        let window = self.pixels.in_image.each_ref().map(|places| {
+        let [x, y] = &self.pixels.in_image;
+        let window = both([x, y], |places| {
             let places = &places[pixels.clone()];
             let (least, most) = places.iter().fold((u32::MAX, 0), |(least, most), &place| {
                 (least.min(place), most.max(place))
@@ -157,7 +159,7 @@ impl Batch {
             [f64::from(least), f64::from(most) + 1.0]
         });
         Samples {
-            places: self.positions.each_ref(),
+            places: [&self.positions[0], &self.positions[1]],
             count: self.len,
             window,
         }
@@ -243,13 +245,17 @@ impl SampleRange {
 
     /// Gives each sample the number of its pixel.
     #[inline(always)]
-    fn spread(self, numbers: &PerPixel, column: &mut PerSample) {
+    fn spread<S: Simd>(self, simd: S, numbers: &PerPixel, column: &mut PerSample) {
         match self.whole_pixels() {
             Some((1, pixels)) => spread_over::<1>(&numbers[pixels], column),
             Some((2, pixels)) => spread_over::<2>(&numbers[pixels], column),
             Some((4, pixels)) => spread_over::<4>(&numbers[pixels], column),
             Some((8, pixels)) => spread_over::<8>(&numbers[pixels], column),
-            Some((16, pixels)) => spread_over::<16>(&numbers[pixels], column),
+            Some((LANES, pixels)) => {
+                for (place, &number) in numbers[pixels].iter().enumerate() {
+                    Words::splat(simd, number).store(&mut column[place * LANES..]);
+                }
+            }
             _ => {
                 for Run { pixel, slots } in self.runs() {
                     column[slots].fill(numbers[pixel]);
@@ -288,6 +294,21 @@ const Z_ORDER: [[u32; 2]; PIXELS] = {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Door, Kernel};
+
+    struct Spread<'n>(SampleRange, &'n PerPixel);
+
+    impl Kernel for Spread<'_> {
+        type Output = PerSample;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> PerSample {
+            let Self(range, numbers) = self;
+            let mut column = [0; BATCH];
+            range.spread(simd, numbers, &mut column);
+            column
+        }
+    }
 
     #[test]
     fn every_sample_has_its_pixel() {
@@ -302,8 +323,7 @@ mod tests {
                 if range.last_pixel() >= PIXELS {
                     continue;
                 }
-                let mut column = [0; BATCH];
-                range.spread(&numbers, &mut column);
+                let column = Door::default().run(Spread(range, &numbers));
                 let expected = |slot: usize| (first + slot) / samples;
                 for (slot, pixel) in range.pixels().enumerate() {
                     assert_eq!(pixel, expected(slot));

@@ -382,8 +382,8 @@ impl PixelSums {
 fn add_each<S: Simd, const N: usize>(simd: S, sums: &mut [f64], column: &Column) {
     for (first, sums) in (0..BATCH).step_by(N * LANES).zip(sums.chunks_mut(LANES)) {
         let mut rows = [Lanes::splat(simd, 0.0); N];
-        for (row, numbers) in rows.iter_mut().zip(column[first..].chunks(LANES)) {
-            *row = Lanes::load(simd, numbers);
+        for (place, row) in rows.iter_mut().enumerate() {
+            *row = Lanes::load(simd, &column[first + place * LANES..]);
         }
         let mut sum = Lanes::load(simd, sums);
         for row in every_nth(rows) {

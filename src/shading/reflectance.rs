@@ -32,6 +32,7 @@ pub(super) enum Shininess {
 }
 
 impl Gloss {
+    #[inline]
     pub(super) fn of(material: &Material) -> Self {
         if !material.is_specular() {
             return Self::None;

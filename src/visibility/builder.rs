@@ -13,6 +13,7 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::bvh::{Child, Member, Node, WIDTH};
+use crate::math::all_three;
 
 /// Bins along each axis.
 const BINS: usize = 16;
@@ -420,14 +421,14 @@ impl Grid {
         /// Below this, bins per length would not be finite.
         const SMALLEST: f32 = 1e-30;
         let size = centers.max - centers.min;
-        let density = size.to_array().map(|size| {
+        let density = |size| {
             if size > SMALLEST {
                 (bins - 1) as f32 / size
             } else {
                 0.0
             }
-        });
-        let density = Vec4::from_array(density).with_w(0.0);
+        };
+        let density = Vec4::new(density(size.x), density(size.y), density(size.z), 0.0);
         (density != Vec4::ZERO).then_some(Self {
             origin: centers.min,
             density,
@@ -440,7 +441,7 @@ impl Grid {
     fn bins(&self, item: &Item) -> [u32; 3] {
         let place = (item.center() - self.origin) * self.density + ROUNDS_TO_INTEGER;
         let [x, y, z, _] = place.to_array();
-        [x, y, z].map(|place| place.to_bits() & 0xff)
+        all_three([x, y, z], |place| place.to_bits() & 0xff)
     }
 }
 
@@ -520,6 +521,7 @@ impl<const N: usize> Bins<N> {
 
 impl Item {
     /// The box of shape number `index`.
+    #[inline]
     pub(super) fn new(min: Vec3, max: Vec3, index: u32) -> Self {
         const HALF: u32 = u32::BITS / 2;
         let (low, high) = (index & ((1 << HALF) - 1), index >> HALF);

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::builder::{self, Item};
 use super::search::Shape;
+use crate::math::all_three;
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -26,6 +27,7 @@ pub(super) struct Bounds {
 
 impl Bounds {
     /// The smallest box around two boxes.
+    #[inline]
     pub(super) fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
@@ -115,6 +117,7 @@ impl Bvh {
     }
 
     /// Into the frame in which the whole tree is about 1 across.
+    #[inline]
     pub(super) fn to_frame(&self, position: DVec3) -> DVec3 {
         (position - self.center) * self.scale
     }
@@ -153,18 +156,21 @@ impl Node {
     }
 
     /// The boxes that are there.
+    #[inline]
     pub(super) fn members(&self) -> &[Member] {
         &self.members[..usize::from(self.len)]
     }
 
     /// The boxes that are there.
+    #[inline]
     pub(super) fn members_mut(&mut self) -> &mut [Member] {
         &mut self.members[..usize::from(self.len)]
     }
 }
 
+#[inline]
 fn rounded_down(position: DVec3) -> Vec3 {
-    Vec3::from_array(position.to_array().map(|exact| {
+    Vec3::from_array(all_three(position.to_array(), |exact| {
         let near = exact as f32;
         if f64::from(near) > exact {
             near.next_down()
@@ -174,6 +180,7 @@ fn rounded_down(position: DVec3) -> Vec3 {
     }))
 }
 
+#[inline]
 fn rounded_up(position: DVec3) -> Vec3 {
     -rounded_down(-position)
 }

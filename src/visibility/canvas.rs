@@ -20,7 +20,7 @@ use super::longest;
 use super::surface::{BATCH, PACKETS};
 use super::verdict::Who;
 use crate::lanes::{LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
-use crate::math::DVec3;
+use crate::math::{DVec3, all_three, both};
 
 /// The bound on the error of an affine or quadratic function of x and y, over the sum of the magnitudes
 /// of its terms: the rounding of coefficients, of x and y, and of the operations to f32, 2⁻²⁴ each, at
@@ -213,13 +213,14 @@ impl Canvas {
 
     /// Aims a canvas that is turned to the ends of rays at all of the box around them, so that shapes that are
     /// not on the way there are told without any ray; whether it can.
+    #[inline]
     pub(super) fn aim(&mut self) -> bool {
         let Some([least, most]) = self.ends else {
             return false;
         };
         let [u, v, w] = self.axes;
         let half = most * 0.5 - least * 0.5;
-        let [x, y, z] = [u, v, w].map(|axis| axis.abs().dot(half));
+        let [x, y, z] = all_three([u, v, w], |axis| axis.abs().dot(half));
         let middle = w.dot(least * 0.5 + most * 0.5);
         let (shallowest, deepest) = (middle - z, middle + z);
         let over = 1.0 / shallowest;
@@ -245,7 +246,7 @@ impl Canvas {
         let mut bounds = NOWHERE;
         for direction in directions {
             let over_depth = 1.0 / direction.dot(w);
-            let dot = [u, v].map(|axis| (direction.dot(axis) * over_depth) as f32);
+            let dot = both([u, v], |axis| (direction.dot(axis) * over_depth) as f32);
             for axis in 0..2 {
                 bounds[2 * axis] = bounds[2 * axis].min(dot[axis]);
                 bounds[2 * axis + 1] = bounds[2 * axis + 1].max(dot[axis]);
@@ -283,6 +284,7 @@ impl Canvas {
     }
 
     /// Turns the canvas to a direction from its origin; whether that is one.
+    #[inline]
     fn turn_to(&mut self, origin: DVec3, direction: DVec3) -> bool {
         let Some(w) = direction.try_normalize() else {
             return false;
@@ -290,11 +292,12 @@ impl Canvas {
         let (u, v) = w.any_orthonormal_pair();
         self.shared = Shared::Point;
         (self.origin, self.axes) = (origin, [u, v, w]);
-        self.turn = self.axes.map(|axis| axis.as_vec3().to_array());
+        self.turn = all_three(self.axes, |axis| axis.as_vec3().to_array());
         true
     }
 
     /// Makes the largest |x| and |y| from the bounds; whether f32 will do for them.
+    #[inline]
     fn is_fit(&mut self) -> bool {
         let [left, right, bottom, top] = self.bounds;
         self.extent = [f64::from(right.max(-left)), f64::from(top.max(-bottom))];
@@ -411,6 +414,7 @@ impl Canvas {
     }
 
     /// Whether the origin and the ends of all rays are on one side of a plane, which is clear of them.
+    #[inline]
     pub(super) fn is_beside(&self, point: DVec3, normal: DVec3) -> bool {
         let Some([least, most]) = self.ends else {
             return false;
@@ -442,9 +446,10 @@ impl Canvas {
     }
 
     /// The rectangle around all rays, with what f32 takes away.
+    #[inline]
     pub(super) fn rectangle(&self) -> [f64; 4] {
         let [left, right, bottom, top] = self.bounds;
-        let [give_x, give_y] = self.extent.map(|extent| extent * f64::from(GIVES_WAY));
+        let [give_x, give_y] = both(self.extent, |extent| extent * f64::from(GIVES_WAY));
         [
             f64::from(left) - give_x,
             f64::from(right) + give_x,

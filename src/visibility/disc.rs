@@ -11,6 +11,7 @@ use super::extent::Extents;
 use super::outline::NOISE;
 use super::verdict::{Claim, Verdict, Who};
 use crate::lanes::{LANES, Lanes, SingleMask, Singles, Vectors, ones};
+use crate::math::{all_three, both};
 
 /// Where R²|d|² − |oc × d|², over the sum of the magnitudes of its terms, is above this, a ray surely
 /// meets a sphere, and the root of it is off by [`GIVES_WAY`] over twice the root of this at most.
@@ -84,7 +85,7 @@ impl<S: Simd> Spheres<S> {
     fn before(&self, canvas: &Canvas) -> (Vectors<S>, Lanes<S>) {
         let over_unit = 1.0 / canvas.unit;
         let from_origin = self.center.minus(canvas.origin);
-        let [u, v, w] = canvas.axes.map(|axis| axis * over_unit);
+        let [u, v, w] = all_three(canvas.axes, |axis| axis * over_unit);
         let center = Vectors {
             x: from_origin.dot_with(u),
             y: from_origin.dot_with(v),
@@ -163,9 +164,7 @@ impl Discs {
         for (row, coefficient) in self.along.iter_mut().zip(along) {
             coefficient.store(&mut row.0);
         }
-        let [ex, ey] = canvas
-            .extent
-            .map(|extent| Singles::splat(simd, extent as f32));
+        let [ex, ey] = both(canvas.extent, |extent| Singles::splat(simd, extent as f32));
         let along_size = along[0].abs() + along[1].abs() * ex + along[2].abs() * ey;
         let root_scale = magnitude.sqrt() * scale.abs();
         root_scale.store(&mut self.root_scale.0);

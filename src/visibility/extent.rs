@@ -80,7 +80,7 @@ impl Extents {
     /// The range of the closeness of a shape that all rays of an aimed canvas surely meet.
     pub(super) fn cover(&self, index: usize) -> Option<[f32; 2]> {
         let covers = self.covers >> index & 1 == 1;
-        covers.then(|| self.ranges.each_ref().map(|row| row.0[index]))
+        covers.then(|| [self.ranges[0].0[index], self.ranges[1].0[index]])
     }
 
     /// The largest closeness of a shape within an aimed canvas.

@@ -41,7 +41,7 @@ pub(crate) use surface::{Column, columns};
 use surface::{Known, Only};
 
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
-use crate::math::{DVec3, Point};
+use crate::math::{DVec3, Point, both};
 use crate::world::{Camera, Plan, Projection, World};
 use beam::{EMPTY_STACK, Stack};
 use canvas::{Canvas, State};
@@ -151,7 +151,7 @@ impl Samples<'_> {
     ) {
         match camera.projection() {
             Projection::Perspective { .. } => {
-                let [x, y] = self.places.map(|places| places[self.count / 2]);
+                let [x, y] = both(self.places, |places| places[self.count / 2]);
                 canvas.stretch_around(
                     simd,
                     camera.eye().0,
@@ -178,8 +178,13 @@ impl Samples<'_> {
     /// The directions of the primary rays around all of them.
     fn corners(&self, camera: &Camera) -> [DVec3; 4] {
         let [[left, right], [top, bottom]] = self.window;
-        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
-        corners.map(|[x, y]| camera.ray(x, y).direction)
+        let direction = |x, y| camera.ray(x, y).direction;
+        [
+            direction(left, top),
+            direction(right, top),
+            direction(left, bottom),
+            direction(right, bottom),
+        ]
     }
 }
 
@@ -322,7 +327,10 @@ impl<'w> Visibility<'w> {
         } = space;
         let (eye, forward) = (camera.eye(), camera.forward().get());
         let is_perspective = matches!(camera.projection(), Projection::Perspective { .. });
-        let asked: [u32; PACKETS] = std::array::from_fn(|packet| first_lanes(count, packet));
+        let mut asked = [0; PACKETS];
+        for (packet, bits) in asked.iter_mut().enumerate() {
+            *bits = first_lanes(count, packet);
+        }
         let has_canvas = self.uses_canvas && {
             let distance = (self.somewhere - eye.0).length();
             canvas.unit = if distance > 0.0 { distance } else { 1.0 };
@@ -550,7 +558,10 @@ impl<'w> Visibility<'w> {
                 }
                 // Neither part is empty, unless rounding makes it so.
                 if lower != group && lower != [0; PACKETS] {
-                    let upper = std::array::from_fn(|packet| group[packet] & !lower[packet]);
+                    let mut upper = group;
+                    for (upper, lower) in upper.iter_mut().zip(lower) {
+                        *upper &= !lower;
+                    }
                     groups.push(lower);
                     groups.push(upper);
                     continue;

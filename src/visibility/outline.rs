@@ -10,7 +10,7 @@ use super::sketch::{Frame, ROUNDING, SingleVectors, Sketch};
 use super::surface::PACKETS;
 use super::verdict::{Claim, Verdict, Who};
 use crate::lanes::{LANES, SingleMask, Singles, Vectors, ones};
-use crate::math::DVec3;
+use crate::math::{DVec3, both};
 
 /// A function c₀ + c₁ x + c₂ y on the canvas.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +145,7 @@ impl Outlines {
         let one = Singles::splat(simd, 1.0);
         let zero = Singles::splat(simd, 0.0);
         let infinite = Singles::splat(simd, f32::INFINITY);
-        let [extent_x, extent_y] = canvas.extent.map(|extent| extent as f32);
+        let [extent_x, extent_y] = both(canvas.extent, |extent| extent as f32);
         let ab_size = ab.size(simd);
         let ac_size = ac.size(simd);
         let nearest = a.z.min(b.z).min(c.z);

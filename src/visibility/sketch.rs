@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 
 use super::canvas::{Canvas, NEGLIGIBLE, Row};
 use crate::lanes::{LANES, Singles, Vectors};
-use crate::math::DVec3;
+use crate::math::{DVec3, all_three, both};
 
 /// One rounding to f32.
 pub(super) const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
@@ -253,11 +253,9 @@ impl Frame {
     pub(super) fn new(canvas: &Canvas, sketch: &Sketch) -> Self {
         let to_middle = sketch.middle - canvas.origin;
         let over_size = sketch.over_size;
-        let middle = canvas
-            .axes
-            .map(|axis| (axis.dot(to_middle) * over_size) as f32);
-        let [x, y, z] = middle.map(f32::abs);
-        let [extent_x, extent_y] = canvas.extent.map(|extent| extent as f32);
+        let middle = all_three(canvas.axes, |axis| (axis.dot(to_middle) * over_size) as f32);
+        let [x, y, z] = all_three(middle, f32::abs);
+        let [extent_x, extent_y] = both(canvas.extent, |extent| extent as f32);
         // The terms of an edge function, where the coordinates of a point are of these sizes.
         let terms = |x: f32, y: f32, z: f32| (y + z) * extent_x + (z + x) * extent_y + (x + y);
         let (middle_terms, one_terms) = (terms(x, y, z), terms(1.0, 1.0, 1.0));

@@ -8,7 +8,7 @@ use super::surface::{columns, columns_mut, unit};
 use super::triangle::edge;
 use super::{Points, Primitive};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
-use crate::math::{DVec3, Normal};
+use crate::math::{DVec3, Normal, all_three};
 use crate::world::geometry::MeshNormals;
 use crate::world::{Shape, World};
 
@@ -47,7 +47,7 @@ impl Points {
             simd,
             smooth.bits,
             #[inline(always)]
-            |lane| smooth.normals(lane).map(Normal::get),
+            |lane| all_three(smooth.normals(lane), Normal::get),
         );
         let geometric = Vectors::load(simd, columns(&self.geometric_normal, packet));
         let normal = between(simd, smooth.bits, corners, normals, rays, geometric);

@@ -11,7 +11,7 @@ use super::search::{Block, Shape};
 use super::verdict::{Verdict, Who};
 use super::{Primitive, ROUNDING};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
-use crate::math::{DVec3, Point};
+use crate::math::{DVec3, Point, all_three};
 use crate::world::{Camera, Projection, Sphere};
 
 /// A sphere with its index in the world.
@@ -155,7 +155,7 @@ impl Block<Ball> for Balls {
     #[inline(always)]
     fn get(&self, _: &[Ball], place: usize) -> Ball {
         Ball {
-            center: self.center.map(|column| column[place]).into(),
+            center: all_three(self.center, |column| column[place]).into(),
             radius: self.radius[place],
             object: self.object[place],
             shows_outside: self.shows_outside >> place & 1 == 1,
@@ -221,6 +221,7 @@ impl Shape for Ball {
         }
     }
 
+    #[inline]
     fn is_beside(&self, _: &Canvas) -> bool {
         false
     }

@@ -10,7 +10,7 @@ use super::search::Search;
 use super::triangle::{self, Facet, Lie};
 use super::{PLANES, Primitive, ROUNDING, SPHERES, Visibility, outline, plane, ranges};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
-use crate::math::{DVec3, Direction, SAFE_SQUARES};
+use crate::math::{DVec3, Direction, SAFE_SQUARES, all_three};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 use crate::world::{Shape, World};
 
@@ -269,8 +269,7 @@ impl Points {
         } else {
             self.only = Only::Many;
             let mut sources = Sources::new(nearest);
-            sources.ask_triangles(simd, visibility, rays, slots, found & met);
-            sources.ask_others(simd, visibility, rays, slots, found & met);
+            sources.ask(simd, visibility, rays, slots, found & met);
             sources.take(world, asked);
             let lanes = first_lane..first_lane + LANES;
             self.primitive[lanes.clone()].copy_from_slice(&sources.primitive);
@@ -380,8 +379,16 @@ pub(super) struct Shown<S: Simd> {
 }
 
 impl<S: Simd> Shown<S> {
-    #[inline(always)]
+    #[inline(never)]
     fn new(simd: S, visibility: &Visibility<'_>, slot: u32, rays: &Rays<S>) -> Self {
+        simd.vectorize(
+            #[inline(always)]
+            || Self::at(simd, visibility, slot, rays),
+        )
+    }
+
+    #[inline(always)]
+    fn at(simd: S, visibility: &Visibility<'_>, slot: u32, rays: &Rays<S>) -> Self {
         let mut lie = None;
         let primitive = if slot >= PLANES {
             let plane = &visibility.world.planes()[(slot - PLANES) as usize];
@@ -435,7 +442,7 @@ fn below<S: Simd>(simd: S, slots: &[u32], end: u32) -> u32 {
 }
 
 /// Where some rays meet triangles, each its own: t, the unit normal, and a corner.
-#[inline(always)]
+#[inline(never)]
 fn meet_triangles<S: Simd>(
     simd: S,
     triangles: &Search<Facet>,
@@ -443,18 +450,23 @@ fn meet_triangles<S: Simd>(
     slots: &[u32],
     bits: u32,
 ) -> (Lanes<S>, Vectors<S>, Vectors<S>) {
-    let corners = outline::side_by_side(
-        simd,
-        bits,
+    simd.vectorize(
         #[inline(always)]
-        |lane| triangles.get(slots[lane]).vertices(),
-    );
-    let lie = Lie::new(corners, rays.origin);
-    let (_, t) = triangle::met(&lie, rays, Mask::from_bits(simd, bits));
-    let [a, ..] = corners;
-    let square = lie.normal.dot(lie.normal);
-    let inverse = square.inverse_root(simd);
-    (t, unit(simd, lie.normal, square, inverse, bits), a)
+        || {
+            let corners = outline::side_by_side(
+                simd,
+                bits,
+                #[inline(always)]
+                |lane| triangles.get(slots[lane]).vertices(),
+            );
+            let lie = Lie::new(corners, rays.origin);
+            let (_, t) = triangle::met(&lie, rays, Mask::from_bits(simd, bits));
+            let [a, ..] = corners;
+            let square = lie.normal.dot(lie.normal);
+            let inverse = square.inverse_root(simd);
+            (t, unit(simd, lie.normal, square, inverse, bits), a)
+        },
+    )
 }
 
 /// What the primitives of a packet's rays say about the points, ray by ray.
@@ -504,6 +516,25 @@ impl Sources {
         self.material[lane] = source.material;
     }
 
+    /// Where the rays that surely meet shapes do so, each its own.
+    #[inline(never)]
+    fn ask<S: Simd>(
+        &mut self,
+        simd: S,
+        visibility: &Visibility<'_>,
+        rays: &Rays<S>,
+        slots: &[u32],
+        met: u32,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                self.ask_triangles(simd, visibility, rays, slots, met);
+                self.ask_others(simd, visibility, rays, slots, met);
+            },
+        );
+    }
+
     /// Where the rays that meet triangles do so, each its own.
     #[inline(always)]
     fn ask_triangles<S: Simd>(
@@ -533,7 +564,7 @@ impl Sources {
             self.put(
                 lane,
                 Source {
-                    reference: DVec3::from_array(normal.map(|column| column[lane])),
+                    reference: DVec3::from_array(all_three(normal, |column| column[lane])),
                     tangent: facet.vertices()[0],
                     is_curved: false,
                     material: visibility.world.objects()[object as usize].material as u32,
@@ -572,6 +603,7 @@ impl Sources {
     }
 }
 
+#[inline]
 fn source(world: &World, primitive: Primitive) -> Source {
     let (object, triangle) = primitive.parts();
     let object = &world.objects()[object as usize];

@@ -212,6 +212,7 @@ impl Facet {
         self.primitive
     }
 
+    #[inline]
     pub(super) fn new(primitive: Primitive, vertices: [DVec3; 3]) -> Self {
         Self {
             vertices: from_shorter_edges(vertices),
@@ -326,6 +327,7 @@ impl Shape for Facet {
         nearest.offer(simd, passes & is_met, t, self.primitive);
     }
 
+    #[inline]
     fn is_beside(&self, canvas: &Canvas) -> bool {
         canvas.is_beside(self.vertices[0], area_vector(self.vertices))
     }

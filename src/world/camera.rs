@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use crate::lanes::{Lanes, Vectors};
-use crate::math::{DVec3, Direction, Point, Ray};
+use crate::math::{DVec3, Direction, Point, Ray, both};
 
 /// A camera that looks somewhere.
 ///
@@ -75,13 +75,14 @@ impl Camera {
     /// Image space (pixels, (0, 0) the top left corner of the image) to the image plane, with the
     /// image's vertical extent from −1 to 1, y up.
     fn image_plane(&self, x: f64, y: f64) -> [f64; 2] {
-        let [width, height] = self.resolution.map(f64::from);
+        let [width, height] = both(self.resolution, f64::from);
         let pixel = 2.0 / height;
         [(x - width * 0.5) * pixel, (height * 0.5 - y) * pixel]
     }
 
     /// The primary ray through the point (x, y) of the image, in pixels. Its direction is not of
     /// unit length: with a perspective camera, t is the distance along the view axis.
+    #[inline]
     pub fn ray(&self, x: f64, y: f64) -> Ray {
         let [x, y] = self.image_plane(x, y);
         let across = |half: f64| self.right.get() * (x * half) + self.up.get() * (y * half);
@@ -101,7 +102,7 @@ impl Camera {
     /// direction of a perspective camera, the origin of an orthographic one.
     #[inline(always)]
     pub(crate) fn varying<S: Simd>(&self, simd: S, x: Lanes<S>, y: Lanes<S>) -> Vectors<S> {
-        let [width, height] = self.resolution.map(f64::from);
+        let [width, height] = both(self.resolution, f64::from);
         let pixel = 2.0 / height;
         let x = (x - width * 0.5) * pixel;
         let y = (Lanes::splat(simd, height * 0.5) - y) * pixel;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::math::{DVec3, Normal, Point};
+use crate::math::{DVec3, Normal, Point, all_three};
 use crate::scene::mesh::MeshRemarks;
 
 /// ‖p − c‖ = R. Range: R above 0.
@@ -64,8 +64,9 @@ pub struct MeshNormals {
 
 /// The same triangle, its corner between the two shorter edges first. The cross product of two
 /// long and nearly parallel edges would lose the short one's digits.
+#[inline]
 pub(crate) fn from_shorter_edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
-    let [ab, bc, ca] = [b - a, c - b, a - c].map(DVec3::length_squared);
+    let [ab, bc, ca] = all_three([b - a, c - b, a - c], DVec3::length_squared);
     if bc >= ab && bc >= ca {
         [a, b, c]
     } else if ca >= ab {
@@ -77,12 +78,14 @@ pub(crate) fn from_shorter_edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
 
 /// Normal times twice the area of a triangle that starts at the corner
 /// [between its shorter edges](from_shorter_edges).
+#[inline]
 pub(crate) fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
 /// The normal of a triangle, on the side from which its corners are counter-clockwise; `None`
 /// where it has no area.
+#[inline]
 pub(crate) fn triangle_normal(vertices: [DVec3; 3]) -> Option<Normal> {
     Normal::new(area_vector(from_shorter_edges(vertices)))
 }
@@ -104,11 +107,15 @@ impl Triangles {
     }
 
     /// The corners of a triangle.
+    #[inline]
     pub fn vertices(&self, triangle: u32) -> [DVec3; 3] {
-        self.corners[triangle as usize].map(|vertex| self.positions[vertex as usize])
+        all_three(self.corners[triangle as usize], |vertex| {
+            self.positions[vertex as usize]
+        })
     }
 
     /// The mesh that a triangle belongs to.
+    #[inline]
     pub fn mesh(&self, triangle: u32) -> &Mesh {
         let after = self
             .meshes
@@ -133,7 +140,10 @@ impl Triangles {
 
 impl MeshNormals {
     /// The normals at the corners of the mesh's triangle with this index, counted from its first.
+    #[inline]
     pub fn at(&self, triangle: u32) -> [Normal; 3] {
-        self.corners[triangle as usize].map(|corner| self.vectors[corner as usize])
+        all_three(self.corners[triangle as usize], |corner| {
+            self.vectors[corner as usize]
+        })
     }
 }

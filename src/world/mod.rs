@@ -221,6 +221,7 @@ impl World {
 
     /// I · k of both lobes of every material, in the order of [`World::materials`], as lit by
     /// one light. Zero for materials that no object has, where light is carried spectrally.
+    #[inline]
     pub fn transport(&self, light: usize) -> &[Lobes<ReflectedIntensity>] {
         let materials = self.materials.len();
         &self.transport[light * materials..(light + 1) * materials]

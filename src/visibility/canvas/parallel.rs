@@ -10,7 +10,7 @@ use fearless_simd::Simd;
 
 use super::{Canvas, NARROWEST, PACKETS, Shared, Start, State};
 use crate::lanes::{Lanes, Singles, Vectors};
-use crate::math::DVec3;
+use crate::math::{DVec3, both};
 use crate::visibility::beam::Beam;
 use crate::visibility::nodes::Tree;
 use crate::visibility::ranges;
@@ -99,7 +99,12 @@ impl Canvas {
         match self.shared {
             Shared::Point => Beam::from_point(tree, self.origin, self.axes, rectangle, self.error),
             Shared::Direction(start) => {
-                let rectangle = rectangle.map(|side| side * self.unit);
+                let rectangle = [
+                    rectangle[0] * self.unit,
+                    rectangle[1] * self.unit,
+                    rectangle[2] * self.unit,
+                    rectangle[3] * self.unit,
+                ];
                 Beam::along(tree, self.origin, self.axes, rectangle, start.depth)
             }
         }
@@ -111,7 +116,7 @@ impl Canvas {
         let Shared::Direction(Start { closeness, .. }) = self.shared else {
             return claim;
         };
-        let [ahead, behind] = closeness.map(|closeness| Singles::splat(simd, closeness));
+        let [ahead, behind] = both(closeness, |closeness| Singles::splat(simd, closeness));
         Claim {
             maybe: claim.maybe & claim.least.le(behind),
             surely: claim.surely & ahead.gt(claim.most),
@@ -133,7 +138,7 @@ impl Canvas {
         let Shared::Direction(Start { closeness, .. }) = self.shared else {
             return claim;
         };
-        let [ahead, behind] = closeness.map(|closeness| Singles::splat(simd, closeness));
+        let [ahead, behind] = both(closeness, |closeness| Singles::splat(simd, closeness));
         let (least, most) = (second - error, second + error);
         let is_first = claim.surely & ahead.gt(claim.most);
         let is_second = claim.surely & claim.least.gt(behind) & ahead.gt(most);

@@ -7,7 +7,7 @@ use super::{
     claim_everywhere,
 };
 use crate::lanes::Singles;
-use crate::math::DVec3;
+use crate::math::{DVec3, all_three, both};
 use crate::visibility::canvas::{CLOSENESS, Canvas, GIVES_WAY, NEGLIGIBLE, Start};
 use crate::visibility::verdict::{Verdict, Who};
 
@@ -19,7 +19,7 @@ impl Frame {
     #[inline(always)]
     fn parallel(canvas: &Canvas, sketch: &Sketch, start: Start) -> Self {
         let frame = Self::new(canvas, sketch);
-        let [x, y, _] = frame.middle.map(f32::abs);
+        let [x, y, _] = all_three(frame.middle, f32::abs);
         let [extent_x, extent_y] = canvas.extent;
         // The terms of an edge function: what a dot adds, and where x and y of a corner are of these sizes.
         let dots = ((extent_x + extent_y) * frame.closeness) as f32;
@@ -81,7 +81,7 @@ impl Outlines {
         // The box, and how deep it reaches.
         let (zero, one) = (splat(0.0), splat(1.0));
         let infinite = splat(f32::INFINITY);
-        let [extent_x, extent_y] = canvas.extent.map(|extent| extent as f32);
+        let [extent_x, extent_y] = both(canvas.extent, |extent| extent as f32);
         let (ab_size, ac_size) = (ab.size(simd), ac.size(simd));
         let smallest = if UNITS_FIT.contains(&frame.closeness) {
             frame.distance * SMALLEST
@@ -117,7 +117,7 @@ impl Outlines {
         let most = has_size.select(most, infinite);
         let least = least - least.abs().times_plus(give, room_z);
         let least = has_size.select(least, zero - infinite);
-        let [ahead, behind] = start.closeness.map(splat);
+        let [ahead, behind] = both(start.closeness, splat);
         self.cut = !ahead.gt(most).to_bits();
         let meets = canvas.is_of_interest(simd, [left, right, bottom, top], most);
         let of_interest = (meets & least.le(behind)).to_bits() & bits;
@@ -133,7 +133,8 @@ impl Outlines {
         let sign = normal.z.gt(zero).select(one, zero - one);
         let extent = [splat(extent_x), splat(extent_y)];
         let unit = splat(frame.closeness as f32);
-        let corners = [a, b].map(
+        let corners = both(
+            [a, b],
             #[inline(always)]
             |corner| SingleVectors { z: unit, ..corner },
         );

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::{LARGEST, Reported, Validator, listed};
-use crate::math::Normal;
+use crate::math::{Normal, all_three};
 use crate::scene::mesh::MeshRemarks;
 use crate::scene::{self, MeshFile, Problem, Span, Spanned};
 use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
@@ -174,7 +174,7 @@ impl Validator<'_> {
         }
 
         let has_area = |corners: &[u32; 3]| {
-            triangle_normal(corners.map(|corner| placed[corner as usize])).is_some()
+            triangle_normal(all_three(*corners, |corner| placed[corner as usize])).is_some()
         };
         let has_area: Vec<bool> = file.triangles.par_iter().map(has_area).collect();
         let count = has_area.iter().filter(|&&has_area| has_area).count();
@@ -188,7 +188,9 @@ impl Validator<'_> {
             let with_area = corners.iter().zip(&has_area);
             let with_area = with_area.filter(|&(_, &has_area)| has_area);
             kept.reserve(count);
-            kept.extend(with_area.map(|(corners, _)| corners.map(|corner| corner + offset)));
+            kept.extend(
+                with_area.map(|(corners, _)| all_three(*corners, |corner| corner + offset)),
+            );
         };
         keep(&mut triangles.corners, &file.triangles, first_vertex as u32);
         let normals = match &file.normals {
