@@ -37,6 +37,7 @@ fn scene() -> Scene {
     Scene {
         source: Arc::new(Source {
             path: "ball.toml".into(),
+            folder: "".into(),
             text: String::new(),
         }),
         image: Image {
@@ -102,7 +103,7 @@ struct Line {
 fn arguments(pixel: &str, more: &[&str]) -> Arguments {
     let line = ["candela", "ball.toml", "--pixel", pixel];
     let arguments = Line::parse_from(line.iter().chain(more)).arguments;
-    assert_eq!(arguments.scene, PathBuf::from("ball.toml"));
+    assert_eq!(arguments.scene.name(), std::path::Path::new("ball.toml"));
     arguments
 }
 

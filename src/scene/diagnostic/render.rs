@@ -4,6 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 
 use super::super::Source;
 use super::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span};
+use crate::printable::printable_path;
 
 /// How many errors are printed; whoever has more mends these first.
 const PRINTED: usize = 20;
@@ -46,7 +47,7 @@ impl Diagnostics {
 
 impl Diagnostic {
     fn render(&self, renderer: &Renderer, source: &Source) -> String {
-        let path = source.path.display().to_string();
+        let path = printable_path(&source.path);
         let mut group = Group::with_title(Level::ERROR.primary_title(self.problem.to_string()));
         group = match place(source, self.span) {
             Place::None => group.element(Origin::path(path.clone())),
@@ -148,6 +149,7 @@ mod tests {
     fn rendered(text: &str, span: Span, problem: Problem) -> String {
         let source = Arc::new(Source {
             path: "scene.toml".into(),
+            folder: "".into(),
             text: text.to_owned(),
         });
         let list = vec![Diagnostic::new(span, problem)];
@@ -235,6 +237,7 @@ mod tests {
     fn twenty_are_printed_and_the_rest_counted() {
         let source = Arc::new(Source {
             path: "scene.toml".into(),
+            folder: "".into(),
             text: "x\n".repeat(50),
         });
         let list = (0..50)
@@ -252,6 +255,7 @@ mod tests {
     fn color_is_only_for_terminals() {
         let source = Arc::new(Source {
             path: "scene.toml".into(),
+            folder: "".into(),
             text: "x".to_owned(),
         });
         let list = vec![Diagnostic::new(Span::from(0..1), Problem::Empty)];
