@@ -211,11 +211,15 @@ pub(super) fn folder_problem(target: &Path, error: io::Error) -> OutputProblem {
     }
 }
 
-/// What an error while an existing file is opened means.
-pub(super) fn protection_problem(error: io::Error) -> OutputProblem {
-    match error.kind() {
-        io::ErrorKind::PermissionDenied => OutputProblem::Protected(error),
-        _ => classified(error),
+/// What an error while an existing file is opened means. To remove it is a way out only where its folder
+/// can be written to.
+pub(super) fn protection_problem(path: &Path, error: io::Error) -> OutputProblem {
+    if error.kind() != io::ErrorKind::PermissionDenied {
+        return classified(error);
+    }
+    match tempfile::tempfile_in(folder_of(path)) {
+        Ok(_) => OutputProblem::Protected(error),
+        Err(error) => folder_problem(path, error),
     }
 }
 

@@ -61,7 +61,7 @@ pub(super) fn resolve(path: &Path) -> Result<Target, OutputProblem> {
             OpenOptions::new()
                 .write(true)
                 .open(&path)
-                .map_err(protection_problem)?;
+                .map_err(|error| protection_problem(&path, error))?;
             Ok(Target::File {
                 path,
                 existing: Some(metadata.permissions()),

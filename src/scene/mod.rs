@@ -26,8 +26,6 @@ use crate::spectrum::Observer;
 pub struct Source {
     /// The file's path as the user gave it; for the built-in scene a name in angle brackets.
     pub path: PathBuf,
-    /// What paths in the scene are relative to; the current folder if it is empty.
-    pub folder: PathBuf,
     /// The file's whole text.
     pub text: String,
 }
@@ -233,7 +231,7 @@ impl Scene {
 
     /// The files that the scene was read from: its own, and those of its meshes and curves.
     pub fn files(&self) -> Vec<PathBuf> {
-        let folder = &self.source.folder;
+        let folder = self.source.path.parent().unwrap_or(Path::new(""));
         let meshes = self
             .objects
             .iter()

@@ -37,7 +37,6 @@ fn scene() -> Scene {
     Scene {
         source: Arc::new(Source {
             path: "ball.toml".into(),
-            folder: "".into(),
             text: String::new(),
         }),
         image: Image {

@@ -76,7 +76,6 @@ impl Builder {
         Self(Scene {
             source: Arc::new(Source {
                 path: "test.toml".into(),
-                folder: "".into(),
                 text: String::new(),
             }),
             image: Image {

@@ -149,7 +149,6 @@ mod tests {
     fn rendered(text: &str, span: Span, problem: Problem) -> String {
         let source = Arc::new(Source {
             path: "scene.toml".into(),
-            folder: "".into(),
             text: text.to_owned(),
         });
         let list = vec![Diagnostic::new(span, problem)];
@@ -237,7 +236,6 @@ mod tests {
     fn twenty_are_printed_and_the_rest_counted() {
         let source = Arc::new(Source {
             path: "scene.toml".into(),
-            folder: "".into(),
             text: "x\n".repeat(50),
         });
         let list = (0..50)
@@ -255,7 +253,6 @@ mod tests {
     fn color_is_only_for_terminals() {
         let source = Arc::new(Source {
             path: "scene.toml".into(),
-            folder: "".into(),
             text: "x".to_owned(),
         });
         let list = vec![Diagnostic::new(Span::from(0..1), Problem::Empty)];

@@ -92,7 +92,6 @@ impl Reading {
         let (scene, diagnostics, broken) = read(&text, folder);
         let source = Arc::new(Source {
             path: path.to_owned(),
-            folder: folder.to_owned(),
             text,
         });
         Self {
@@ -130,13 +129,9 @@ impl Reading {
     }
 
     fn failed(path: &Path, text: String, diagnostic: Diagnostic) -> Self {
-        let source = Source {
-            path: path.to_owned(),
-            folder: folder_of(path).to_owned(),
-            text,
-        };
+        let path = path.to_owned();
         Self {
-            source: Arc::new(source),
+            source: Arc::new(Source { path, text }),
             scene: None,
             diagnostics: vec![diagnostic],
             broken: Broken {
