@@ -69,7 +69,7 @@ pub(crate) fn main() -> ExitCode {
         Err(error) => return usage::report(&error),
     };
     let unfinished = Unfinished::new();
-    let heeded = signals::heed(&unfinished).map_err(Failure::from);
+    let heeded = signals::heed(&unfinished).map_err(|error| NoSignals(error).into());
     match heeded.and_then(|()| run(&arguments.command, &unfinished)) {
         Ok(()) => ExitCode::SUCCESS,
         // The handler is about to end the process; what it interrupted is no failure.
@@ -128,6 +128,11 @@ fn with_threads<T: Send>(
         .map_err(NoThreads)?;
     pool.install(work)
 }
+
+/// The system gives nothing to wait for signals with.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot wait for signals: {0}")]
+struct NoSignals(#[source] io::Error);
 
 /// The system gives no more threads.
 #[derive(Debug, thiserror::Error)]

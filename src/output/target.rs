@@ -89,11 +89,13 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Whether only a folder can have this name: `a/`, `..`
+/// Whether only a folder can have this name: `a/`, `a/.`, `..`
 fn names_a_folder(path: &Path) -> bool {
-    let last = path.as_os_str().as_encoded_bytes().last();
-    last.is_some_and(|&last| std::path::is_separator(char::from(last)))
-        || path.file_name().is_none()
+    let is_separator = |&byte: &u8| std::path::is_separator(char::from(byte));
+    let text = path.as_os_str().as_encoded_bytes();
+    // The standard library takes the name of `a/.` for `a`.
+    let last = text.rsplit(is_separator).next();
+    matches!(last, Some(b"" | b"." | b"..")) || path.file_name().is_none()
 }
 
 /// What is neither a file nor a folder: a stream, if it can be one.

@@ -86,7 +86,9 @@ fn places_that_cannot_be_written_to() {
         problem(&folder.path().join("new/")),
         OutputProblem::IsFolder
     ));
-    assert!(matches!(problem(Path::new("..")), OutputProblem::IsFolder));
+    for name in ["..", ".", "new/.", "new/./", "new/.."] {
+        assert!(matches!(problem(Path::new(name)), OutputProblem::IsFolder));
+    }
     assert!(matches!(problem(Path::new("")), OutputProblem::NoName));
     assert_eq!(names(folder.path()), ["file"]);
 }
