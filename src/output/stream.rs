@@ -1,7 +1,7 @@
 //! What is no file: devices, pipes, standard output. The content is assembled first, because it may go
 //! back and forth in it, and because an error must not leave a part.
 
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::{self, BufWriter, IsTerminal, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -47,7 +47,7 @@ pub(super) fn write_standard<T>(
 fn send_standard(assembled: SpooledTempFile) -> io::Result<()> {
     use std::os::fd::AsFd;
     let handle = io::stdout().as_fd().try_clone_to_owned()?;
-    send(assembled, &mut File::from(handle))
+    send(assembled, &mut std::fs::File::from(handle))
 }
 
 #[cfg(not(unix))]

@@ -98,6 +98,8 @@ fn places_that_cannot_be_written_to() {
 fn a_folder_that_nobody_can_write_to() {
     // /proc refuses new files to the superuser as well.
     let error = put(Path::new("/proc/a.txt"), "x").unwrap_err();
+    // The name of the unfinished file is of no use to anybody.
+    assert!(!error.to_string().contains(".candela-"), "{error}");
     assert!(
         matches!(&error.problem, OutputProblem::ClosedFolder { folder, .. } if folder == Path::new("/proc")),
         "{error}"
