@@ -12,7 +12,7 @@ use candela::display;
 use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
 use candela::film::{self, Channels, Counts, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
-use candela::output::{self, Unfinished};
+use candela::output::{self, Staged, Unfinished};
 use candela::printable::printable_path;
 use candela::scene::Scene;
 use candela::visibility::Visibility;
@@ -250,7 +250,13 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     };
     let progress = Progress::new(whole, arguments);
     let advance = |pixels| progress.advance(pixels);
-    let rendered = output::write(&output, unfinished, |mut sink| {
+    // The preview is made of the file, which a stream does not give back.
+    let staged = match arguments.preview {
+        Some(_) => Staged::new(&output, unfinished)?,
+        None => None,
+    };
+    let written = staged.as_ref().map_or(&*output, Staged::path);
+    let rendered = output::write(written, unfinished, |mut sink| {
         film::render_exr(
             &world,
             &plan,
@@ -264,7 +270,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     seconds.render = progress.finish();
     let (counts, report) = rendered?;
     if let Some(preview) = &arguments.preview {
-        display::convert(&output, preview, &display::Settings::default(), unfinished)?;
+        display::convert(written, preview, &display::Settings::default(), unfinished)?;
+    }
+    if let Some(staged) = staged {
+        staged.send(&output)?;
     }
     seconds.total = start.elapsed().as_secs_f64();
     seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;

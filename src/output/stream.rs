@@ -8,7 +8,7 @@ use std::path::Path;
 use tempfile::SpooledTempFile;
 
 use super::Sink;
-use super::error::{OutputProblem, classified};
+use super::error::{OutputProblem, classified, unassembled};
 
 /// Up to so many bytes are assembled in memory; what is larger goes to a temporary file without a name.
 const IN_MEMORY: usize = 16 << 20;
@@ -78,13 +78,4 @@ fn is_text(assembled: &mut SpooledTempFile) -> io::Result<bool> {
     assembled.take(TELLING).read_to_end(&mut start)?;
     let is_binary = |&byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
     Ok(!start.iter().any(is_binary))
-}
-
-/// What an error while the content is assembled means: the system's are about the temporary file.
-fn unassembled(error: io::Error) -> OutputProblem {
-    if error.raw_os_error().is_none() {
-        return classified(error);
-    }
-    let folder = std::env::temp_dir();
-    OutputProblem::Unassembled { folder, error }
 }

@@ -156,6 +156,47 @@ fn standard_output_gets_the_file_and_nothing_else() {
     assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
 }
 
+/// The preview is made of the EXR, wherever that goes.
+#[cfg(unix)]
+#[test]
+fn a_preview_beside_a_stream() {
+    let folder = folder();
+    let folder = folder.path();
+    succeeds(folder, "render ball.toml -q -o file.exr --preview file.png");
+    let temporary = tempfile::tempdir().unwrap();
+    for output in ["-", "/dev/stdout", "/dev/null"] {
+        let arguments = format!("render ball.toml -q -o {output} --preview made.png");
+        let run = candela(folder, &arguments)
+            .env("TMPDIR", temporary.path())
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        if output == "/dev/null" {
+            assert_eq!(run.stdout.len(), 0);
+        } else {
+            assert!(run.stdout == read(folder, "file.exr"), "{output}");
+        }
+        assert!(
+            read(folder, "made.png") == read(folder, "file.png"),
+            "{output}"
+        );
+        assert_eq!(files(temporary.path()), [""; 0], "{output}");
+        fs::remove_file(folder.join("made.png")).unwrap();
+    }
+    // What cannot be kept is said.
+    let run = candela(folder, "render ball.toml -q -o - --preview made.png")
+        .env("TMPDIR", folder.join("absent"))
+        .output()
+        .unwrap();
+    assert_eq!((run.status.code(), run.stdout.len()), (Some(1), 0));
+    let message = text(&run.stderr);
+    assert!(
+        message.contains("choose another one by TMPDIR"),
+        "{message}"
+    );
+    assert_eq!(files(folder), ["ball.toml", "file.exr", "file.png"]);
+}
+
 /// More than is kept in memory until it is whole.
 #[test]
 fn standard_output_gets_large_files_too() {
@@ -175,11 +216,7 @@ fn standard_output_gets_large_files_too() {
 fn two_outputs_do_not_share_standard_output() {
     let folder = folder();
     let folder = folder.path();
-    let mut cases = vec![
-        "-o - --preview -",
-        "-o - --stats -",
-        "-o a.exr --preview - --stats -",
-    ];
+    let mut cases = vec!["-o - --stats -", "-o a.exr --preview - --stats -"];
     if cfg!(target_os = "linux") {
         cases.extend([
             "-o - --preview /dev/stdout",
