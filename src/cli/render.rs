@@ -21,15 +21,12 @@ use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser}
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use super::Failure;
 use super::source::{BaseArguments, is_standard_input};
+use super::{Failure, MAX_THREADS};
 use layers::LayerArguments;
 
 /// A run that takes longer than this shows a progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// More threads than any machine makes use of.
-const MAX_THREADS: u32 = 1024;
 
 /// Render a scene to a linear OpenEXR image in cd/m²
 ///
