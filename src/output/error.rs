@@ -236,6 +236,8 @@ pub(super) fn unassembled(error: io::Error) -> OutputProblem {
 fn name(path: &Path) -> String {
     if path.as_os_str() == STANDARD_STREAM {
         "to standard output".to_owned()
+    } else if path.as_os_str().is_empty() {
+        "an output".to_owned()
     } else {
         printable_path(path)
     }

@@ -90,6 +90,10 @@ fn places_that_cannot_be_written_to() {
         assert!(matches!(problem(Path::new(name)), OutputProblem::IsFolder));
     }
     assert!(matches!(problem(Path::new("")), OutputProblem::NoName));
+    assert_eq!(
+        put(Path::new(""), "x").unwrap_err().to_string(),
+        "cannot write an output: the file name is empty; give one"
+    );
     assert_eq!(names(folder.path()), ["file"]);
 }
 
