@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
 
 use super::{SCENE, candela, fails, files, folder, succeeds, text};
 
@@ -142,7 +142,7 @@ fn standard_output_gets_the_file_and_nothing_else() {
         let mut command = candela(folder, arguments);
         let status = command
             .stdout(File::create(folder.join("out")).unwrap())
-            .stderr(std::process::Stdio::null())
+            .stderr(Stdio::null())
             .status();
         assert!(status.unwrap().success());
         assert!(read(folder, "out") == read(folder, file), "{arguments}");
@@ -252,4 +252,40 @@ fn redirected_files_are_places() {
     let message = text(&output.stderr);
     assert!(message.contains("which is read"), "{message}");
     assert_eq!(fs::read_to_string(folder.join("scene")).unwrap(), SCENE);
+}
+
+/// Bytes that are no text would garble a terminal; text is welcome there.
+#[cfg(unix)]
+#[test]
+fn no_picture_is_sent_to_a_terminal() {
+    let folder = folder();
+    let folder = folder.path();
+    succeeds(folder, "render ball.toml -q -o file.exr");
+    let spawn = "import os, pty, sys\n\
+        sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))";
+    for (arguments, code, part) in [
+        ("render ball.toml -q -o -", 1, "it is a terminal"),
+        (
+            "render ball.toml -q -o a.exr --preview -",
+            1,
+            "it is a terminal",
+        ),
+        ("tonemap file.exr -o -", 1, "it is a terminal"),
+        ("render ball.toml -q -o a.exr --stats -", 0, "\"samples\""),
+    ] {
+        let run = Command::new("python3")
+            .current_dir(folder)
+            .args(["-c", spawn, env!("CARGO_BIN_EXE_candela")])
+            .args(arguments.split_whitespace())
+            .stdin(Stdio::null())
+            .output();
+        let output = match run {
+            Ok(output) => output,
+            Err(error) => return println!("python3 is not here ({error}): no terminal is tried"),
+        };
+        let shown = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {shown}");
+        assert!(shown.contains(part), "{arguments}: {shown}");
+    }
+    assert_eq!(files(folder), ["a.exr", "ball.toml", "file.exr"]);
 }
