@@ -12,7 +12,8 @@ use candela::display;
 use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
 use candela::film::{self, Channels, Counts, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
-use candela::output::{self, Unfinished};
+use candela::output::{self, Staged, Unfinished};
+use candela::printable::printable_path;
 use candela::scene::Scene;
 use candela::visibility::Visibility;
 use candela::world::{Bands, Plan, World};
@@ -20,14 +21,12 @@ use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser}
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use super::Failure;
+use super::source::{BaseArguments, is_standard_input};
+use super::{Failure, MAX_THREADS};
 use layers::LayerArguments;
 
 /// A run that takes longer than this shows a progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// More threads than any machine makes use of.
-const MAX_THREADS: u32 = 1024;
 
 /// Render a scene to a linear OpenEXR image in cd/m²
 ///
@@ -52,9 +51,12 @@ Examples:
   candela render scene.toml --layers spectral --wavelengths 400:700:10
       A spectral image: R, G, B, A and 31 bands")]
 pub(crate) struct Arguments {
-    /// The scene file [default: the built-in lecture scene]
+    /// The scene file; `-` is standard input [default: the built-in lecture scene]
     #[arg(value_name = "SCENE.toml")]
     scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    base: BaseArguments,
 
     /// The EXR file [default: SCENE.exr in the current folder]
     #[arg(short, long, value_name = "OUT.exr", value_parser = named("exr"))]
@@ -161,10 +163,7 @@ impl Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, |threads| threads as usize))
-        .build()?;
-    pool.install(|| render(arguments, unfinished))
+    super::with_threads(arguments.threads, || render(arguments, unfinished))
 }
 
 fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
@@ -176,7 +175,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let start = Instant::now();
 
     let (scene, world) = match &arguments.scene {
-        Some(path) => World::load_with(path, |scene| arguments.layers.apply(scene))?,
+        Some(path) => {
+            let change = |scene: &mut Scene| arguments.layers.apply(scene);
+            arguments.base.load(path, change)?
+        }
         None => {
             let mut scene = Scene::builtin();
             arguments.layers.apply(&mut scene);
@@ -203,6 +205,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let inputs = scene.files();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     super::refuse_same_files(&inputs, &outputs)?;
+    super::refuse_terminal(&output)?;
+    if let Some(preview) = &arguments.preview {
+        super::refuse_terminal(preview)?;
+    }
     for output in &outputs {
         output::check(output)?;
     }
@@ -226,7 +232,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     });
     let threads = rayon::current_num_threads();
     let pixels = film::memory(whole, &channels, &exr_options, threads);
-    fits_in_memory(pixels, table, layers, &channels)?;
+    fits_in_memory(pixels, table, layers, &channels).map_err(super::failure::transient)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -241,7 +247,13 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     };
     let progress = Progress::new(whole, arguments);
     let advance = |pixels| progress.advance(pixels);
-    let rendered = output::write(&output, unfinished, |mut sink| {
+    // The preview is made of the file, which a stream does not give back.
+    let staged = match arguments.preview {
+        Some(_) => Staged::new(&output, unfinished)?,
+        None => None,
+    };
+    let written = staged.as_ref().map_or(&*output, Staged::path);
+    let rendered = output::write(written, unfinished, |mut sink| {
         film::render_exr(
             &world,
             &plan,
@@ -255,7 +267,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     seconds.render = progress.finish();
     let (counts, report) = rendered?;
     if let Some(preview) = &arguments.preview {
-        display::convert(&output, preview, &display::Settings::default(), unfinished)?;
+        display::convert(written, preview, &display::Settings::default(), unfinished)?;
+    }
+    if let Some(staged) = staged {
+        staged.send(&output)?;
     }
     seconds.total = start.elapsed().as_secs_f64();
     seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
@@ -337,10 +352,11 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 
 /// SCENE.exr in the current folder.
 fn default_output(arguments: &Arguments) -> PathBuf {
-    let scene = arguments
-        .scene
-        .as_deref()
-        .unwrap_or(Path::new("lecture.toml"));
+    let scene = match arguments.scene.as_deref() {
+        None => Path::new("lecture.toml"),
+        Some(scene) if is_standard_input(scene) => Path::new("scene.toml"),
+        Some(scene) => scene,
+    };
     PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
 }
 
@@ -360,7 +376,7 @@ fn summarize(
     };
     let mut lines = vec![format!(
         "{}: {width} × {height}, {samples} a pixel, rendered in {:.2} s",
-        output.display(),
+        printable_path(output),
         seconds.render,
     )];
     let mut warn = |count: u64, what: &str| {
@@ -470,14 +486,11 @@ fn crop(text: &str) -> Result<Crop, String> {
 fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(move |path| {
         let path = PathBuf::from(path);
-        if path.as_os_str() == "-" {
-            return Err("a file name is needed; standard output is /dev/stdout".to_owned());
-        }
         match path.extension() {
             Some(found) if !found.eq_ignore_ascii_case(extension) => Err(format!(
                 "this option writes {}; name the file {}",
                 extension.to_uppercase(),
-                path.with_extension(extension).display(),
+                printable_path(&path.with_extension(extension)),
             )),
             Some(_) | None => Ok(path),
         }

@@ -1,8 +1,11 @@
 //! The program as a user or a script meets it: exit codes, messages, files.
 
+mod exit_codes;
+mod files;
 mod interruption;
 mod layers;
 mod probe;
+mod streams;
 
 use std::fs;
 use std::path::Path;
