@@ -6,7 +6,7 @@
 # CANDELA names another binary. The lecture's picture is as large as its scene says; the others are
 # 480 pixels wide, or 320 where there is so much detail that a larger file would be too large. The charts
 # of docs/rgb-or-spectral.md and the picture of docs/layers.md are made each time; the latter needs
-# oiiotool, which tests/openimageio.sh installs.
+# oiiotool, which tests/setup.sh installs.
 set -eu
 cd "$(dirname "$0")/.."
 candela=${CANDELA:-target/release/candela}

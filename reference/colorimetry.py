@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the tables of colors in reference/ and the curves in scenes/curves/, by colour-science:
 
-    tests/colour_science.sh
+    tests/setup.sh
     target/colour-science/bin/python -W ignore reference/colorimetry.py
 
 The same files to the byte each time, with the versions that the first line installs. Interpolation

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A tool of the environment that `tests/openimageio.sh` makes.
+/// A tool of the environment that `tests/setup.sh` makes.
 fn tool(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("target/openimageio/bin")

@@ -420,7 +420,7 @@ fn quadrature_errors_are_those_of_the_docs() {
     assert!(wrong.is_empty(), "\n{wrong}");
 }
 
-/// The python with colour-science that `tests/colour_science.sh` makes.
+/// The python with colour-science that `tests/setup.sh` makes.
 fn python() -> Command {
     let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/colour-science/bin/python");
     assert!(

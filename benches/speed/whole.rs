@@ -20,7 +20,7 @@ pub(crate) struct Whole {
     pub(crate) embree_render: Option<Spread>,
 }
 
-/// `oiiotool` as `tests/openimageio.sh` installs it: not the Python script that starts it, whose time
+/// `oiiotool` as `tests/setup.sh` installs it: not the Python script that starts it, whose time
 /// would count, but the program itself; else the system's.
 fn oiiotool() -> PathBuf {
     let installed = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("openimageio/lib");
@@ -60,7 +60,7 @@ pub(crate) fn measure(bench: &Bench<'_>, scene: &Scene) -> Result<Whole> {
         keep(&mut ours, seconds);
         match run_process(&mut rewrite)? {
             Some(seconds) => keep(&mut written, seconds),
-            None if run == 0 => eprintln!("no oiiotool: tests/openimageio.sh installs it"),
+            None if run == 0 => eprintln!("no oiiotool: tests/setup.sh installs it"),
             None => {}
         }
         if let Some(yardstick) = &mut yardstick {
