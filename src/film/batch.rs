@@ -129,7 +129,11 @@ impl Batch {
         let range = self.range();
         for dimension in 0..2 {
             let pixels = &self.pixels;
-            range.spread(simd, &pixels.in_image[dimension], &mut self.corners[dimension]);
+            range.spread(
+                simd,
+                &pixels.in_image[dimension],
+                &mut self.corners[dimension],
+            );
             range.spread(simd, &pixels.seeds[dimension], &mut self.seeds[dimension]);
             for first in (0..self.len).step_by(LANES) {
                 let sequence = &self.sequence[dimension][first..];
