@@ -64,7 +64,7 @@ install_system_packages() {
         # Without a terminal nobody can give a password.
         if ! command -v sudo >/dev/null || { [[ ! -t 0 ]] && ! sudo --non-interactive true 2>/dev/null; }; then
             fail "a C compiler (cc) and Python $least_python or newer with venv are needed; as root, run
-    ${list//$'\n'/ && }"
+$(sed 's/^/    /' <<<"$list")"
         fi
     fi
     while read -r command; do
