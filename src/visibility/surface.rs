@@ -65,7 +65,7 @@ pub struct Points {
     /// The normal of the surface, turned towards the viewer.
     pub(super) geometric_normal: [Column; 3],
     /// The geometric normal times a point of the plane that touches the surface at p: for flat shapes one that
-    /// is known exactly, for others p itself.
+    /// is known exactly, for others p itself. Of lifted points the interpolated normal times p.
     pub(super) plane: Column,
     /// Whether `shading_normal` is anything else than the geometric normal.
     is_smooth: bool,
@@ -84,6 +84,15 @@ pub struct Points {
     /// The largest of `error`, and the box around the positions.
     pub(super) largest_error: f64,
     pub(super) bounds: [DVec3; 2],
+    /// For each packet one bit for each point whose shadow rays do not start at p; see [`super::lift`].
+    pub(super) lifted: [u32; PACKETS],
+    /// Whether there are any; and if so, where the shadow rays of all points start, bounds on the rounding errors
+    /// of that, the largest of them, and the box around the starts.
+    pub(super) are_lifted: bool,
+    pub(super) start: [Column; 3],
+    pub(super) start_error: Column,
+    pub(super) largest_start_error: f64,
+    pub(super) start_bounds: [DVec3; 2],
     /// Its material, an index into [`World::materials`].
     pub(crate) material: [u32; BATCH],
     /// For each packet, whether all its points have one material.
@@ -108,6 +117,12 @@ impl Default for Points {
             only: Only::Nothing,
             largest_error: 0.0,
             bounds: [DVec3::ZERO; 2],
+            lifted: [0; PACKETS],
+            are_lifted: false,
+            start: [NONE; 3],
+            start_error: NONE,
+            largest_start_error: 0.0,
+            start_bounds: [DVec3::ZERO; 2],
             material: [0; BATCH],
             is_uniform: [true; PACKETS],
         }
@@ -175,30 +190,46 @@ impl Points {
     pub(super) fn begin(&mut self, is_smooth: bool) {
         self.is_smooth = is_smooth;
         self.only = Only::Nothing;
+        (self.lifted, self.are_lifted) = ([0; PACKETS], false);
     }
 
     /// Knows all points, and what they have in common.
     #[inline(always)]
     pub(super) fn end<S: Simd>(&mut self, simd: S) {
+        (self.largest_error, self.bounds) = self.around(simd, &self.position, &self.error);
+        if self.are_lifted {
+            self.stay(simd);
+            (self.largest_start_error, self.start_bounds) =
+                self.around(simd, &self.start, &self.start_error);
+        }
+    }
+
+    /// The largest of the errors where a ray hits something, and the box around the positions.
+    #[inline(always)]
+    fn around<S: Simd>(
+        &self,
+        simd: S,
+        position: &[Column; 3],
+        error: &Column,
+    ) -> (f64, [DVec3; 2]) {
         let zero = Lanes::splat(simd, 0.0);
-        let mut error = zero;
+        let mut largest = zero;
         for (packet, &hit) in self.hit.iter().enumerate() {
             if hit == 0 {
                 continue;
             }
             let is_hit = Mask::from_bits(simd, hit);
-            let errors = Lanes::load(simd, &self.error[packet * LANES..]);
-            error = is_hit.select(errors, zero).max(error);
+            let errors = Lanes::load(simd, &error[packet * LANES..]);
+            largest = is_hit.select(errors, zero).max(largest);
         }
-        self.largest_error = error.largest();
         let ranges = ranges(
             simd,
             #[inline(always)]
             |packet| self.hit[packet],
             #[inline(always)]
-            |packet| Vectors::load(simd, columns(&self.position, packet)),
+            |packet| Vectors::load(simd, columns(position, packet)),
         );
-        self.bounds = ranges.unwrap_or([DVec3::ZERO; 2]);
+        (largest.largest(), ranges.unwrap_or([DVec3::ZERO; 2]))
     }
 
     /// Makes the points of a packet from the nearest hits of some rays, and for the others from what they
