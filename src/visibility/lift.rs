@@ -70,16 +70,35 @@ impl Points {
     /// p is off by its error, and so is each (vᵢ − p)·nᵢ, which the bᵢ only average: twice the error, and
     /// what rounding makes of the ways to the corners. (Coordinates bᵢ that are off belong to a point
     /// nearby on the triangle.)
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn lift<S: Simd>(
         &mut self,
         simd: S,
         packet: usize,
         bits: u32,
-        corners: [Vectors<S>; 3],
-        normals: [Vectors<S>; 3],
-        weights: [Lanes<S>; 3],
+        corners: &[Vectors<S>; 3],
+        normals: &[Vectors<S>; 3],
+        weights: &[Lanes<S>; 3],
     ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.lift_all(simd, packet, bits, corners, normals, weights),
+        );
+    }
+
+    #[inline(always)]
+    fn lift_all<S: Simd>(
+        &mut self,
+        simd: S,
+        packet: usize,
+        bits: u32,
+        corners: &[Vectors<S>; 3],
+        normals: &[Vectors<S>; 3],
+        weights: &[Lanes<S>; 3],
+    ) {
+        if bits == 0 {
+            return;
+        }
         let first = packet * LANES;
         let is_lifted = Mask::from_bits(simd, bits);
         let position = Vectors::load(simd, columns(&self.position, packet));
@@ -99,17 +118,28 @@ impl Points {
     }
 
     /// Has the points of packets without any that is lifted start where they are.
-    #[inline(always)]
-    pub(super) fn stay<S: Simd>(&mut self, simd: S) {
+    fn stay(&mut self) {
         for packet in 0..self.hit.len() {
             if self.hit[packet] == 0 || self.lifted[packet] != 0 {
                 continue;
             }
-            let position = Vectors::load(simd, columns(&self.position, packet));
-            position.store(columns_mut(&mut self.start, packet));
             let lanes = packet * LANES..(packet + 1) * LANES;
+            for axis in 0..3 {
+                self.start[axis][lanes.clone()]
+                    .copy_from_slice(&self.position[axis][lanes.clone()]);
+            }
             self.start_error[lanes.clone()].copy_from_slice(&self.error[lanes]);
         }
+    }
+
+    /// Knows where all shadow rays start, of which some are lifted.
+    #[inline(never)]
+    pub(super) fn end_lifted<S: Simd>(&mut self, simd: S) {
+        self.stay();
+        (self.largest_start_error, self.start_bounds) = simd.vectorize(
+            #[inline(always)]
+            || self.around(simd, &self.start, &self.start_error),
+        );
     }
 }
 
@@ -124,9 +154,9 @@ struct Lifted<S: Simd> {
 fn lifted<S: Simd>(
     simd: S,
     position: Vectors<S>,
-    corners: [Vectors<S>; 3],
-    normals: [Vectors<S>; 3],
-    weights: [Lanes<S>; 3],
+    corners: &[Vectors<S>; 3],
+    normals: &[Vectors<S>; 3],
+    weights: &[Lanes<S>; 3],
 ) -> Lifted<S> {
     let zero = Lanes::splat(simd, 0.0);
     let mut lift = Vectors::splat(simd, DVec3::ZERO);
@@ -195,7 +225,7 @@ mod tests {
                 Lanes::load(simd, &hits.each_ref().map(|hit| hit.weights[corner]))
             });
             let position = load(&Hit::position);
-            let Lifted { start, .. } = lifted(simd, position, corners, normals, weights);
+            let Lifted { start, .. } = lifted(simd, position, &corners, &normals, &weights);
             let [x, y, z] = [start.x.to_array(), start.y.to_array(), start.z.to_array()];
             std::array::from_fn(|lane| DVec3::new(x[lane], y[lane], z[lane]))
         }

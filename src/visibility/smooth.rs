@@ -57,14 +57,15 @@ impl Points {
         let to_viewer = Vectors::load(simd, columns(&self.to_viewer, packet));
         let cos_viewer = &mut self.cos_viewer[lanes];
         normal.dot(to_viewer).store(cos_viewer);
-        let lifted = smooth.lifted & between.has_direction.to_bits();
-        if lifted != 0 {
+        if smooth.lifts {
+            let bits = smooth.lifted(world, &self.primitive[packet * LANES..]);
             let outwards = [
                 between.on_its_side(normals[0]),
                 between.on_its_side(normals[1]),
                 between.on_its_side(normals[2]),
             ];
-            self.lift(simd, packet, lifted, corners, outwards, weights);
+            let bits = bits & between.has_direction.to_bits();
+            self.lift(simd, packet, bits, &corners, &outwards, &weights);
         }
     }
 }
@@ -73,8 +74,8 @@ impl Points {
 struct Smooth<'w> {
     /// One bit for each ray that hits one.
     bits: u32,
-    /// One bit for each of those from which shadow rays start off the triangle.
-    lifted: u32,
+    /// Whether shadow rays start off some of them.
+    lifts: bool,
     triangle: [u32; LANES],
     /// The normals of its mesh, and the mesh's first triangle.
     mesh: [Option<(&'w MeshNormals, u32)>; LANES],
@@ -84,12 +85,12 @@ impl<'w> Smooth<'w> {
     fn of(world: &'w World, primitives: &[u64], hit: u32) -> Self {
         let mut smooth = Self {
             bits: 0,
-            lifted: 0,
+            lifts: false,
             triangle: [0; LANES],
             mesh: [None; LANES],
         };
         // Neighbors mostly hit the same object.
-        let (mut known, mut mesh, mut lifts) = (u32::MAX, None, false);
+        let (mut known, mut mesh) = (u32::MAX, None);
         for lane in ones(hit) {
             let (object, triangle) = Primitive(primitives[lane]).parts();
             if object != known {
@@ -97,7 +98,7 @@ impl<'w> Smooth<'w> {
                 mesh = match world.objects()[object as usize].shape {
                     Shape::Mesh(index) => {
                         let mesh = &world.triangles().meshes()[index];
-                        lifts = mesh.lifts_shadow_rays();
+                        smooth.lifts |= mesh.lifts_shadow_rays();
                         let normals = mesh.normals.as_ref();
                         normals.map(|normals| (normals, mesh.triangles.start))
                     }
@@ -105,11 +106,23 @@ impl<'w> Smooth<'w> {
                 };
             }
             smooth.bits |= u32::from(mesh.is_some()) << lane;
-            smooth.lifted |= u32::from(mesh.is_some() && lifts) << lane;
             smooth.triangle[lane] = triangle;
             smooth.mesh[lane] = mesh;
         }
         smooth
+    }
+
+    /// One bit for each ray that hits a triangle which shadow rays start off.
+    fn lifted(&self, world: &World, primitives: &[u64]) -> u32 {
+        let mut lifted = 0;
+        for lane in ones(self.bits) {
+            let (object, _) = Primitive(primitives[lane]).parts();
+            if let Shape::Mesh(index) = world.objects()[object as usize].shape {
+                let lifts = world.triangles().meshes()[index].lifts_shadow_rays();
+                lifted |= u32::from(lifts) << lane;
+            }
+        }
+        lifted
     }
 
     /// The vertex normals of the triangle that a ray with a bit hits.

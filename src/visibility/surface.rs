@@ -198,15 +198,13 @@ impl Points {
     pub(super) fn end<S: Simd>(&mut self, simd: S) {
         (self.largest_error, self.bounds) = self.around(simd, &self.position, &self.error);
         if self.are_lifted {
-            self.stay(simd);
-            (self.largest_start_error, self.start_bounds) =
-                self.around(simd, &self.start, &self.start_error);
+            self.end_lifted(simd);
         }
     }
 
     /// The largest of the errors where a ray hits something, and the box around the positions.
     #[inline(always)]
-    fn around<S: Simd>(
+    pub(super) fn around<S: Simd>(
         &self,
         simd: S,
         position: &[Column; 3],

@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 
 use super::*;
 use crate::lanes::{Door, Kernel};
-use crate::scene::Scene;
+use crate::scene::{Entry, Object, Scene, Span};
 
 mod contacts;
+mod lifted;
 
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];
@@ -29,6 +30,8 @@ struct Writer {
     size: f64,
     place: [f64; 3],
     objects: u32,
+    /// Objects that are no text: meshes without a file.
+    meshes: Vec<Object>,
 }
 
 impl Writer {
@@ -69,6 +72,7 @@ impl Writer {
             size,
             place,
             objects: 0,
+            meshes: Vec::new(),
         }
     }
 
@@ -153,7 +157,14 @@ impl Writer {
     #[track_caller]
     fn agrees_through(&self, camera: &str) -> f64 {
         let text = format!("{}{camera}", self.text);
-        let scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        for (index, mesh) in self.meshes.iter().enumerate() {
+            scene.objects.push(Entry {
+                name: format!("mesh{index}"),
+                span: Span::default(),
+                value: mesh.clone(),
+            });
+        }
         let world = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let plan = Plan::new(&world);
         let canvas = Visibility::new(&world, &plan);
