@@ -76,7 +76,7 @@ impl Points {
                 // Of flat shapes a point is known exactly.
                 let mut flat = 0;
                 let mut points = [[0.0; LANES]; 3];
-                for lane in ones(hit & !self.lifted[packet]) {
+                for lane in ones(hit & !self.lifts.points[packet]) {
                     if let Some(point) = flat_point(world, Primitive(self.primitive[lanes + lane]))
                     {
                         flat |= 1 << lane;

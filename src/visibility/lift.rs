@@ -14,8 +14,8 @@
 
 use fearless_simd::Simd;
 
-use super::ROUNDING;
-use super::surface::{Column, Points, columns, columns_mut};
+use super::surface::{Column, PACKETS, Points, columns, columns_mut};
+use super::{ROUNDING, ranges};
 use crate::lanes::{LANES, Lanes, Mask, Vectors};
 use crate::math::DVec3;
 
@@ -30,16 +30,51 @@ pub(super) struct Starts<'p> {
     pub(super) bounds: [DVec3; 2],
 }
 
+/// The points of a batch whose shadow rays do not start at p.
+#[derive(Clone, Debug)]
+pub(super) struct Lifts {
+    /// For each packet one bit for each.
+    pub(super) points: [u32; PACKETS],
+    /// Whether there are any; the rest means something only then.
+    pub(super) are_any: bool,
+    /// Where the shadow rays of all points of the batch start.
+    start: [Column; 3],
+    error: Column,
+    largest_error: f64,
+    bounds: [DVec3; 2],
+}
+
+impl Default for Lifts {
+    fn default() -> Self {
+        Self {
+            points: [0; PACKETS],
+            are_any: false,
+            start: [Column::ZERO; 3],
+            error: Column::ZERO,
+            largest_error: 0.0,
+            bounds: [DVec3::ZERO; 2],
+        }
+    }
+}
+
+impl Lifts {
+    /// Forgets all points.
+    pub(super) fn begin(&mut self) {
+        (self.points, self.are_any) = ([0; PACKETS], false);
+    }
+}
+
 impl Points {
     /// Where shadow rays start: at p, or off it.
     #[inline(always)]
     pub(super) fn starts(&self) -> Starts<'_> {
-        if self.are_lifted {
+        let lifts = &self.lifts;
+        if lifts.are_any {
             Starts {
-                position: &self.start,
-                error: &self.start_error,
-                largest_error: self.largest_start_error,
-                bounds: self.start_bounds,
+                position: &lifts.start,
+                error: &lifts.error,
+                largest_error: lifts.largest_error,
+                bounds: lifts.bounds,
             }
         } else {
             Starts {
@@ -55,7 +90,7 @@ impl Points {
     #[inline(always)]
     pub(super) fn facing_normals<S: Simd>(&self, simd: S, packet: usize) -> Vectors<S> {
         let geometric = Vectors::load(simd, columns(&self.geometric_normal, packet));
-        match self.lifted[packet] {
+        match self.lifts.points[packet] {
             0 => geometric,
             bits => {
                 let shading = Vectors::load(simd, columns(&self.shading_normal, packet));
@@ -106,29 +141,29 @@ impl Points {
         let Lifted { start, reach } = lifted(simd, position, corners, normals, weights);
         let start_error = error * 2.0 + reach * (2.0 * ROUNDING);
         let start = is_lifted.select_vectors(start, position);
-        start.store(columns_mut(&mut self.start, packet));
+        start.store(columns_mut(&mut self.lifts.start, packet));
         let start_error = is_lifted.select(start_error, error);
-        start_error.store(&mut self.start_error[first..]);
+        start_error.store(&mut self.lifts.error[first..]);
         let shading = Vectors::load(simd, columns(&self.shading_normal, packet));
         let plane = Lanes::load(simd, &self.plane[first..]);
         let plane = is_lifted.select(shading.dot(position), plane);
         plane.store(&mut self.plane[first..]);
-        self.lifted[packet] = bits;
-        self.are_lifted = true;
+        self.lifts.points[packet] = bits;
+        self.lifts.are_any = true;
     }
 
     /// Has the points of packets without any that is lifted start where they are.
     fn stay(&mut self) {
-        for packet in 0..self.hit.len() {
-            if self.hit[packet] == 0 || self.lifted[packet] != 0 {
+        let lifts = &mut self.lifts;
+        for (packet, &hit) in self.hit.iter().enumerate() {
+            if hit == 0 || lifts.points[packet] != 0 {
                 continue;
             }
             let lanes = packet * LANES..(packet + 1) * LANES;
-            for axis in 0..3 {
-                self.start[axis][lanes.clone()]
-                    .copy_from_slice(&self.position[axis][lanes.clone()]);
+            for (start, position) in lifts.start.iter_mut().zip(&self.position) {
+                start[lanes.clone()].copy_from_slice(&position[lanes.clone()]);
             }
-            self.start_error[lanes.clone()].copy_from_slice(&self.error[lanes]);
+            lifts.error[lanes.clone()].copy_from_slice(&self.error[lanes]);
         }
     }
 
@@ -136,10 +171,38 @@ impl Points {
     #[inline(never)]
     pub(super) fn end_lifted<S: Simd>(&mut self, simd: S) {
         self.stay();
-        (self.largest_start_error, self.start_bounds) = simd.vectorize(
+        (self.lifts.largest_error, self.lifts.bounds) = simd.vectorize(
             #[inline(always)]
-            || self.around(simd, &self.start, &self.start_error),
+            || self.around(simd, &self.lifts.start, &self.lifts.error),
         );
+    }
+
+    /// The largest of the errors where a ray hits something, and the box around the positions.
+    #[inline(always)]
+    pub(super) fn around<S: Simd>(
+        &self,
+        simd: S,
+        position: &[Column; 3],
+        error: &Column,
+    ) -> (f64, [DVec3; 2]) {
+        let zero = Lanes::splat(simd, 0.0);
+        let mut largest = zero;
+        for (packet, &hit) in self.hit.iter().enumerate() {
+            if hit == 0 {
+                continue;
+            }
+            let is_hit = Mask::from_bits(simd, hit);
+            let errors = Lanes::load(simd, &error[packet * LANES..]);
+            largest = is_hit.select(errors, zero).max(largest);
+        }
+        let ranges = ranges(
+            simd,
+            #[inline(always)]
+            |packet| self.hit[packet],
+            #[inline(always)]
+            |packet| Vectors::load(simd, columns(position, packet)),
+        );
+        (largest.largest(), ranges.unwrap_or([DVec3::ZERO; 2]))
     }
 }
 

@@ -5,10 +5,11 @@ use std::ops::Range;
 use fearless_simd::Simd;
 
 use super::canvas::NOTHING;
+use super::lift::Lifts;
 use super::packet::{Nearest, Rays};
 use super::search::Search;
 use super::triangle::{self, Facet, Lie};
-use super::{PLANES, Primitive, ROUNDING, SPHERES, Visibility, outline, plane, ranges};
+use super::{PLANES, Primitive, ROUNDING, SPHERES, Visibility, outline, plane};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
 use crate::math::{DVec3, Direction, SAFE_SQUARES};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
@@ -84,15 +85,8 @@ pub struct Points {
     /// The largest of `error`, and the box around the positions.
     pub(super) largest_error: f64,
     pub(super) bounds: [DVec3; 2],
-    /// For each packet one bit for each point whose shadow rays do not start at p; see [`super::lift`].
-    pub(super) lifted: [u32; PACKETS],
-    /// Whether there are any; and if so, where the shadow rays of all points start, bounds on the rounding errors
-    /// of that, the largest of them, and the box around the starts.
-    pub(super) are_lifted: bool,
-    pub(super) start: [Column; 3],
-    pub(super) start_error: Column,
-    pub(super) largest_start_error: f64,
-    pub(super) start_bounds: [DVec3; 2],
+    /// Which of them have shadow rays that start elsewhere, and where.
+    pub(super) lifts: Lifts,
     /// Its material, an index into [`World::materials`].
     pub(crate) material: [u32; BATCH],
     /// For each packet, whether all its points have one material.
@@ -117,12 +111,7 @@ impl Default for Points {
             only: Only::Nothing,
             largest_error: 0.0,
             bounds: [DVec3::ZERO; 2],
-            lifted: [0; PACKETS],
-            are_lifted: false,
-            start: [NONE; 3],
-            start_error: NONE,
-            largest_start_error: 0.0,
-            start_bounds: [DVec3::ZERO; 2],
+            lifts: Lifts::default(),
             material: [0; BATCH],
             is_uniform: [true; PACKETS],
         }
@@ -190,44 +179,16 @@ impl Points {
     pub(super) fn begin(&mut self, is_smooth: bool) {
         self.is_smooth = is_smooth;
         self.only = Only::Nothing;
-        (self.lifted, self.are_lifted) = ([0; PACKETS], false);
+        self.lifts.begin();
     }
 
     /// Knows all points, and what they have in common.
     #[inline(always)]
     pub(super) fn end<S: Simd>(&mut self, simd: S) {
         (self.largest_error, self.bounds) = self.around(simd, &self.position, &self.error);
-        if self.are_lifted {
+        if self.lifts.are_any {
             self.end_lifted(simd);
         }
-    }
-
-    /// The largest of the errors where a ray hits something, and the box around the positions.
-    #[inline(always)]
-    pub(super) fn around<S: Simd>(
-        &self,
-        simd: S,
-        position: &[Column; 3],
-        error: &Column,
-    ) -> (f64, [DVec3; 2]) {
-        let zero = Lanes::splat(simd, 0.0);
-        let mut largest = zero;
-        for (packet, &hit) in self.hit.iter().enumerate() {
-            if hit == 0 {
-                continue;
-            }
-            let is_hit = Mask::from_bits(simd, hit);
-            let errors = Lanes::load(simd, &error[packet * LANES..]);
-            largest = is_hit.select(errors, zero).max(largest);
-        }
-        let ranges = ranges(
-            simd,
-            #[inline(always)]
-            |packet| self.hit[packet],
-            #[inline(always)]
-            |packet| Vectors::load(simd, columns(position, packet)),
-        );
-        (largest.largest(), ranges.unwrap_or([DVec3::ZERO; 2]))
     }
 
     /// Makes the points of a packet from the nearest hits of some rays, and for the others from what they

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::*;
 use crate::lanes::{Door, Kernel};
-use crate::scene::{Entry, Object, Scene, Span};
+use crate::scene::mesh::{MeshFile, MeshNormals};
+use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
 
 mod contacts;
 mod lifted;
@@ -158,13 +159,7 @@ impl Writer {
     fn agrees_through(&self, camera: &str) -> f64 {
         let text = format!("{}{camera}", self.text);
         let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
-        for (index, mesh) in self.meshes.iter().enumerate() {
-            scene.objects.push(Entry {
-                name: format!("mesh{index}"),
-                span: Span::default(),
-                value: mesh.clone(),
-            });
-        }
+        lifted::add_meshes(&mut scene, &self.meshes);
         let world = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let plan = Plan::new(&world);
         let canvas = Visibility::new(&world, &plan);

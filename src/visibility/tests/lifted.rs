@@ -4,8 +4,17 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::*;
-use crate::scene::ShadowTerminator;
-use crate::scene::mesh::{MeshFile, MeshNormals};
+
+/// Adds objects that are no text to a scene.
+pub(super) fn add_meshes(scene: &mut Scene, meshes: &[Object]) {
+    for (index, mesh) in meshes.iter().enumerate() {
+        scene.objects.push(Entry {
+            name: format!("mesh{index}"),
+            span: Span::default(),
+            value: mesh.clone(),
+        });
+    }
+}
 
 impl Writer {
     /// A ball of radius 1 from quads, with its normals; these `lean` to all sides.
