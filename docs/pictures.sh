@@ -5,8 +5,8 @@
 #
 # CANDELA names another binary. The lecture's picture is as large as its scene says; the others are
 # 480 pixels wide, or 320 where there is so much detail that a larger file would be too large. The charts
-# of docs/rgb-or-spectral.md and the picture of docs/layers.md are made each time; the latter needs
-# oiiotool, which tests/setup.sh installs.
+# of docs/rgb-or-spectral.md and the pictures of docs/layers.md and docs/shadow-terminator.md are made each
+# time; the latter two need oiiotool, which tests/setup.sh installs.
 set -eu
 cd "$(dirname "$0")/.."
 candela=${CANDELA:-target/release/candela}
@@ -45,6 +45,16 @@ done
 "$oiiotool" "$work/layer-beauty.png" "$work/layer-key.png" "$work/layer-fill.png" \
     "$work/layer-front.png" "$work/layer-depth.png" "$work/layer-normal.png" \
     --mosaic:pad=4 3x2 --ch R,G,B -d uint8 -o docs/pictures/layers.png
+
+# A part of the knot, four times as large, by either rule.
+for rule in geometric hanika; do
+    sed -e 's/^resolution = .*/resolution = [3840, 2160]/' \
+        -e "s/^shadow_terminator = .*/shadow_terminator = \"$rule\"/" scenes/mesh.toml > "$small"
+    "$candela" render "$small" --crop 1240,640,1720,1080 --samples 16 -o "$work/terminator.exr" --quiet
+    "$candela" tonemap "$work/terminator.exr" -o "$work/terminator.png"
+    "$oiiotool" "$work/terminator.png" --cut 480x440+1240+640 --ch R,G,B -d uint8 \
+        -o "docs/pictures/terminator-$rule.png"
+done
 
 for name; do
     scene=scenes/$name.toml

@@ -23,3 +23,4 @@ mod openimageio;
 mod oracle;
 mod spectral_image;
 mod streaming;
+mod terminator;

@@ -200,6 +200,14 @@ fn generated_scenes() {
     judge(&scenes);
 }
 
+/// Shadow rays that start off the triangles, with all that is hard for them put in on purpose.
+#[test]
+fn generated_terminators() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = generate::count().div_ceil(4);
+    judge(&generate::terminators(count, folder.path()));
+}
+
 /// At how many columns the oracle is done in reasonable time.
 fn affordable_width(scene: &Scene) -> u32 {
     let surfaces: usize = scene

@@ -56,6 +56,9 @@ pub struct HitTerms {
     pub geometric_normal: [f64; 3],
     /// ω_o, the unit direction from p to the viewer.
     pub to_viewer: [f64; 3],
+    /// p′ − p: how far from p its shadow rays start, in meters, where the mesh says
+    /// `shadow_terminator = "hanika"`; else `None`.
+    pub lift: Option<[f64; 3]>,
     /// t of L1: from the eye, or from the image plane of an orthographic camera, to p.
     pub distance: f64,
     /// How far p is from the eye, or from the plane through it, along the view axis: `Z` of
@@ -104,7 +107,8 @@ pub struct LightTerms {
     pub outcome: Outcome,
     /// L4: whether V is 1.
     pub visible: bool,
-    /// The name of the object that stands between, the nearest to p; `None` where V is 1.
+    /// The name of the object that stands between (from p′ on, where shadow rays are lifted), the nearest to p;
+    /// `None` where V is 1.
     pub occluder: Option<String>,
     /// L_i r in cd/m²: what the light's share would be with V = 1; 0 where the light is below the
     /// surface.
@@ -121,7 +125,8 @@ pub enum Outcome {
     Lit,
     /// It is above the surface, but something stands between: V = 0.
     Occluded,
-    /// It is below the surface, n·ω_i ≤ 0 for the geometric normal: it adds nothing.
+    /// It is below the surface, n·ω_i ≤ 0 for the geometric normal, or for n where shadow rays are lifted: it
+    /// adds nothing.
     Below,
     /// It is at the point itself, d = 0: it adds nothing.
     AtPoint,
@@ -150,6 +155,7 @@ impl Oracle {
             normal: hit.normal,
             geometric_normal: hit.geometric_normal,
             to_viewer: hit.to_viewer,
+            lift: hit.lift.map(|lift| lift.way),
             distance: hit.distance,
             depth: self.camera.depth(hit.position),
         }
@@ -160,7 +166,7 @@ impl Oracle {
         let term = self.term(hit, light);
         let occluder = match term.outcome {
             Outcome::Lit | Outcome::AtPoint => None,
-            Outcome::Occluded | Outcome::Below => self.occluder(hit, &self.segment(hit, light)),
+            Outcome::Occluded | Outcome::Below => self.occluder(hit, light),
         };
         LightTerms {
             name: light.name.clone(),

@@ -1,8 +1,10 @@
 //! The nearest hit of a primary ray: p, n and ω_o.
 
 use super::camera::Ray;
-use super::surface::{Shape, barycentric};
+use super::surface::{Shape, Surface, barycentric};
+use super::terminator::OnTriangle;
 use super::vector::{Vector, add, dot, negate, scale, subtract, unit};
+use crate::scene::ShadowTerminator;
 
 /// The nearest point along a primary ray.
 pub(super) struct Hit {
@@ -18,10 +20,22 @@ pub(super) struct Hit {
     pub(super) normal: Vector,
     /// ω_o
     pub(super) to_viewer: Vector,
+    /// Where the mesh says so, how shadow rays start elsewhere than at p.
+    pub(super) lift: Option<Lift>,
+}
+
+/// `shadow_terminator = "hanika"` at a point.
+#[derive(Clone, Copy)]
+pub(super) struct Lift {
+    /// p′ − p
+    pub(super) way: Vector,
+    /// The size of the coordinates from which p′ is computed, beside those of p.
+    pub(super) magnitude: f64,
 }
 
 impl Hit {
-    pub(super) fn new(surface: usize, shape: &Shape, ray: &Ray, distance: f64) -> Self {
+    pub(super) fn new(index: usize, surface: &Surface, ray: &Ray, distance: f64) -> Self {
+        let shape = &surface.shape;
         let to_viewer = negate(ray.direction);
         let on_ray = ray.at(distance);
         let (position, outward) = match shape {
@@ -33,15 +47,24 @@ impl Hit {
             }
         };
         let geometric_normal = turned_towards(outward, to_viewer);
+        let interpolated = interpolated_normal(shape, ray);
+        let lift = match surface.shadow_terminator {
+            ShadowTerminator::Geometric => None,
+            ShadowTerminator::Hanika => {
+                let is_behind = |normal| dot(normal, geometric_normal) < 0.0;
+                interpolated.and_then(|normal| lift(shape, ray, position, is_behind(normal)))
+            }
+        };
         Self {
-            surface,
+            surface: index,
             distance,
             position,
             geometric_normal,
-            normal: interpolated_normal(shape, ray).map_or(geometric_normal, |normal| {
+            normal: interpolated.map_or(geometric_normal, |normal| {
                 turned_towards(normal, geometric_normal)
             }),
             to_viewer,
+            lift,
         }
     }
 }
@@ -74,6 +97,32 @@ fn interpolated_normal(shape: &Shape, ray: &Ray) -> Option<Vector> {
         | Shape::Sphere { .. }
         | Shape::Plane { .. } => None,
     }
+}
+
+/// How a point of a smooth triangle is lifted; `is_behind` where its vertex normals are on the far side.
+fn lift(shape: &Shape, ray: &Ray, position: Vector, is_behind: bool) -> Option<Lift> {
+    let Shape::Triangle {
+        vertices,
+        vertex_normals: Some(normals),
+        ..
+    } = shape
+    else {
+        return None;
+    };
+    let point = OnTriangle {
+        position,
+        vertices: *vertices,
+        normals: if is_behind {
+            normals.map(negate)
+        } else {
+            *normals
+        },
+        barycentric: barycentric(ray.origin, ray.direction, vertices)?,
+    };
+    Some(Lift {
+        way: point.lift(),
+        magnitude: point.magnitude(),
+    })
 }
 
 /// Whether the way from a point of a sphere to the light starts into the sphere.

@@ -11,6 +11,7 @@
 //! | L2 | ‖r(t) − c‖² = R² | `surface`: `ray_sphere`, `ray_plane`, `ray_triangle` |
 //! | L3 | L_i = I / d² | `lighting`: `incident_light` |
 //! | L4 | V ∈ {0, 1} | `occlusion`: `sphere_between`, `plane_between`, `triangle_between` |
+//! | | p′ = p + Σ bᵢ max(0, (vᵢ − p)·nᵢ) nᵢ | `terminator`: `OnTriangle::lift` |
 //! | L5 | r_d = k_d cos(n, ω_i) | `lighting`: `diffuse_reflectance` |
 //! | L6 | ω_r = 2 (n·ω_i) n − ω_i | `lighting`: `ideal_reflection` |
 //! | L7 | r_s = k_s cosⁿ(ω_o, ω_r) | `lighting`: `specular_reflectance` |
@@ -44,6 +45,7 @@ mod lighting;
 mod occlusion;
 mod spectrum;
 mod surface;
+mod terminator;
 #[cfg(test)]
 mod tests;
 mod upsampling;
@@ -61,7 +63,7 @@ use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
 use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
 use surface::{Shape, Surface};
 use value::Palette;
-use vector::{Vector, ZERO, dot, length, subtract, unit};
+use vector::{Vector, ZERO, add, dot, length, subtract, unit};
 
 /// A scene, ready for the equations.
 #[derive(Clone, Debug)]
@@ -269,12 +271,7 @@ impl Oracle {
             }
         }
         let (surface, distance) = nearest?;
-        Some(Hit::new(
-            surface,
-            &self.surfaces[surface].shape,
-            ray,
-            distance,
-        ))
+        Some(Hit::new(surface, &self.surfaces[surface], ray, distance))
     }
 
     /// L9: the sum over all lights.
@@ -299,7 +296,7 @@ impl Oracle {
 
         let outcome = if !self.light_is_above(hit, &segment, to_light) {
             Outcome::Below
-        } else if self.occluder(hit, &segment).is_some() {
+        } else if self.occluder(hit, light).is_some() {
             Outcome::Occluded
         } else {
             Outcome::Lit
@@ -329,9 +326,14 @@ impl Oracle {
         }
     }
 
-    /// Whether n·ω_i > 0 for the geometric normal. For what is flat, the light itself tells,
-    /// without the rounding of p: one in the plane of a floor is not above it.
+    /// Whether n·ω_i > 0 for the geometric normal; for the interpolated one, where shadow rays are lifted. For
+    /// what is flat, the light itself tells, without the rounding of p: one in the plane of a floor is not
+    /// above it.
     fn light_is_above(&self, hit: &Hit, segment: &Segment, to_light: Vector) -> bool {
+        if hit.lift.is_some() {
+            let (_, light) = segment.sides_of_plane(hit.position, hit.normal);
+            return light == Side::Above;
+        }
         match &self.surfaces[hit.surface].shape {
             Shape::Sphere { .. } => dot(hit.geometric_normal, to_light) > 0.0,
             Shape::Plane { point, .. }
@@ -345,9 +347,10 @@ impl Oracle {
         }
     }
 
-    /// L4: V = 0 where there is one; the surface that stands strictly between p and p_L, of
-    /// several the nearest to p.
-    fn occluder(&self, hit: &Hit, segment: &Segment) -> Option<usize> {
+    /// L4: V = 0 where there is one; the surface that stands strictly between p, or p′ where shadow rays are
+    /// lifted, and p_L, of several the nearest to p.
+    fn occluder(&self, hit: &Hit, light: &PointLight) -> Option<usize> {
+        let segment = &self.shadow_segment(hit, light);
         let mut nearest: Option<(usize, f64)> = None;
         for (index, surface) in self.surfaces.iter().enumerate() {
             let own = index == hit.surface;
@@ -380,6 +383,19 @@ impl Oracle {
             to: light.position,
             magnitude: length(hit.position) + self.surfaces[hit.surface].shape.magnitude(),
             reference: length(self.reference),
+        }
+    }
+
+    /// The segment on which something may stand: from p, or from p′.
+    fn shadow_segment(&self, hit: &Hit, light: &PointLight) -> Segment {
+        let segment = self.segment(hit, light);
+        match hit.lift {
+            None => segment,
+            Some(lift) => Segment {
+                from: add(hit.position, lift.way),
+                magnitude: segment.magnitude + lift.magnitude,
+                ..segment
+            },
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::camera::Ray;
 use super::vector::{Vector, add, cross, dot, length, multiply, scale, subtract, unit};
-use crate::scene::{MeshFile, Object};
+use crate::scene::{MeshFile, Object, ShadowTerminator};
 
 /// A sphere, a plane or one triangle, in the oracle's coordinates.
 #[derive(Clone, Debug)]
@@ -11,6 +11,8 @@ pub(super) struct Surface {
     pub(super) object: usize,
     /// For a triangle of a mesh, its index in the mesh file.
     pub(super) triangle: Option<usize>,
+    /// Where its shadow rays start, if it has vertex normals.
+    pub(super) shadow_terminator: ShadowTerminator,
     pub(super) shape: Shape,
 }
 
@@ -43,6 +45,7 @@ impl Surface {
         let surface = |triangle, shape| Self {
             object: index,
             triangle,
+            shadow_terminator: ShadowTerminator::Geometric,
             shape,
         };
         match object {
@@ -72,6 +75,7 @@ impl Surface {
                 rotate,
                 translate,
                 smooth,
+                shadow_terminator,
                 geometry,
                 ..
             } => {
@@ -84,7 +88,10 @@ impl Surface {
                 (0..geometry.triangles.len())
                     .filter_map(|triangle| {
                         let shape = transform.triangle(geometry, triangle, *smooth)?;
-                        Some(surface(Some(triangle), shape))
+                        Some(Self {
+                            shadow_terminator: *shadow_terminator,
+                            ..surface(Some(triangle), shape)
+                        })
                     })
                     .collect()
             }

@@ -17,7 +17,7 @@ pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 pub use mesh::MeshFile;
 pub use read::{Broken, Reading};
-pub use value::{ColorSpace, Transport, Unit, Value};
+pub use value::{ColorSpace, ShadowTerminator, Transport, Unit, Value};
 
 use crate::spectrum::Observer;
 
@@ -184,6 +184,8 @@ pub enum Object {
         translate: Spanned<[f64; 3]>,
         /// Whether vertex normals are used where the file has them. Default true.
         smooth: bool,
+        /// Where the shadow rays of a smooth mesh start. Default [`ShadowTerminator::Geometric`].
+        shadow_terminator: ShadowTerminator,
         /// What the file holds, shared by all objects that name it.
         geometry: Arc<MeshFile>,
     },

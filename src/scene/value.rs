@@ -111,6 +111,33 @@ impl Transport {
     }
 }
 
+/// Where the light of a smooth mesh ends, `shadow_terminator`: what its triangles hide of themselves
+/// although the normals between their vertices still face the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ShadowTerminator {
+    /// At the triangles: a shadow ray starts at the hit point p, and a light counts where it is above the
+    /// triangle.
+    #[default]
+    Geometric,
+    /// At the surface that the vertex normals describe (Hanika, "Hacking the Shadow Terminator", Ray
+    /// Tracing Gems II, 2021): a shadow ray starts at p′ = p + Σ bᵢ max(0, (vᵢ − p)·nᵢ) nᵢ, and a light
+    /// counts where it is above the plane through p across the interpolated normal.
+    Hanika,
+}
+
+impl ShadowTerminator {
+    /// Every choice, in the order of the documentation.
+    pub const ALL: [Self; 2] = [Self::Geometric, Self::Hanika];
+
+    /// The name in a scene file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Geometric => "geometric",
+            Self::Hanika => "hanika",
+        }
+    }
+}
+
 impl Unit {
     /// Every unit, in the order of the documentation.
     pub const ALL: [Self; 4] = [

@@ -19,8 +19,8 @@ pub(crate) struct Facing {
 }
 
 impl Points {
-    /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane,
-    /// further from it than rounding errors. A light in the very plane of a floor is not above it. And
+    /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane (of lifted
+    /// points the one across the interpolated normal), further from it than rounding errors. A light in the very plane of a floor is not above it. And
     /// whether it is at the point itself (d = 0), as far as can be told.
     #[inline(always)]
     pub(crate) fn facing<S: Simd>(&self, simd: S, world: &World, light: Point) -> Facing {
@@ -42,7 +42,7 @@ impl Points {
             if hit == 0 {
                 continue;
             }
-            let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
+            let normal = self.facing_normals(simd, packet);
             let plane = Lanes::load(simd, &self.plane[packet * LANES..]);
             let height = normal.dot_with(light.0) - plane;
             let above = height.gt(room).to_bits();
@@ -76,7 +76,7 @@ impl Points {
                 // Of flat shapes a point is known exactly.
                 let mut flat = 0;
                 let mut points = [[0.0; LANES]; 3];
-                for lane in ones(hit) {
+                for lane in ones(hit & !self.lifts.points[packet]) {
                     if let Some(point) = flat_point(world, Primitive(self.primitive[lanes + lane]))
                     {
                         flat |= 1 << lane;
@@ -93,7 +93,7 @@ impl Points {
                 // The largest component stands for the length, which is at most √3 times as long.
                 let light_length = light.0.abs().max_element();
                 let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
-                let normal = Vectors::load(simd, columns(&self.geometric_normal, packet));
+                let normal = self.facing_normals(simd, packet);
                 let is_above = normal.dot(to_light).gt(rounding + known_to);
                 let way = position.minus(light.0);
                 let is_at = way.dot(way).le(error * error).to_bits() & hit;

@@ -18,6 +18,7 @@ mod canvas;
 mod disc;
 mod extent;
 mod facing;
+mod lift;
 mod nodes;
 mod outline;
 mod packet;
@@ -451,9 +452,10 @@ impl<'w> Visibility<'w> {
             #[inline(always)]
             || {
                 let lanes = packet * LANES;
+                let starts = points.starts();
                 let ends = Ends {
-                    position: Vectors::load(simd, columns(&points.position, packet)),
-                    error: Lanes::load(simd, &points.error[lanes..]),
+                    position: Vectors::load(simd, columns(starts.position, packet)),
+                    error: Lanes::load(simd, &starts.error[lanes..]),
                     primitive: Ids::load(simd, &points.primitive[lanes..]),
                 };
                 let mut shadow = Shadow {
@@ -474,8 +476,8 @@ impl<'w> Visibility<'w> {
         )
     }
 
-    /// L4: which of the points with a bit in `facing` the light reaches. Asked only of points whose
-    /// geometric normal faces the light.
+    /// L4: which of the points with a bit in `facing` the light reaches. Asked only of points that it is
+    /// [above of](Points::facing).
     #[inline(never)]
     pub(crate) fn lit<S: Simd>(
         &self,
@@ -523,8 +525,9 @@ impl<'w> Visibility<'w> {
         }
         groups.clear();
         groups.push(facing);
+        let starts = points.starts();
         // All points of the batch will often do.
-        let [least, most] = points.bounds;
+        let [least, most] = starts.bounds;
         let mut range =
             Some([least - light.0, most - light.0]).filter(|range| !self.is_wide(range));
         while let Some(group) = groups.pop() {
@@ -572,7 +575,7 @@ impl<'w> Visibility<'w> {
                 points,
                 asked: &group,
             };
-            canvas.error = points.largest_error + light.0.length() * (2.0 * ROUNDING);
+            canvas.error = starts.largest_error + light.0.length() * (2.0 * ROUNDING);
             let is_turned =
                 self.uses_canvas && is_worth && canvas.turn_to_ends(light.0, [least, most]);
             // Around a point of a mesh, neighbors are always on the way to the box.
@@ -631,8 +634,8 @@ fn longest([least, most]: &[DVec3; 2]) -> f64 {
     least.abs().max(most.abs()).max_element()
 }
 
-/// From a light to the points of a packet.
+/// From a light to where its shadow rays from the points of a packet start.
 #[inline(always)]
 fn way<S: Simd>(simd: S, points: &Points, packet: usize, light: Point) -> Vectors<S> {
-    Vectors::load(simd, columns(&points.position, packet)).minus(light.0)
+    Vectors::load(simd, columns(points.starts().position, packet)).minus(light.0)
 }

@@ -50,11 +50,23 @@ impl Points {
             |lane| all_three(smooth.normals(lane), Normal::get),
         );
         let geometric = Vectors::load(simd, columns(&self.geometric_normal, packet));
-        let normal = between(simd, smooth.bits, corners, normals, rays, geometric);
+        let weights = weights(corners, rays);
+        let between = between(simd, smooth.bits, weights, normals, geometric);
+        let normal = between.normal;
         normal.store(columns_mut(&mut self.shading_normal, packet));
         let to_viewer = Vectors::load(simd, columns(&self.to_viewer, packet));
         let cos_viewer = &mut self.cos_viewer[lanes];
         normal.dot(to_viewer).store(cos_viewer);
+        if smooth.lifts {
+            let bits = smooth.lifted(world, &self.primitive[packet * LANES..]);
+            let outwards = [
+                between.on_its_side(normals[0]),
+                between.on_its_side(normals[1]),
+                between.on_its_side(normals[2]),
+            ];
+            let bits = bits & between.has_direction.to_bits();
+            self.lift(simd, packet, bits, &corners, &outwards, &weights);
+        }
     }
 }
 
@@ -62,6 +74,8 @@ impl Points {
 struct Smooth<'w> {
     /// One bit for each ray that hits one.
     bits: u32,
+    /// Whether shadow rays start off some of them.
+    lifts: bool,
     triangle: [u32; LANES],
     /// The normals of its mesh, and the mesh's first triangle.
     mesh: [Option<(&'w MeshNormals, u32)>; LANES],
@@ -71,6 +85,7 @@ impl<'w> Smooth<'w> {
     fn of(world: &'w World, primitives: &[u64], hit: u32) -> Self {
         let mut smooth = Self {
             bits: 0,
+            lifts: false,
             triangle: [0; LANES],
             mesh: [None; LANES],
         };
@@ -83,6 +98,7 @@ impl<'w> Smooth<'w> {
                 mesh = match world.objects()[object as usize].shape {
                     Shape::Mesh(index) => {
                         let mesh = &world.triangles().meshes()[index];
+                        smooth.lifts |= mesh.lifts_shadow_rays();
                         let normals = mesh.normals.as_ref();
                         normals.map(|normals| (normals, mesh.triangles.start))
                     }
@@ -94,6 +110,19 @@ impl<'w> Smooth<'w> {
             smooth.mesh[lane] = mesh;
         }
         smooth
+    }
+
+    /// One bit for each ray that hits a triangle which shadow rays start off.
+    fn lifted(&self, world: &World, primitives: &[u64]) -> u32 {
+        let mut lifted = 0;
+        for lane in ones(self.bits) {
+            let (object, _) = Primitive(primitives[lane]).parts();
+            if let Shape::Mesh(index) = world.objects()[object as usize].shape {
+                let lifts = world.triangles().meshes()[index].lifts_shadow_rays();
+                lifted |= u32::from(lifts) << lane;
+            }
+        }
+        lifted
     }
 
     /// The vertex normals of the triangle that a ray with a bit hits.
@@ -140,18 +169,35 @@ fn sheared<S: Simd>(point: Vectors<S>, slopes: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
     [point.x - slopes[0] * point.z, point.y - slopes[1] * point.z]
 }
 
+/// What vertex normals come to.
+struct Between<S: Simd> {
+    /// On the side of the geometric normal.
+    normal: Vectors<S>,
+    /// Where the vertex normals are on the other side.
+    is_turned: Mask<S>,
+    /// Where they do not cancel each other.
+    has_direction: Mask<S>,
+}
+
+impl<S: Simd> Between<S> {
+    /// Vertex normals, turned as their sum is.
+    #[inline(always)]
+    fn on_its_side(&self, normals: Vectors<S>) -> Vectors<S> {
+        self.is_turned.select_vectors(-normals, normals)
+    }
+}
+
 /// Σ wᵢ nᵢ at unit length and on the side of the geometric normals, for the rays with a bit; the
 /// geometric normals for the others, and where the sum has no direction.
 #[inline(always)]
 fn between<S: Simd>(
     simd: S,
     bits: u32,
-    corners: [Vectors<S>; 3],
+    weights: [Lanes<S>; 3],
     normals: [Vectors<S>; 3],
-    rays: &Rays<S>,
     geometric: Vectors<S>,
-) -> Vectors<S> {
-    let [u, v, w] = weights(corners, rays);
+) -> Between<S> {
+    let [u, v, w] = weights;
     let [a, b, c] = normals;
     // From 0 on, so that no sum of zeros is −0.
     let zero = Vectors::splat(simd, DVec3::ZERO);
@@ -162,7 +208,11 @@ fn between<S: Simd>(
     let is_turned = normal.dot(geometric).lt(Lanes::splat(simd, 0.0));
     let normal = is_turned.select_vectors(-normal, normal);
     let is_smooth = Mask::from_bits(simd, bits) & has_direction;
-    is_smooth.select_vectors(normal, geometric)
+    Between {
+        normal: is_smooth.select_vectors(normal, geometric),
+        is_turned,
+        has_direction,
+    }
 }
 
 #[cfg(test)]
@@ -232,7 +282,8 @@ mod tests {
             let corners = [0, 1, 2].map(|corner: usize| load(&|hit| hit.corners[corner]));
             let normals = [0, 1, 2].map(|corner: usize| load(&|hit| hit.normals[corner]));
             let geometric = load(&|hit| hit.geometric);
-            let found = between(simd, bits, corners, normals, &rays, geometric);
+            let weights = weights(corners, &rays);
+            let found = between(simd, bits, weights, normals, geometric).normal;
             let [x, y, z] = [found.x.to_array(), found.y.to_array(), found.z.to_array()];
             std::array::from_fn(|lane| DVec3::new(x[lane], y[lane], z[lane]))
         }

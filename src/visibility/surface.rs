@@ -5,10 +5,11 @@ use std::ops::Range;
 use fearless_simd::Simd;
 
 use super::canvas::NOTHING;
+use super::lift::Lifts;
 use super::packet::{Nearest, Rays};
 use super::search::Search;
 use super::triangle::{self, Facet, Lie};
-use super::{PLANES, Primitive, ROUNDING, SPHERES, Visibility, outline, plane, ranges};
+use super::{PLANES, Primitive, ROUNDING, SPHERES, Visibility, outline, plane};
 use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
 use crate::math::{DVec3, Direction, SAFE_SQUARES, all_three};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
@@ -65,7 +66,7 @@ pub struct Points {
     /// The normal of the surface, turned towards the viewer.
     pub(super) geometric_normal: [Column; 3],
     /// The geometric normal times a point of the plane that touches the surface at p: for flat shapes one that
-    /// is known exactly, for others p itself.
+    /// is known exactly, for others p itself. Of lifted points the interpolated normal times p.
     pub(super) plane: Column,
     /// Whether `shading_normal` is anything else than the geometric normal.
     is_smooth: bool,
@@ -84,6 +85,8 @@ pub struct Points {
     /// The largest of `error`, and the box around the positions.
     pub(super) largest_error: f64,
     pub(super) bounds: [DVec3; 2],
+    /// Which of them have shadow rays that start elsewhere, and where.
+    pub(super) lifts: Lifts,
     /// Its material, an index into [`World::materials`].
     pub(crate) material: [u32; BATCH],
     /// For each packet, whether all its points have one material.
@@ -108,6 +111,7 @@ impl Default for Points {
             only: Only::Nothing,
             largest_error: 0.0,
             bounds: [DVec3::ZERO; 2],
+            lifts: Lifts::default(),
             material: [0; BATCH],
             is_uniform: [true; PACKETS],
         }
@@ -175,30 +179,16 @@ impl Points {
     pub(super) fn begin(&mut self, is_smooth: bool) {
         self.is_smooth = is_smooth;
         self.only = Only::Nothing;
+        self.lifts.begin();
     }
 
     /// Knows all points, and what they have in common.
     #[inline(always)]
     pub(super) fn end<S: Simd>(&mut self, simd: S) {
-        let zero = Lanes::splat(simd, 0.0);
-        let mut error = zero;
-        for (packet, &hit) in self.hit.iter().enumerate() {
-            if hit == 0 {
-                continue;
-            }
-            let is_hit = Mask::from_bits(simd, hit);
-            let errors = Lanes::load(simd, &self.error[packet * LANES..]);
-            error = is_hit.select(errors, zero).max(error);
+        (self.largest_error, self.bounds) = self.around(simd, &self.position, &self.error);
+        if self.lifts.are_any {
+            self.end_lifted(simd);
         }
-        self.largest_error = error.largest();
-        let ranges = ranges(
-            simd,
-            #[inline(always)]
-            |packet| self.hit[packet],
-            #[inline(always)]
-            |packet| Vectors::load(simd, columns(&self.position, packet)),
-        );
-        self.bounds = ranges.unwrap_or([DVec3::ZERO; 2]);
     }
 
     /// Makes the points of a packet from the nearest hits of some rays, and for the others from what they

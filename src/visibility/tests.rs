@@ -4,9 +4,11 @@ use std::fmt::Write as _;
 
 use super::*;
 use crate::lanes::{Door, Kernel};
-use crate::scene::Scene;
+use crate::scene::mesh::{MeshFile, MeshNormals};
+use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
 
 mod contacts;
+mod lifted;
 
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];
@@ -29,6 +31,8 @@ struct Writer {
     size: f64,
     place: [f64; 3],
     objects: u32,
+    /// Objects that are no text: meshes without a file.
+    meshes: Vec<Object>,
 }
 
 impl Writer {
@@ -69,6 +73,7 @@ impl Writer {
             size,
             place,
             objects: 0,
+            meshes: Vec::new(),
         }
     }
 
@@ -153,7 +158,8 @@ impl Writer {
     #[track_caller]
     fn agrees_through(&self, camera: &str) -> f64 {
         let text = format!("{}{camera}", self.text);
-        let scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
+        lifted::add_meshes(&mut scene, &self.meshes);
         let world = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let plan = Plan::new(&world);
         let canvas = Visibility::new(&world, &plan);

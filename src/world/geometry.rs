@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::math::{DVec3, Normal, Point, all_three};
+use crate::scene::ShadowTerminator;
 use crate::scene::mesh::MeshRemarks;
 
 /// ‖p − c‖ = R. Range: R above 0.
@@ -47,6 +48,8 @@ pub struct Mesh {
     pub triangles: Range<u32>,
     /// Vertex normals where the plan interpolates them.
     pub normals: Option<MeshNormals>,
+    /// Where its shadow rays start, as asked for.
+    pub shadow_terminator: ShadowTerminator,
     /// How many triangles of the file had no area and were dropped.
     pub degenerate: usize,
     /// What of the file was not taken as written.
@@ -88,6 +91,17 @@ pub(crate) fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
 #[inline]
 pub(crate) fn triangle_normal(vertices: [DVec3; 3]) -> Option<Normal> {
     Normal::new(area_vector(from_shorter_edges(vertices)))
+}
+
+impl Mesh {
+    /// Whether its shadow rays start off its triangles, at p′: see [`ShadowTerminator::Hanika`]. Without
+    /// vertex normals nothing says where that is.
+    pub fn lifts_shadow_rays(&self) -> bool {
+        match self.shadow_terminator {
+            ShadowTerminator::Geometric => false,
+            ShadowTerminator::Hanika => self.normals.is_some(),
+        }
+    }
 }
 
 impl Triangles {

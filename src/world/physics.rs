@@ -8,6 +8,7 @@ use super::material::Model;
 use super::{Material, Mesh, Shape, World};
 use crate::math::{DVec3, Point};
 use crate::scene::ColorSpace;
+use crate::scene::ShadowTerminator;
 use crate::scene::mesh::MeshRemarks;
 use crate::spectrum::VISIBLE;
 use crate::units::{Reflectance, Rgb};
@@ -53,6 +54,11 @@ pub enum Warning {
         space: ColorSpace,
         /// The color there, with a channel below 0.
         rgb: [f64; 3],
+    },
+    /// A mesh asks for shadow rays that start off its triangles and is shaded flat.
+    NothingToLift {
+        /// The mesh's name.
+        object: String,
     },
     /// A mesh file is not taken as written in places.
     Mended {
@@ -101,6 +107,11 @@ impl fmt::Display for Warning {
                 "{entry} is outside of {}, [{r:.4} {g:.4} {b:.4}]; the EXR keeps channels below 0, \
                  a PNG cannot",
                 space.name(),
+            ),
+            Self::NothingToLift { object } => write!(
+                f,
+                "`shadow_terminator = \"hanika\"` of object `{object}` does nothing: it is shaded flat, \
+                 for its file has no vertex normals or it says `smooth = false`",
             ),
             Self::Mended { object, remarks } => {
                 let MeshRemarks {
@@ -168,15 +179,21 @@ pub fn warnings(world: &World) -> Vec<Warning> {
     warnings.extend(outside(world));
     for object in world.objects() {
         if let Shape::Mesh(mesh) = object.shape {
+            let mesh = &world.triangles().meshes()[mesh];
             let Mesh {
                 degenerate,
                 remarks,
                 ..
-            } = world.triangles().meshes()[mesh];
+            } = *mesh;
             if degenerate > 0 {
                 warnings.push(Warning::Degenerate {
                     object: object.name.clone(),
                     triangles: degenerate,
+                });
+            }
+            if mesh.shadow_terminator == ShadowTerminator::Hanika && !mesh.lifts_shadow_rays() {
+                warnings.push(Warning::NothingToLift {
+                    object: object.name.clone(),
                 });
             }
             if !remarks.is_empty() {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::World;
+use super::{Mesh, World};
 use crate::scene;
 
 /// Up to this many triangles are gone through one by one: a tree over fewer costs more than it saves.
@@ -44,6 +44,7 @@ pub struct Plan {
     triangles: Acceleration,
     specular: bool,
     interpolated_normals: bool,
+    lifted_shadow_rays: bool,
 }
 
 /// One line of the plan as people read it.
@@ -81,6 +82,7 @@ impl Plan {
                 .iter()
                 .any(|object| world.materials()[object.material].value.is_specular()),
             interpolated_normals: meshes.iter().any(|mesh| mesh.normals.is_some()),
+            lifted_shadow_rays: meshes.iter().any(Mesh::lifts_shadow_rays),
         }
     }
 
@@ -199,6 +201,12 @@ impl Plan {
                 self.interpolated_normals,
                 "a smooth mesh has vertex normals",
                 "no smooth mesh has vertex normals",
+            ),
+            yes_or_no(
+                "lifted shadow rays (L4)",
+                self.lifted_shadow_rays,
+                "a smooth mesh says `shadow_terminator = \"hanika\"`",
+                "no smooth mesh says `shadow_terminator = \"hanika\"`",
             ),
         ]
     }

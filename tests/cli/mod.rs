@@ -574,6 +574,51 @@ fn checks() {
     );
 }
 
+/// A quad that bulges by its normals, through the middle of the scene's ball.
+const BULGE: &str = "v -1 0.5 -1\nv 1 0.5 -1\nv 1 0.5 1\nv -1 0.5 1\n\
+    vn -1 2 -1\nvn 1 2 -1\nvn 1 2 1\nvn -1 2 1\nf 1//1 4//4 3//3 2//2\n";
+
+fn with_bulge(folder: &Path, name: &str, keys: &str) {
+    let mesh = format!("[objects.bulge.mesh]\nmaterial = \"clay\"\nfile = \"bulge.obj\"\n{keys}\n");
+    fs::write(folder.join("bulge.obj"), BULGE).unwrap();
+    fs::write(folder.join(name), format!("{SCENE}\n{mesh}")).unwrap();
+}
+
+/// The plan has lifted shadow rays where a smooth mesh asks for them; on one that is shaded flat it is
+/// said that the key does nothing.
+#[test]
+fn check_says_whether_shadow_rays_are_lifted() {
+    let folder = folder();
+    let hanika = "shadow_terminator = \"hanika\"";
+    for (keys, is_lifted, is_warned) in [
+        ("", false, false),
+        ("shadow_terminator = \"geometric\"", false, false),
+        (hanika, true, false),
+        (
+            "shadow_terminator = \"hanika\"\nsmooth = false",
+            false,
+            true,
+        ),
+    ] {
+        with_bulge(folder.path(), "bulge.toml", keys);
+        let report = succeeds(folder.path(), "check bulge.toml");
+        let (computed, left_out) = report.split_once("left out").unwrap();
+        let line = "lifted shadow rays (L4)";
+        assert_eq!(computed.contains(line), is_lifted, "{report}");
+        assert_eq!(left_out.contains(line), !is_lifted, "{report}");
+        let warning = "of object `bulge` does nothing: it is shaded flat";
+        assert_eq!(report.contains(warning), is_warned, "{report}");
+    }
+    // A file without normals.
+    with_bulge(folder.path(), "bulge.toml", hanika);
+    let flat = BULGE
+        .replace("vn", "# vn")
+        .replace("1//1 4//4 3//3 2//2", "1 4 3 2");
+    fs::write(folder.path().join("bulge.obj"), flat).unwrap();
+    let report = succeeds(folder.path(), "check bulge.toml");
+    assert!(report.contains("does nothing"), "{report}");
+}
+
 /// What is left out of the report for its cost is said.
 #[test]
 fn check_says_why_colors_are_not_compared() {

@@ -6,7 +6,7 @@ use std::path::Path;
 use candela::spectrum::tables;
 use serde_json::Value;
 
-use super::{RESOLUTION, SCENE, fails, folder, image, succeeds};
+use super::{RESOLUTION, SCENE, fails, folder, image, succeeds, with_bulge};
 
 fn triple(value: &Value) -> [f64; 3] {
     let numbers: Vec<f64> = value
@@ -191,5 +191,40 @@ fn a_spectrum_that_cannot_be() {
         let arguments = format!("probe ball.toml --pixel 0,0 --spectrum={range}");
         let message = fails(folder.path(), &arguments, 2);
         assert!(message.contains("--spectrum"), "{message}");
+    }
+}
+
+/// Where shadow rays start off the triangle, by how much; else nothing is said of it.
+#[test]
+fn a_probe_tells_the_lift() {
+    let folder = folder();
+    for (rule, is_lifted) in [("geometric", false), ("hanika", true)] {
+        with_bulge(
+            folder.path(),
+            "bulge.toml",
+            &format!("shadow_terminator = \"{rule}\""),
+        );
+        for (pixel, object) in [
+            ("20,22", "bulge"),
+            ("40,22", "bulge"),
+            ("41,21", "bulge"),
+            ("30,35", "floor"),
+        ] {
+            let at = format!("probe bulge.toml --pixel {pixel}");
+            let report = succeeds(folder.path(), &format!("{at} --json"));
+            let report: Value = serde_json::from_str(&report).unwrap();
+            let hit = &report["hit"];
+            assert_eq!(hit["object"], object, "{pixel}");
+            let table = succeeds(folder.path(), &at);
+            if is_lifted && object == "bulge" {
+                let [_, rise, _] = triple(&hit["lift"]);
+                assert!(rise > 0.1, "{report}");
+                assert!(table.contains("L4  p′ − p, lift"), "{table}");
+                assert!(table.contains("shadow rays start at p′, 0."), "{table}");
+            } else {
+                assert!(hit["lift"].is_null(), "{report}");
+                assert!(!table.contains("lift"), "{table}");
+            }
+        }
     }
 }

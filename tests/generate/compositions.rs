@@ -68,6 +68,7 @@ impl Draft<'_> {
             columns: 36,
             rows: 20,
             position: &position,
+            lean: 0.0,
         };
         self.mesh(&material, [0.0; 3], &patch);
         let material = self.material();
@@ -91,6 +92,7 @@ impl Draft<'_> {
             columns: 24,
             rows: 24,
             position: &height,
+            lean: 0.0,
         };
         self.mesh(&material, [0.0, -0.5, 0.0], &terrain);
         // Its poles are rows of equal points: half of their triangles have no area.
@@ -108,6 +110,7 @@ impl Draft<'_> {
             columns: 24,
             rows: 12,
             position: &ball,
+            lean: 0.0,
         };
         let material = self.material();
         self.mesh(&material, [0.0, 0.6, 0.0], &ball);
@@ -216,6 +219,47 @@ impl Draft<'_> {
             let height = self.random.log_between(1e-3, 3.0);
             self.light([x, height, z]);
         }
+    }
+
+    /// Coarse meshes, some with normals that lean to all sides, within each other and within a sphere, and lights
+    /// near their surfaces, within and at their middle: shadow rays start far off the triangles, also
+    /// beyond a light.
+    pub(super) fn terminators(&mut self) {
+        let direction = self.random.direction();
+        self.camera(along([0.0; 3], direction, 4.0), [0.0; 3]);
+        for _ in 0..self.random.count(1, 3) {
+            let material = self.material();
+            let dented = self.random.choice(&[0.0, 0.0, 0.3]);
+            let ball = |u: f64, v: f64| {
+                let radius = 0.8 + dented * (2.0 * TAU * u).sin() * (PI * v).sin();
+                let ring = if v == 0.0 || v == 1.0 {
+                    0.0
+                } else {
+                    radius * (PI * v).sin()
+                };
+                let (sin, cos) = (TAU * u).sin_cos();
+                [ring * cos, radius * (PI * v).cos(), ring * sin]
+            };
+            let patch = Patch {
+                columns: self.random.count(4, 14) as usize,
+                rows: self.random.count(3, 8) as usize,
+                position: &ball,
+                lean: self.random.choice(&[0.0, 0.0, 0.3, 1.0, 3.0]),
+            };
+            let center = self.random.point(0.6);
+            self.mesh(&material, center, &patch);
+            for _ in 0..self.random.count(0, 2) {
+                let way = self.random.direction();
+                let height = self.random.choice(&[0.0, 0.5, 0.7, 0.8, 0.9, 1.2]);
+                self.light(along(center, way, height));
+            }
+        }
+        let (material, center) = (self.material(), self.random.point(0.8));
+        self.sphere(&material, center, 0.4);
+        let normal = self.towards(direction);
+        let material = self.material();
+        self.plane(&material, along([0.0; 3], normal, -0.9), normal);
+        self.lights(1, 3);
     }
 
     pub(super) fn room(&mut self) {

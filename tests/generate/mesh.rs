@@ -2,13 +2,15 @@
 
 use std::fmt::Write;
 
-use super::{Vector, along};
+use super::{Random, Vector, along};
 
 /// A surface over a grid of (u, v), each from 0 to 1.
 pub(super) struct Patch<'s> {
     pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) position: &'s dyn Fn(f64, f64) -> Vector,
+    /// How far the normals lean from those of the surface, at random; from 1 on in any direction.
+    pub(super) lean: f64,
 }
 
 /// How a mesh is written; the numbers are the same f32 in all.
@@ -134,8 +136,17 @@ impl Patch<'_> {
             dv[2] * du[0] - dv[0] * du[2],
             dv[0] * du[1] - dv[1] * du[0],
         ];
-        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let n = normal.map(|x| x / length);
+        let unit = |v: Vector| {
+            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            v.map(|x| x / length)
+        };
+        let n = unit(normal);
+        let n = if self.lean == 0.0 {
+            n
+        } else {
+            let seed = (u * 1e6) as u64 ^ ((v * 1e6) as u64) << 32;
+            unit(along(n, Random::new(seed).direction(), self.lean))
+        };
         [p[0], p[1], p[2], n[0], n[1], n[2]].map(|value| value as f32)
     }
 }

@@ -85,13 +85,26 @@ fn along(from: Vector, direction: Vector, distance: f64) -> Vector {
     std::array::from_fn(|i| from[i] + direction[i] * distance)
 }
 
-/// All scenes with their names; mesh files go to `folder`.
-pub(crate) fn scenes(folder: &Path) -> Vec<(String, Scene)> {
-    let count = match std::env::var("CANDELA_SCENES") {
+/// How many scenes there are.
+pub(crate) fn count() -> u64 {
+    match std::env::var("CANDELA_SCENES") {
         Ok(count) => count.parse().expect("CANDELA_SCENES is a number of scenes"),
         Err(_) => COUNT,
-    };
-    (0..count).map(|seed| scene(seed, folder)).collect()
+    }
+}
+
+/// All scenes with their names; mesh files go to `folder`.
+pub(crate) fn scenes(folder: &Path) -> Vec<(String, Scene)> {
+    (0..count()).map(|seed| scene(seed, folder)).collect()
+}
+
+/// So many scenes of smooth meshes whose shadow rays start off their triangles, beside those of [`scenes`].
+pub(crate) fn terminators(count: u64, folder: &Path) -> Vec<(String, Scene)> {
+    // Seeds that no other scene has.
+    let seeds = (0..count).map(|seed| seed + (1 << 40));
+    seeds
+        .map(|seed| compose(seed, "terminators", Draft::terminators, folder))
+        .collect()
 }
 
 /// Writes a kind of scene.
@@ -110,9 +123,18 @@ fn scene<'f>(seed: u64, folder: &'f Path) -> (String, Scene) {
         ("grazing", Draft::grazing),
         ("room", Draft::room),
     ];
-    let (kind, compose) = kinds[(seed % kinds.len() as u64) as usize];
+    let (kind, composition) = kinds[(seed % kinds.len() as u64) as usize];
+    compose(seed, kind, composition, folder)
+}
+
+fn compose<'f>(
+    seed: u64,
+    kind: &str,
+    composition: Compose<'f>,
+    folder: &'f Path,
+) -> (String, Scene) {
     let mut draft = Draft::new(seed, folder);
-    compose(&mut draft);
+    composition(&mut draft);
     let name = format!("{seed} {kind}");
     let scene = Scene::parse(&draft.text, folder.join("generated.toml"))
         .unwrap_or_else(|error| panic!("{name}:\n{error}\n{}", draft.text));
@@ -329,9 +351,15 @@ impl<'f> Draft<'f> {
         };
         let rotate = self.random.point(180.0);
         let center = self.place(center);
+        // Of numbers apart, so that the scenes are the same but for this.
+        let terminator = match Random::new(!(self.seed << 8 | self.objects)).count(0, 3) {
+            0 => "",
+            1 => "shadow_terminator = \"geometric\"\n",
+            _ => "shadow_terminator = \"hanika\"\n",
+        };
         let keys = format!(
             "file = \"{file}\"\nscale = {scale}\nrotate = {rotate:?}\ntranslate = {center:?}\n\
-             smooth = {smooth}\n"
+             smooth = {smooth}\n{terminator}"
         );
         self.object("mesh", material, &keys);
     }
@@ -358,6 +386,8 @@ fn scenes_are_legal_and_cover_the_format() {
         ".obj\"",
         "smooth = true",
         "smooth = false",
+        "shadow_terminator = \"geometric\"",
+        "shadow_terminator = \"hanika\"",
         "[camera.perspective]",
         "[camera.orthographic]",
         ".phong]",

@@ -165,6 +165,14 @@ impl Table {
             self.row("    n of the triangle", hit.geometric_normal, "");
         }
         self.row("    ω_o, to the viewer", hit.to_viewer, "");
+        if let Some(lift) = hit.lift {
+            let length = lift.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let remark = match length {
+                0.0 => "m: shadow rays start at p".to_owned(),
+                _ => format!("m: shadow rays start at p′, {} m off", number(length)),
+            };
+            self.row("L4  p′ − p, lift", lift, remark);
+        }
     }
 
     fn material(&mut self, material: &MaterialTerms) {

@@ -196,7 +196,7 @@ fn meshes_are_scaled_then_rotated_about_x_y_z_then_moved() {
         scale: [2.0, 3.0, 4.0],
         rotate: [90.0, 0.0, 90.0],
         translate: [10.0, 20.0, 30.0],
-        smooth: true,
+        ..AS_IS
     };
     // (1, 1, 1) → scaled (2, 3, 4) → about x: (2, −4, 3) → about z: (4, 2, 3) → moved.
     assert_same(position(all, [1.0; 3]), [14.0, 22.0, 33.0]);

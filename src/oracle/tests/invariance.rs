@@ -22,6 +22,7 @@ fn lecture(scale: f64, moved: [f64; 3]) -> Scene {
                 rotate: [10.0, 20.0, 30.0],
                 translate: at([-1.0, 1.0, -0.5]),
                 smooth: true,
+                shadow_terminator: ShadowTerminator::Hanika,
             },
         )
         .light(at([3.0, 4.0, 3.0]), 30.0)

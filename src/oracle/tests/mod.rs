@@ -10,8 +10,8 @@ use std::sync::Arc;
 use super::{LightTerms, Oracle};
 use crate::scene::mesh::{MeshFile, MeshNormals, MeshRemarks};
 use crate::scene::{
-    Camera, Entry, Image, Light, Lobes, Material, Object, Scene, Source, Span, Spanned, Transport,
-    Value, View,
+    Camera, Entry, Image, Light, Lobes, Material, Object, Scene, ShadowTerminator, Source, Span,
+    Spanned, Transport, Value, View,
 };
 use crate::spectrum::Observer;
 
@@ -153,6 +153,7 @@ impl Builder {
             rotate: placed.rotate.into(),
             translate: placed.translate.into(),
             smooth: placed.smooth,
+            shadow_terminator: placed.shadow_terminator,
             geometry: Arc::clone(geometry),
         })
     }
@@ -179,6 +180,7 @@ struct Placed {
     rotate: [f64; 3],
     translate: [f64; 3],
     smooth: bool,
+    shadow_terminator: ShadowTerminator,
 }
 
 /// As in the file, with its normals.
@@ -187,6 +189,7 @@ const AS_IS: Placed = Placed {
     rotate: [0.0; 3],
     translate: [0.0; 3],
     smooth: true,
+    shadow_terminator: ShadowTerminator::Geometric,
 };
 
 /// A sphere of radius 1 around the origin from `rows` × 2 `rows` quads, with its normals; every

@@ -393,3 +393,88 @@ fn the_side_of_a_smooth_surface_is_that_of_its_triangles() {
     assert_near(between.cos_incident, 1.0, ROUNDING);
     assert!(dot(between.to_light, between.reflected) > 1.0 - ROUNDING);
 }
+
+/// The middle of an arc's chord from −θ to θ: sin²θ below both tangent planes, lifted by cos θ sin²θ.
+#[test]
+fn shadow_rays_start_off_a_chord() {
+    let (sin, cos) = 0.5_f64.sin_cos();
+    let [left, right] = [-sin, sin].map(|x| [x, cos]);
+    let corner = |[x, y]: [f64; 2], z: f64| [x, y, z];
+    let mesh = Arc::new(MeshFile {
+        positions: vec![
+            corner(left, -1.0),
+            corner(right, -1.0),
+            corner(right, 1.0),
+            corner(left, 1.0),
+        ],
+        triangles: vec![[0, 2, 1], [0, 3, 2]],
+        normals: Some(MeshNormals {
+            vectors: [left, right, right, left]
+                .map(|at| corner(at, 0.0))
+                .to_vec(),
+            triangles: None,
+        }),
+        ..MeshFile::default()
+    });
+    let hanika = Placed {
+        shadow_terminator: ShadowTerminator::Hanika,
+        ..AS_IS
+    };
+    let seen = |height: f64, placed| {
+        Builder::looking([0.0, height, 1.0], [0.0, cos, 0.25]).mesh(&mesh, placed)
+    };
+    let lift = |scene: &Builder| {
+        let explanation = scene.oracle().explain(0.5, 0.5);
+        explanation.hit.expect("the chord is seen").lift
+    };
+    let outside = seen(3.0, hanika);
+    let [x, y, z] = lift(&outside).expect("it is lifted");
+    assert_near(y, cos * sin * sin, ROUNDING);
+    assert!(x.hypot(z) < 1e-15, "{x} {z}");
+    // From within, the arc is hollow, and with the flat normal nothing is asked for.
+    assert_eq!(lift(&seen(-3.0, hanika)), Some([0.0; 3]));
+    assert_eq!(lift(&seen(3.0, AS_IS)), None);
+    let flat = Placed {
+        smooth: false,
+        ..hanika
+    };
+    assert_eq!(lift(&seen(3.0, flat)), None);
+}
+
+/// A light beside the end of a triangle but before the tangent plane of p: below for the one rule, above for
+/// the other; and something that is in the way of p alone, or of p′ alone.
+#[test]
+fn the_interpolated_normal_tells_the_side() {
+    let leaning = Arc::new(MeshFile {
+        positions: vec![[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 1.0]],
+        triangles: vec![[0, 2, 1]],
+        normals: Some(MeshNormals {
+            vectors: vec![[-0.6, 0.8, 0.0], [0.6, 0.8, 0.0], [0.6, 0.8, 0.0]],
+            triangles: None,
+        }),
+        ..MeshFile::default()
+    });
+    let seen = |shadow_terminator| {
+        let placed = Placed {
+            shadow_terminator,
+            ..AS_IS
+        };
+        Builder::looking([0.0, 3.0, 1.0], [0.0; 3]).mesh(&leaning, placed)
+    };
+    // n is (0.3, 0.8, 0) at unit length.
+    let light = [4.0, -0.5, 0.0];
+    let [below, above] = [ShadowTerminator::Geometric, ShadowTerminator::Hanika].map(seen);
+    assert_eq!(outcome(&below.light(light, 1.0)), Outcome::Below);
+    assert_eq!(outcome(&above.light(light, 1.0)), Outcome::Lit);
+    // p is lifted by 0.24: over a sliver on the way from p to a light.
+    let sliver = [[0.5, 0.1, -1.0], [0.5, 0.1, 1.0], [0.5, -0.1, 0.0]];
+    for (terminator, expected) in [
+        (ShadowTerminator::Geometric, Outcome::Occluded),
+        (ShadowTerminator::Hanika, Outcome::Lit),
+    ] {
+        let scene = seen(terminator)
+            .triangle(sliver)
+            .light([4.0, 0.1, 0.0], 1.0);
+        assert_eq!(outcome(&scene), expected);
+    }
+}

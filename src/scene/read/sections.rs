@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use toml::de::{DeTable, DeValue};
 
 use super::super::diagnostic::{Problem, Span, Spanned};
-use super::super::value::{Transport, Value};
+use super::super::value::{ShadowTerminator, Transport, Value};
 use super::super::{Camera, Image, Light, Lobes, MAX_RESOLUTION, Material, Object, View};
 use super::Node;
 use super::entries::{Choice, Section, Variants, header, one_variant};
@@ -279,6 +279,11 @@ const SMOOTH: Key = Key {
     value: "`true` or `false`",
     line: "`smooth = true`",
 };
+const SHADOW_TERMINATOR: Key = key!(
+    "shadow_terminator",
+    "where shadow rays start, `\"geometric\"` or `\"hanika\"`",
+    "\"hanika\""
+);
 
 fn sphere(fields: &mut Fields<'_, '_, '_>) -> Option<Object> {
     let material = fields.string(&MATERIAL);
@@ -333,6 +338,12 @@ fn mesh(fields: &mut Fields<'_, '_, '_>) -> Option<Object> {
     let rotate = fields.vector_or(&ROTATE, [0.0; 3]);
     let translate = fields.vector_or(&TRANSLATE, [0.0; 3]);
     let smooth = fields.boolean_or(&SMOOTH, true);
+    let shadow_terminator = fields.choice(
+        &SHADOW_TERMINATOR,
+        "shadow terminator",
+        &ShadowTerminator::ALL,
+        ShadowTerminator::name,
+    );
     let file = file?;
     let geometry = fields.reader.mesh(&file);
     Some(Object::Mesh {
@@ -342,6 +353,7 @@ fn mesh(fields: &mut Fields<'_, '_, '_>) -> Option<Object> {
         rotate: rotate?,
         translate: translate?,
         smooth: smooth?,
+        shadow_terminator: shadow_terminator?.value,
         geometry: geometry?,
     })
 }

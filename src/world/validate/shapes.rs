@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{LARGEST, Reported, Validator, listed};
 use crate::math::{Normal, all_three};
 use crate::scene::mesh::MeshRemarks;
-use crate::scene::{self, MeshFile, Problem, Span, Spanned};
+use crate::scene::{self, MeshFile, Problem, ShadowTerminator, Span, Spanned};
 use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
 use crate::world::{Shape, World};
 
@@ -50,6 +50,7 @@ impl Validator<'_> {
                 rotate,
                 translate,
                 smooth,
+                shadow_terminator,
                 geometry,
                 ..
             } => {
@@ -62,6 +63,9 @@ impl Validator<'_> {
                     file.span,
                     &mut world.triangles,
                 )?;
+                if let Some(mesh) = world.triangles.meshes.last_mut() {
+                    mesh.shadow_terminator = *shadow_terminator;
+                }
                 Shape::Mesh(world.triangles.meshes.len() - 1)
             }
         };
@@ -110,6 +114,7 @@ impl Validator<'_> {
             object,
             triangles: start..start + 1,
             normals: None,
+            shadow_terminator: ShadowTerminator::default(),
             degenerate: 0,
             remarks: MeshRemarks::default(),
         });
@@ -215,6 +220,7 @@ impl Validator<'_> {
             object,
             triangles: start as u32..triangles.len() as u32,
             normals,
+            shadow_terminator: ShadowTerminator::default(),
             degenerate: file.triangles.len() - count,
             remarks: file.remarks,
         });
