@@ -5,6 +5,7 @@ mod completions;
 mod develop;
 mod probe;
 mod render;
+mod schema;
 mod tonemap;
 
 use std::error::Error;
@@ -58,6 +59,7 @@ enum Command {
     Check(check::Arguments),
     Probe(probe::Arguments),
     Completions(completions::Arguments),
+    Schema(schema::Arguments),
 }
 
 /// What a command failed with; [`main`] alone prints it.
@@ -123,6 +125,7 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
             )?)
         }
         Command::Completions(arguments) => completions::run(arguments, &mut io::stdout().lock()),
+        Command::Schema(schema::Arguments {}) => schema::run(&mut io::stdout().lock()),
     }
 }
 
