@@ -229,3 +229,66 @@ macro_rules! key {
     };
 }
 pub(super) use key;
+
+#[cfg(test)]
+mod tests {
+    use super::super::outline;
+    use super::*;
+
+    /// The tables of all kinds of entry.
+    fn forms() -> Vec<Form<'static>> {
+        let mut forms = vec![outline::image()];
+        let named = outline::named()
+            .into_iter()
+            .flat_map(|section| section.kinds);
+        forms.extend(
+            outline::cameras()
+                .into_iter()
+                .chain(named)
+                .map(|kind| kind.form),
+        );
+        forms
+    }
+
+    #[test]
+    fn every_word_has_one_meaning() {
+        for form in forms() {
+            let names = form.keys.iter().map(|key| key.name);
+            let words = form.keys.iter().flat_map(|key| key.also.iter().copied());
+            let told = form
+                .elsewhere
+                .iter()
+                .flat_map(|place| place.words.iter().copied());
+            let mut all: Vec<&str> = names.chain(words).chain(told).collect();
+            let folded = all
+                .iter()
+                .all(|word| word.to_lowercase().replace('-', "_") == *word);
+            assert!(folded, "{all:?}");
+            all.sort_unstable();
+            let twice: Vec<_> = all.windows(2).filter(|pair| pair[0] == pair[1]).collect();
+            assert!(twice.is_empty(), "{twice:?}");
+        }
+    }
+
+    #[test]
+    fn every_word_leads_to_its_key() {
+        for form in forms() {
+            for key in form.keys {
+                for word in key.also {
+                    let problem = form.unknown(&word.to_uppercase());
+                    assert_eq!(problem.nearest(), Some(key.name), "{word}");
+                }
+            }
+            for place in form.elsewhere {
+                let named = place.key.is_none_or(|name| form.has(name));
+                assert!(named, "{:?}", place.key);
+                for word in place.words {
+                    let problem = form.unknown(word);
+                    assert!(
+                        matches!(problem, Problem::Elsewhere { advice, .. } if advice == place.advice)
+                    );
+                }
+            }
+        }
+    }
+}

@@ -362,6 +362,7 @@ fn not_black() -> Json {
     let some = || object([("type", Json::text("array")), ("contains", above(0.0))]);
     let table = |key| {
         object([
+            ("type", Json::text("object")),
             ("required", names([key])),
             ("properties", object([(key, some())])),
         ])

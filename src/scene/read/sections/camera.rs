@@ -16,14 +16,14 @@ pub(in crate::scene::read) const CAMERAS: Variants<Camera> = Variants {
             name: "perspective",
             about: "All rays start at the eye.",
             also: &["pinhole", "thinlens", "persp"],
-            form: Form::new(&[&EYE, &LOOK_AT, &UP, &VERTICAL_FOV]).elsewhere(NOT_IN_CAMERAS),
+            form: Form::new(&[&EYE, &LOOK_AT, &UP, &VERTICAL_FOV]).elsewhere(NOT_IN_PERSPECTIVE),
             read: perspective,
         },
         Variant {
             name: "orthographic",
             about: "Parallel rays, which start on the image plane through the eye.",
             also: &["ortho", "orthogonal", "parallel"],
-            form: Form::new(&[&EYE, &LOOK_AT, &UP, &HEIGHT]).elsewhere(NOT_IN_CAMERAS),
+            form: Form::new(&[&EYE, &LOOK_AT, &UP, &HEIGHT]).elsewhere(NOT_IN_ORTHOGRAPHIC),
             read: orthographic,
         },
     ],
@@ -63,17 +63,12 @@ const VERTICAL_FOV: Key = key!("vertical_fov", "an angle in degrees", "40")
 const HEIGHT: Key = key!("height", "the image's height in scene units", "3")
     .of(Kind::Number(LENGTH))
     .about("The vertical extent of the image in scene units: above 0.")
-    .also(&["scale", "size", "ortho_scale", "ymag"]);
+    .also(&["scale", "size", "ortho_scale", "orthographic_scale", "ymag"]);
 
 /// Angles of view in degrees.
 const FOVS: Range = (Bound::Excluded(0.0), Bound::Excluded(180.0));
 
-const NOT_IN_CAMERAS: &[Elsewhere] = &[
-    Elsewhere {
-        words: &["direction", "dir", "forward"],
-        key: Some("look_at"),
-        advice: "write `look_at`, a point: the eye's position plus the direction",
-    },
+const NOT_IN_PERSPECTIVE: &[Elsewhere] = &[
     Elsewhere {
         words: &[
             "focal_length",
@@ -89,40 +84,87 @@ const NOT_IN_CAMERAS: &[Elsewhere] = &[
         ],
         key: Some("vertical_fov"),
         advice: "write `vertical_fov` in degrees: 2 atan(sensor height / (2 focal length)), or \
-                 2 atan(tan(horizontal_fov / 2) · height / width)",
+                 2 atan(tan(horizontal fov / 2) · height / width)",
     },
     Elsewhere {
-        words: &["aspect", "aspect_ratio", "resolution", "width"],
-        key: None,
-        advice: "pixels are square, and the picture's shape is that of `resolution` in `[image]`",
+        words: &["height", "scale", "ortho_scale"],
+        key: Some("vertical_fov"),
+        advice: "a perspective camera has an angle, `vertical_fov` in degrees; `height` is of \
+                 `[camera.orthographic]`",
     },
-    Elsewhere {
-        words: &[
-            "near",
-            "far",
-            "near_clip",
-            "far_clip",
-            "znear",
-            "zfar",
-            "clip_start",
-            "clip_end",
-        ],
-        key: None,
-        advice: "nothing is clipped: all that is in front of the camera is seen, at any distance",
-    },
-    Elsewhere {
-        words: &[
-            "aperture",
-            "fstop",
-            "f_stop",
-            "focus_distance",
-            "focal_distance",
-            "lens_radius",
-        ],
-        key: None,
-        advice: "everything is in focus: the camera has no lens",
-    },
+    DIRECTION,
+    ASPECT,
+    CLIPPING,
+    LENS,
 ];
+
+const NOT_IN_ORTHOGRAPHIC: &[Elsewhere] = &[
+    Elsewhere {
+        words: &[
+            "vertical_fov",
+            "fov",
+            "fovy",
+            "fov_y",
+            "vfov",
+            "yfov",
+            "field_of_view",
+            "angle",
+            "hfov",
+            "horizontal_fov",
+            "fov_x",
+            "fovx",
+            "xfov",
+            "focal_length",
+        ],
+        key: Some("height"),
+        advice: "an orthographic camera has no angle: write `height`, what it sees from bottom to top in \
+                 scene units; `vertical_fov` is of `[camera.perspective]`",
+    },
+    DIRECTION,
+    ASPECT,
+    CLIPPING,
+    LENS,
+];
+
+const DIRECTION: Elsewhere = Elsewhere {
+    words: &["direction", "dir", "forward"],
+    key: Some("look_at"),
+    advice: "write `look_at`, a point: the eye's position plus the direction",
+};
+
+const ASPECT: Elsewhere = Elsewhere {
+    words: &["aspect", "aspect_ratio", "resolution", "width"],
+    key: None,
+    advice: "pixels are square, and the picture's shape is that of `resolution` in `[image]`",
+};
+
+const CLIPPING: Elsewhere = Elsewhere {
+    words: &[
+        "near",
+        "far",
+        "near_clip",
+        "far_clip",
+        "znear",
+        "zfar",
+        "clip_start",
+        "clip_end",
+    ],
+    key: None,
+    advice: "nothing is clipped: all that is in front of the camera is seen, at any distance",
+};
+
+const LENS: Elsewhere = Elsewhere {
+    words: &[
+        "aperture",
+        "fstop",
+        "f_stop",
+        "focus_distance",
+        "focal_distance",
+        "lens_radius",
+    ],
+    key: None,
+    advice: "everything is in focus: the camera has no lens",
+};
 
 /// `[camera.VARIANT]`; `misspelt` are the sections that are there under another name.
 pub(in crate::scene::read) fn camera(
