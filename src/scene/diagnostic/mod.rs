@@ -2,6 +2,7 @@
 
 mod render;
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -87,6 +88,14 @@ pub enum Problem {
         /// The first byte that cannot stand where it is.
         byte: u8,
     },
+    /// A file of another kind.
+    #[error("this is {what}, not a scene")]
+    NotAScene {
+        /// What it is, with its article.
+        what: &'static str,
+        /// What to do with it.
+        way_out: &'static str,
+    },
     /// Nothing but comments and blank lines.
     #[error("the scene file is empty")]
     Empty,
@@ -125,7 +134,7 @@ pub enum Problem {
         /// The key that says it, if one does.
         key: Option<&'static str>,
         /// The way out.
-        advice: &'static str,
+        advice: Cow<'static, str>,
     },
     /// A name that cannot be used.
     #[error("{} cannot be the name of {what}: {why}", quoted(name))]
@@ -286,7 +295,8 @@ impl Problem {
             } else {
                 format!("expected {}", one_of(expected))
             }),
-            Self::Elsewhere { advice, .. } => Some((*advice).to_owned()),
+            Self::NotAScene { way_out, .. } => Some((*way_out).to_owned()),
+            Self::Elsewhere { advice, .. } => Some(advice.clone().into_owned()),
             Self::NoVariant { expected, .. } => Some(format!("write {}", one_of(expected))),
             Self::Missing { expected, .. } => Some(format!("add {expected}")),
             Self::Unreadable(_)

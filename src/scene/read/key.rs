@@ -212,7 +212,7 @@ pub(super) fn unknown(
             what,
             name: name.to_owned(),
             key: place.key,
-            advice: place.advice,
+            advice: place.advice.into(),
         },
     )
 }

@@ -6,6 +6,8 @@
 
 mod entries;
 mod fields;
+mod foreign;
+mod habits;
 pub(super) mod key;
 pub(super) mod outline;
 mod sections;
@@ -100,6 +102,10 @@ impl Reading {
         match String::from_utf8(bytes) {
             Ok(text) => Self::of_text(text, path),
             Err(error) => {
+                if let Some(problem) = foreign::recognized(error.as_bytes()) {
+                    let diagnostic = Diagnostic::new(Span::default(), problem);
+                    return Self::failed(path, String::new(), diagnostic);
+                }
                 let start = error.utf8_error().valid_up_to();
                 let byte = error.as_bytes()[start];
                 // The replacement character stands where the byte is.
@@ -201,6 +207,12 @@ fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
     let (root, damage, diagnostics) = syntax::parse(text);
     if root.is_empty() && diagnostics.is_empty() {
         let diagnostic = Diagnostic::new(Span::default(), Problem::Empty);
+        return (None, vec![diagnostic], Broken::default());
+    }
+    if !diagnostics.is_empty()
+        && let Some(problem) = foreign::recognized(text.as_bytes())
+    {
+        let diagnostic = Diagnostic::new(Span::default(), problem);
         return (None, vec![diagnostic], Broken::default());
     }
     let mut reader = Reader {

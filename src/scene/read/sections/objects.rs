@@ -22,21 +22,21 @@ pub(in crate::scene::read) const OBJECTS: Section<Object> = Section {
                 name: "sphere",
                 about: "‖p − c‖ = R.",
                 also: &["ball"],
-                form: Form::new(&[&MATERIAL, &CENTER, &RADIUS]).elsewhere(NOT_IN_SHAPES),
+                form: Form::new(&[&MATERIAL, &CENTER, &RADIUS]).elsewhere(NOT_IN_SPHERES),
                 read: sphere,
             },
             Variant {
                 name: "plane",
                 about: "A plane without end in all directions.",
                 also: &["floor", "ground", "infinite_plane"],
-                form: Form::new(&[&MATERIAL, &POINT, &NORMAL]).elsewhere(NOT_IN_SHAPES),
+                form: Form::new(&[&MATERIAL, &POINT, &NORMAL]).elsewhere(NOT_IN_PLANES),
                 read: plane,
             },
             Variant {
                 name: "triangle",
                 about: "A single triangle, seen from both sides.",
                 also: &["tri", "face"],
-                form: Form::new(&[&MATERIAL, &VERTICES]).elsewhere(NOT_IN_SHAPES),
+                form: Form::new(&[&MATERIAL, &VERTICES]).elsewhere(NOT_IN_TRIANGLES),
                 read: triangle,
             },
             Variant {
@@ -50,7 +50,8 @@ pub(in crate::scene::read) const OBJECTS: Section<Object> = Section {
                     "triangle_mesh",
                     "plymesh",
                 ],
-                form: Form::new(&[&MATERIAL, &FILE, &SCALE, &ROTATE, &TRANSLATE, &SMOOTH]),
+                form: Form::new(&[&MATERIAL, &FILE, &SCALE, &ROTATE, &TRANSLATE, &SMOOTH])
+                    .elsewhere(NOT_IN_MESHES),
                 read: mesh,
             },
         ],
@@ -168,38 +169,93 @@ const SMOOTH: Key = Key {
 .about("Whether vertex normals are used, if the file has them.")
 .also(&["smooth_normals", "smooth_shading", "shade_smooth"]);
 
-const NOT_IN_SHAPES: &[Elsewhere] = &[
-    Elsewhere {
-        words: &[
-            "color", "colour", "diffuse", "albedo", "specular", "k_d", "k_s", "kd", "ks",
-        ],
-        key: None,
-        advice: "colors belong to materials: `[materials.NAME.phong]` with `diffuse`, and here \
-                 `material = \"NAME\"`",
-    },
-    Elsewhere {
-        words: &[
-            "transform",
-            "matrix",
-            "scale",
-            "rotate",
-            "rotation",
-            "to_world",
-        ],
-        key: None,
-        advice: "only meshes are scaled and rotated; the other objects stand where their points are",
-    },
-    Elsewhere {
-        words: &["type", "kind", "shape"],
-        key: None,
-        advice: "the kind stands in the header, such as `[objects.NAME.sphere]`",
-    },
+const NOT_IN_SPHERES: &[Elsewhere] = &[COLORS, TRANSFORMATIONS, SHAPES, DIAMETER];
+
+const NOT_IN_PLANES: &[Elsewhere] = &[
+    COLORS,
+    TRANSFORMATIONS,
+    SHAPES,
     Elsewhere {
         words: &["d", "distance", "height"],
-        key: None,
+        key: Some("point"),
         advice: "a plane is said by any `point` on it and its `normal`",
     },
 ];
+
+const NOT_IN_TRIANGLES: &[Elsewhere] = &[
+    COLORS,
+    TRANSFORMATIONS,
+    SHAPES,
+    Elsewhere {
+        words: &[
+            "a", "b", "c", "v0", "v1", "v2", "v3", "p0", "p1", "p2", "p3",
+        ],
+        key: Some("vertices"),
+        advice: "write the three corners as `vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]`",
+    },
+    Elsewhere {
+        words: &["normal", "normals"],
+        key: None,
+        advice: "a triangle's normal follows from its corners, and both of its sides are seen",
+    },
+];
+
+const NOT_IN_MESHES: &[Elsewhere] = &[
+    COLORS,
+    SHAPES,
+    Elsewhere {
+        words: &["transform", "matrix", "to_world"],
+        key: None,
+        advice: "write `scale`, `rotate` and `translate`, which are done in this order",
+    },
+    Elsewhere {
+        words: &[
+            "vertices",
+            "faces",
+            "indices",
+            "normals",
+            "triangles",
+            "points",
+        ],
+        key: Some("file"),
+        advice: "the triangles come from a PLY or OBJ file, named by `file`; a single one is \
+                 `[objects.NAME.triangle]`",
+    },
+];
+
+const COLORS: Elsewhere = Elsewhere {
+    words: &[
+        "color", "colour", "diffuse", "albedo", "specular", "k_d", "k_s", "kd", "ks",
+    ],
+    key: None,
+    advice: "colors belong to materials: `[materials.NAME.phong]` with `diffuse`, and here \
+             `material = \"NAME\"`",
+};
+
+const TRANSFORMATIONS: Elsewhere = Elsewhere {
+    words: &[
+        "transform",
+        "matrix",
+        "scale",
+        "rotate",
+        "rotation",
+        "to_world",
+    ],
+    key: None,
+    advice: "only meshes are scaled and rotated; the other objects stand where their points are",
+};
+
+const SHAPES: Elsewhere = Elsewhere {
+    words: &["type", "kind", "shape"],
+    key: None,
+    advice: "the kind stands in the header, such as `[objects.NAME.sphere]`",
+};
+
+const DIAMETER: Elsewhere = Elsewhere {
+    words: &["diameter", "d"],
+    key: Some("radius"),
+    advice: "write `radius`, half of the diameter",
+};
 
 fn sphere(fields: &mut Fields<'_, '_, '_>) -> Option<Object> {
     let material = fields.string(&MATERIAL);
