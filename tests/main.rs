@@ -24,3 +24,4 @@ mod oracle;
 mod schema;
 mod spectral_image;
 mod streaming;
+mod usage;

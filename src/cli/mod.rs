@@ -1,5 +1,6 @@
 //! The command line: arguments to the library to an exit code. One file per command.
 
+mod advice;
 mod check;
 mod completions;
 mod develop;
@@ -67,7 +68,9 @@ type Failure = Box<dyn Error + Send + Sync>;
 
 /// Runs the command that the arguments name.
 pub(crate) fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let words: Vec<_> = std::env::args_os().collect();
+    let arguments = Arguments::try_parse_from(&words);
+    let arguments = arguments.unwrap_or_else(|error| advice::advised(error, &words).exit());
     if let Command::Render(render) = &arguments.command
         && let Some(misuse) = render.misuse()
     {

@@ -473,6 +473,7 @@ fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
         if path.as_os_str() == "-" {
             return Err("a file name is needed; standard output is /dev/stdout".to_owned());
         }
+        super::advice::no_frames(&path)?;
         match path.extension() {
             Some(found) if !found.eq_ignore_ascii_case(extension) => Err(format!(
                 "this option writes {}; name the file {}",
