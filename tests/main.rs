@@ -9,6 +9,7 @@ mod cli;
 mod closed_form;
 mod colorimetry;
 mod display;
+mod examples;
 mod exr;
 mod extremes;
 mod fuzz_mesh;

@@ -11,7 +11,7 @@ use candela::world::World;
 use serde_json::Value as Json;
 
 /// What `candela schema` prints, for whoever wants it without candela.
-const FILE: &str = "schema/candela-scene.schema.json";
+const FILE: &str = "schema/candela.schema.json";
 
 #[test]
 fn the_file_is_what_the_reader_knows() {

@@ -462,7 +462,7 @@ mod tests {
     /// No tip is for what is an option, and none is for two things.
     #[test]
     fn tips_are_for_what_there_is_not() {
-        let mut command = <super::super::Arguments as clap::CommandFactory>::command();
+        let mut command = super::super::Arguments::command();
         command.build();
         for (commands, names, _) in OPTIONS {
             for command_name in commands {

@@ -4,6 +4,7 @@
 //! are as their file has them, before scale, rotation and translation. [`crate::world`] makes the
 //! legal scene from this one; [`crate::oracle`] computes from this one directly.
 
+mod build;
 mod curve;
 pub mod diagnostic;
 pub mod mesh;
@@ -14,6 +15,7 @@ mod value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use build::{NotAColor, Placement};
 pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 pub use mesh::MeshFile;

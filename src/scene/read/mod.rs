@@ -29,6 +29,7 @@ use super::mesh::MeshFile;
 use super::{Scene, Source};
 use crate::spectrum::Curve;
 use fields::Reader;
+pub(super) use value::srgb;
 
 /// A value in the tree, with its place.
 type Node<'i> = toml::Spanned<DeValue<'i>>;

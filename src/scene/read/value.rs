@@ -629,7 +629,7 @@ fn table_for(text: &str, purpose: Purpose) -> Option<String> {
 }
 
 /// `#rrggbb`, in either case.
-fn srgb(text: &str) -> Option<[u8; 3]> {
+pub(in crate::scene) fn srgb(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#')?;
     if digits.len() != 6 || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
         return None;
