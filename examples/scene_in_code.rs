@@ -1,4 +1,4 @@
-//! A scene made in code, without a file: spheres on a floor, a mesh of numbers, two lamps.
+//! A scene made in code, without a file: spheres on a floor, a mesh of numbers, three lamps.
 //!
 //! ```console
 //! $ cargo run --release --example scene_in_code -- FOLDER
@@ -9,7 +9,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use candela::display::{self, Exposure, Settings};
+use candela::display::{self, Exposure, Settings, View};
 use candela::film::exr::ExrOptions;
 use candela::output::Unfinished;
 use candela::scene::{Camera, Image, Light, Material, MeshFile, Object, Placement, Scene, Value};
@@ -25,19 +25,20 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Renders the scene, `height` pixels high, and returns where its picture is.
 pub(crate) fn run(folder: &Path, height: u32) -> Result<PathBuf, Box<dyn Error>> {
     let mut scene = Scene::new(
-        Image::new(height * 16 / 9, height).background([0.02, 0.03, 0.05]),
-        Camera::perspective([0.0, 1.9, 6.0], [0.0, 0.55, 0.0], 30.0),
+        Image::new(height * 16 / 9, height).background([0.05, 0.06, 0.08]),
+        Camera::perspective([0.0, 3.0, 9.0], [0.0, 0.6, 0.0], 26.0),
     )
-    .material("floor", Material::normalized_phong(0.6))
+    .material("floor", Material::normalized_phong(0.25))
     .material(
         "stone",
         Material::normalized_phong("#8f8a80".parse::<Value>()?),
     )
-    .light("key", Light::point([3.0, 4.5, 3.5], [60.0, 54.0, 45.0]))
+    .light("key", Light::point([5.0, 8.0, 6.0], [300.0, 270.0, 225.0]))
     .light(
         "fill",
-        Light::point([-5.0, 3.0, 2.0], Value::lumens(150.0, [0.5, 0.7, 1.0])),
+        Light::point([-7.0, 5.0, 5.0], Value::lumens(1200.0, [0.5, 0.7, 1.0])),
     )
+    .light("back", Light::point([1.0, 6.0, -8.0], 80.0))
     .object("floor", Object::plane("floor", [0.0; 3], [0.0, 1.0, 0.0]));
 
     // Five spheres, each with a sharper highlight.
@@ -51,8 +52,8 @@ pub(crate) fn run(folder: &Path, height: u32) -> Result<PathBuf, Box<dyn Error>>
             .object(name.as_str(), Object::sphere(name.as_str(), center, 0.5));
     }
     let placement = Placement {
-        scale: [3.2, 1.1, 1.0],
-        translate: [0.0, 0.0, -1.2],
+        scale: [3.2, 1.4, 1.2],
+        translate: [0.0, 0.0, -2.4],
         ..Placement::default()
     };
     scene = scene.object("stairs", Object::mesh("stone", stairs(5), placement));
@@ -69,7 +70,8 @@ pub(crate) fn run(folder: &Path, height: u32) -> Result<PathBuf, Box<dyn Error>>
     let png = folder.join("steps.png");
     film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())?;
     let settings = Settings {
-        exposure: Exposure::Auto,
+        exposure: Exposure::Ev(2.0),
+        view: View::Reinhard,
         ..Settings::default()
     };
     display::convert(&exr, &png, &settings, &Unfinished::new())?;

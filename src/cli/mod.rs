@@ -4,6 +4,7 @@ mod advice;
 mod check;
 mod completions;
 mod develop;
+mod man;
 mod probe;
 mod render;
 mod schema;
@@ -61,6 +62,7 @@ enum Command {
     Probe(probe::Arguments),
     Completions(completions::Arguments),
     Schema(schema::Arguments),
+    Man(man::Arguments),
 }
 
 /// What a command failed with; [`main`] alone prints it.
@@ -128,6 +130,7 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
             )?)
         }
         Command::Completions(arguments) => completions::run(arguments, &mut io::stdout().lock()),
+        Command::Man(arguments) => man::run(arguments, unfinished, &mut io::stdout().lock()),
         Command::Schema(schema::Arguments {}) => schema::run(&mut io::stdout().lock()),
     }
 }
