@@ -22,6 +22,7 @@ mod layering;
 mod layers;
 mod openimageio;
 mod oracle;
+mod package;
 mod schema;
 mod spectral_image;
 mod streaming;

@@ -77,3 +77,25 @@ fn numbers_of_frames_are_refused() {
         assert!(text.contains("such as f.0001."), "{arguments}: {text}");
     }
 }
+
+#[test]
+fn one_is_no_plural() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let text = "[image]\nresolution = [1, 1]\n\
+                [camera.perspective]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+                [materials.clay.phong]\ndiffuse = 0.2\n\
+                [lights.key.point]\nposition = [0, 0, 5]\nintensity = 1\n\
+                [objects.wing.triangle]\nmaterial = \"clay\"\n\
+                vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\n";
+    std::fs::write(&scene, text).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_candela"))
+        .arg("check")
+        .arg(&scene)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("objects    1, with 1 triangle\n"), "{text}");
+    let rays = "rays       1 camera ray a sample, and up to 1 shadow ray for each\n";
+    assert!(text.contains(rays), "{text}");
+}
