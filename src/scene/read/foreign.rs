@@ -1,5 +1,7 @@
 //! Files of other kinds that are given as a scene: what they are, and what to do with them.
 
+use std::path::Path;
+
 use super::super::diagnostic::Problem;
 
 /// First bytes that tell a kind of file, what it is called, and what to do with it.
@@ -43,7 +45,7 @@ const OTHER_SCENE: &str = "a scene of candela is a TOML file with other sections
 
 /// What a file is that is not a scene, by its first bytes; only of a file that is no TOML, of which
 /// these could be comments or keys.
-pub(super) fn recognized(bytes: &[u8]) -> Option<Problem> {
+pub(super) fn recognized(bytes: &[u8], path: &Path) -> Option<Problem> {
     let not_a_scene = |what, way_out| Problem::NotAScene { what, way_out };
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Some(not_a_scene("UTF-16 text", "save it as UTF-8"));
@@ -57,7 +59,17 @@ pub(super) fn recognized(bytes: &[u8]) -> Option<Problem> {
     let start = &bytes[..bytes.len().min(4096)];
     let text = String::from_utf8_lossy(start);
     let text = text.trim_start_matches('\u{feff}').trim_start();
-    let (what, way_out) = by_words(text)?;
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
+    let is_markdown = matches!(&*extension, "md" | "markdown");
+    let (what, way_out) = if is_markdown {
+        ("a Markdown document", SCENE)
+    } else {
+        by_words(text)?
+    };
     Some(not_a_scene(what, way_out))
 }
 
@@ -149,13 +161,11 @@ fn by_words(text: &str) -> Option<(&'static str, &'static str)> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::super::Reading;
     use super::*;
 
     fn what(bytes: &[u8]) -> Option<&'static str> {
-        match recognized(bytes)? {
+        match recognized(bytes, Path::new("scene.toml"))? {
             Problem::NotAScene { what, .. } => Some(what),
             problem => panic!("{problem}"),
         }
@@ -239,6 +249,9 @@ mod tests {
                 .iter()
                 .any(|found| is_other(&found.problem))
         );
+        let prose = "# A title\n\nSome words about it.\n";
+        let reading = Reading::of_text(prose.to_owned(), Path::new("README.md"));
+        assert!(is_other(&reading.diagnostics[0].problem));
         let reading = Reading::of_bytes(b"ply\nformat ascii 1.0\n".to_vec(), Path::new("a.ply"));
         let [diagnostic] = &reading.diagnostics[..] else {
             panic!("one error");

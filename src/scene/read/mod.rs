@@ -103,7 +103,7 @@ impl Reading {
         match String::from_utf8(bytes) {
             Ok(text) => Self::of_text(text, path),
             Err(error) => {
-                if let Some(problem) = foreign::recognized(error.as_bytes()) {
+                if let Some(problem) = foreign::recognized(error.as_bytes(), path) {
                     let diagnostic = Diagnostic::new(Span::default(), problem);
                     return Self::failed(path, String::new(), diagnostic);
                 }
@@ -211,7 +211,7 @@ fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
         return (None, vec![diagnostic], Broken::default());
     }
     if !diagnostics.is_empty()
-        && let Some(problem) = foreign::recognized(text.as_bytes())
+        && let Some(problem) = foreign::recognized(text.as_bytes(), path)
     {
         let diagnostic = Diagnostic::new(Span::default(), problem);
         return (None, vec![diagnostic], Broken::default());
