@@ -1,6 +1,6 @@
 //! The tables of the scene format: which keys an entry has, what each holds, and how one speaks of it.
 //!
-//! The reader takes no key that is not in the table of its entry, and [the schema](super::super::schema)
+//! The reader takes no key that is not in the table of its entry, and [the schema](super::super::schema())
 //! is made of the same tables. `tests/schema.rs` holds both against each other, value by value.
 
 use std::ops::Bound;
