@@ -19,6 +19,8 @@ pub(in crate::scene) struct Named {
     /// "an object"
     pub(in crate::scene) an_entry: &'static str,
     pub(in crate::scene) kinds: Vec<Kind>,
+    /// Whether each character of ASCII may be amid a name.
+    pub(in crate::scene) letters: [bool; 0x80],
 }
 
 /// The keys of `[image]`.
@@ -41,16 +43,15 @@ pub(in crate::scene) const fn longest_name() -> usize {
     LONGEST_NAME
 }
 
-/// Whether a character may be amid a name.
-pub(in crate::scene) fn may_be_in_a_name(character: char) -> bool {
-    objection(&format!("a{character}a")).is_none()
-}
-
 fn section<T>(section: &Section<T>) -> Named {
     Named {
         key: section.key,
         an_entry: section.an_entry,
         kinds: kinds(&section.variants),
+        letters: std::array::from_fn(|code| {
+            let name = format!("a{}a", char::from(code as u8));
+            objection(&name).is_none()
+        }),
     }
 }
 

@@ -101,7 +101,7 @@ fn named(section: &Named) -> Json {
         ),
         (
             "patternProperties",
-            Json::Object(vec![(name_pattern(), entry)]),
+            Json::Object(vec![(name_pattern(&section.letters), entry)]),
         ),
     ];
     if section.key == "objects" {
@@ -112,13 +112,13 @@ fn named(section: &Named) -> Json {
 
 /// Names: the characters of ASCII that the reader lets be, and all others, of which the reader lets
 /// letters and digits be.
-fn name_pattern() -> String {
-    let is_out = |code: u8| !outline::may_be_in_a_name(char::from(code));
+fn name_pattern(letters: &[bool; 0x80]) -> String {
+    let is_out = |code: usize| letters.get(code).is_some_and(|is_in| !is_in);
     let mut none_of = String::new();
     let mut code = 0;
-    while code < 0x80 {
+    while code < letters.len() {
         let first = code;
-        while code < 0x80 && is_out(code) {
+        while is_out(code) {
             code += 1;
         }
         if code > first {
