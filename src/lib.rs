@@ -129,6 +129,11 @@ pub mod units;
 pub mod visibility;
 pub mod world;
 
+/// The code of the page about the library compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/library.md")]
+struct LibraryPage;
+
 pub use film::{Film, Options, render};
 pub use scene::Scene;
 pub use world::World;

@@ -40,6 +40,11 @@ pub fn is_printable(character: char) -> bool {
     !steers(character)
 }
 
+/// A count with its noun: `1 triangle`, `2 triangles`.
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
 /// A character that is written as an escape where it would not print as itself.
 struct Escaped(char);
 
@@ -68,6 +73,15 @@ fn steers(character: char) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_is_no_plural() {
+        let counted = |count| counted(count, "vertex", "vertices");
+        assert_eq!(
+            [0, 1, 2].map(counted),
+            ["0 vertices", "1 vertex", "2 vertices"]
+        );
+    }
 
     #[test]
     fn plain_text_is_as_it_is() {

@@ -14,7 +14,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     ("color", &[]),
     ("printable", &[]),
     ("output", &["printable"]),
-    ("spectrum", &["units"]),
+    ("spectrum", &["units", "printable"]),
     ("scene", &["units", "spectrum", "printable"]),
     (
         "world",

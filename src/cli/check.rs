@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use candela::printable::{printable, printable_path};
+use candela::printable::{counted, printable, printable_path};
 use candela::scene::{Scene, Transport};
 use candela::visibility::Visibility;
 use candela::world::difference::differences;
@@ -60,10 +60,12 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         size(shapes)
     )?;
     let shadow_rays = world.lights().len();
-    let pixels = u64::from(width) * u64::from(height);
+    let pixels = width as usize * height as usize;
     writeln!(
         output,
-        "rays       {pixels} camera rays a sample, and up to {shadow_rays} shadow rays for each",
+        "rays       {} a sample, and up to {} for each",
+        counted(pixels, "camera ray", "camera rays"),
+        counted(shadow_rays, "shadow ray", "shadow rays"),
     )?;
 
     let warnings = physics::warnings(&world);
@@ -87,8 +89,9 @@ fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> 
     let triangles = world.triangles().len();
     writeln!(
         output,
-        "\nobjects    {}, with {triangles} triangles",
-        objects.len()
+        "\nobjects    {}, with {}",
+        objects.len(),
+        counted(triangles, "triangle", "triangles"),
     )?;
     for object in objects.iter().take(LISTED) {
         let material = printable(&world.materials()[object.material].name);
@@ -102,10 +105,8 @@ fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> 
                 } else {
                     "flat"
                 };
-                match mesh.triangles.len() {
-                    1 => "1 triangle".to_owned(),
-                    count => format!("{count} triangles, {normals}"),
-                }
+                let triangles = counted(mesh.triangles.len(), "triangle", "triangles");
+                format!("{triangles}, {normals}")
             }
         };
         let name = printable(&object.name);

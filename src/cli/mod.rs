@@ -1,11 +1,14 @@
 //! The command line: arguments to the library to an exit code. One file per command.
 
+mod advice;
 mod check;
 mod completions;
 mod develop;
 mod failure;
+mod man;
 mod probe;
 mod render;
+mod schema;
 mod signals;
 mod source;
 mod tonemap;
@@ -60,6 +63,8 @@ enum Command {
     Check(check::Arguments),
     Probe(probe::Arguments),
     Completions(completions::Arguments),
+    Schema(schema::Arguments),
+    Man(man::Arguments),
 }
 
 /// Runs the command that the arguments name.
@@ -90,6 +95,8 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         Command::Check(arguments) => with_threads(None, || check::run(arguments, &mut output)),
         Command::Probe(arguments) => with_threads(None, || probe(arguments, &mut output)),
         Command::Completions(arguments) => completions::run(arguments, &mut output),
+        Command::Man(arguments) => man::run(arguments, unfinished, &mut output),
+        Command::Schema(schema::Arguments {}) => schema::run(&mut output),
     }?;
     Ok(output.flush()?)
 }

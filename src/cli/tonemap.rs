@@ -103,6 +103,7 @@ fn default_output(input: &Path) -> PathBuf {
 fn png_path() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(|path| {
         let path = PathBuf::from(path);
+        super::advice::no_frames(&path)?;
         match path.extension() {
             Some(extension) if !extension.eq_ignore_ascii_case(OsStr::new("png")) => Err(format!(
                 "candela tonemap writes PNG; name the file {}",

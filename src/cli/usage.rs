@@ -9,6 +9,7 @@ use candela::printable::{is_printable, printable};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 
+use super::advice;
 use super::failure::{self, Failure};
 use super::{Arguments, Command};
 
@@ -21,7 +22,10 @@ const LONGEST_WORD: usize = 2000;
 /// What is wrong with them, or the help that they ask for.
 pub(super) fn parse() -> Result<Arguments, clap::Error> {
     let words: Vec<OsString> = std::env::args_os().collect();
-    parsed(&words).map_err(|error| printable_error(error, &words))
+    parsed(&words).map_err(|error| {
+        let shown: Vec<OsString> = words.iter().map(|word| printable_word(word)).collect();
+        advice::advised(printable_error(error, &words, &shown), &shown)
+    })
 }
 
 fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
@@ -39,12 +43,11 @@ fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
 }
 
 /// The error again, of words that can be printed: it repeats those that are wrong.
-fn printable_error(error: clap::Error, words: &[OsString]) -> clap::Error {
-    let shown: Vec<OsString> = words.iter().map(|word| printable_word(word)).collect();
+fn printable_error(error: clap::Error, words: &[OsString], shown: &[OsString]) -> clap::Error {
     if shown == words {
         return error;
     }
-    match parsed(&shown) {
+    match parsed(shown) {
         Err(shown) if shown.kind() == error.kind() => shown,
         // The error is about the very characters.
         Ok(_) | Err(_) => {

@@ -4,19 +4,23 @@
 //! are as their file has them, before scale, rotation and translation. [`crate::world`] makes the
 //! legal scene from this one; [`crate::oracle`] computes from this one directly.
 
+mod build;
 mod curve;
 pub mod diagnostic;
 pub mod mesh;
 mod read;
+mod schema;
 mod value;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use build::{NotAColor, Placement};
 pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 pub use mesh::MeshFile;
 pub use read::{Broken, Reading};
+pub use schema::schema;
 pub use value::{ColorSpace, ShadowTerminator, Transport, Unit, Value};
 
 use crate::spectrum::Observer;

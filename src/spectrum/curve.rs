@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::printable::counted;
+
 use super::{FIRST, LAST, SAMPLES, Spectrum, VISIBLE};
 
 /// Neighbors closer than this, in nm, are finer than the grid. Less than 1 by a rounding, so that a
@@ -100,20 +102,19 @@ impl fmt::Display for CurveProblem {
             Self::TooFewPoints { points: 0 } => {
                 write!(f, "the curve has no points, expected at least 2")
             }
-            Self::TooFewPoints { points } => {
-                let plural = if points == 1 { "" } else { "s" };
-                write!(
-                    f,
-                    "the curve has {points} point{plural}, expected at least 2"
-                )
-            }
+            Self::TooFewPoints { points } => write!(
+                f,
+                "the curve has {}, expected at least 2",
+                counted(points, "point", "points")
+            ),
             Self::UnequalLengths {
                 wavelengths,
                 values,
             } => write!(
                 f,
-                "the curve has {wavelengths} wavelengths and {values} values, expected as many \
-                 of both",
+                "the curve has {} and {}, expected as many of both",
+                counted(wavelengths, "wavelength", "wavelengths"),
+                counted(values, "value", "values"),
             ),
             Self::BadWavelength { nm, .. } => write!(
                 f,

@@ -2,6 +2,7 @@
 
 mod render;
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -88,6 +89,14 @@ pub enum Problem {
         /// The first byte that cannot stand where it is.
         byte: u8,
     },
+    /// A file of another kind.
+    #[error("this is {what}, not a scene")]
+    NotAScene {
+        /// What it is, with its article.
+        what: &'static str,
+        /// What to do with it.
+        way_out: &'static str,
+    },
     /// Nothing but comments and blank lines.
     #[error("the scene file is empty")]
     Empty,
@@ -105,6 +114,28 @@ pub enum Problem {
         expected: Vec<String>,
         /// The nearest of these, if one is near.
         nearest: Option<String>,
+    },
+    /// What other formats, or equations, call a key or a kind that is there under another name.
+    #[error("unknown {what} `{}`", shortened(name))]
+    OtherWord {
+        /// The kind of name: `key`, `kind of object`, …
+        what: &'static str,
+        /// As written.
+        name: String,
+        /// Its name here.
+        meant: &'static str,
+    },
+    /// A name for something that is said in another way, or not at all.
+    #[error("unknown {what} `{}`", shortened(name))]
+    Elsewhere {
+        /// The kind of name: `key`, `kind of object`, …
+        what: &'static str,
+        /// As written.
+        name: String,
+        /// The key that says it, if one does.
+        key: Option<&'static str>,
+        /// The way out.
+        advice: Cow<'static, str>,
     },
     /// A name that cannot be used.
     #[error("{} cannot be the name of {what}: {why}", quoted(name))]
@@ -223,9 +254,25 @@ impl Problem {
     pub fn nearest(&self) -> Option<&str> {
         if let Self::Unknown { nearest, .. } = self {
             nearest.as_deref()
+        } else if let Self::OtherWord { meant, .. } = self {
+            Some(meant)
+        } else if let Self::Elsewhere { key, .. } = self {
+            *key
         } else {
             None
         }
+    }
+
+    /// What stands under the caret, if anything.
+    fn label(&self) -> Option<String> {
+        if let Self::OtherWord { meant, .. } = self {
+            return Some(format!("write `{meant}`"));
+        }
+        if let Self::Unknown { nearest, .. } = self {
+            let nearest = nearest.as_ref()?;
+            return Some(format!("did you mean `{}`?", printable(nearest)));
+        }
+        None
     }
 
     /// The way out, where the message itself does not name it.
@@ -249,10 +296,13 @@ impl Problem {
             } else {
                 format!("expected {}", one_of(expected))
             }),
+            Self::NotAScene { way_out, .. } => Some((*way_out).to_owned()),
+            Self::Elsewhere { advice, .. } => Some(advice.clone().into_owned()),
             Self::NoVariant { expected, .. } => Some(format!("write {}", one_of(expected))),
             Self::Missing { expected, .. } => Some(format!("add {expected}")),
             Self::Unreadable(_)
             | Self::Syntax(_)
+            | Self::OtherWord { .. }
             | Self::BadName { .. }
             | Self::WrongType { .. }
             | Self::OutOfRange { .. }

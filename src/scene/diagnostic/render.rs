@@ -4,7 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 
 use super::super::Source;
 use super::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span};
-use crate::printable::{is_printable, printable, printable_path};
+use crate::printable::{is_printable, printable_path};
 
 /// How many errors are printed; whoever has more mends these first.
 const PRINTED: usize = 20;
@@ -59,11 +59,9 @@ impl Diagnostic {
                     .line_start(line)
                     .path(path.clone())
                     .annotation(
-                        AnnotationKind::Primary.span(span.start..span.end).label(
-                            self.problem
-                                .nearest()
-                                .map(|nearest| format!("did you mean `{}`?", printable(nearest))),
-                        ),
+                        AnnotationKind::Primary
+                            .span(span.start..span.end)
+                            .label(self.problem.label()),
                     ),
             ),
         };

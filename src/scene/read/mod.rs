@@ -6,11 +6,15 @@
 
 mod entries;
 mod fields;
+mod foreign;
+mod habits;
+pub(super) mod key;
+pub(super) mod outline;
 mod sections;
 mod syntax;
 #[cfg(test)]
 mod tests;
-mod value;
+pub(super) mod value;
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -25,6 +29,7 @@ use super::mesh::MeshFile;
 use super::{Scene, Source};
 use crate::spectrum::Curve;
 use fields::Reader;
+pub(super) use value::srgb;
 
 /// A value in the tree, with its place.
 type Node<'i> = toml::Spanned<DeValue<'i>>;
@@ -89,7 +94,7 @@ impl Reading {
             let diagnostic = Diagnostic::new(Span::default(), too_large());
             return Self::failed(path, String::new(), diagnostic);
         }
-        let (scene, diagnostics, broken) = read(&text, folder);
+        let (scene, diagnostics, broken) = read(&text, path, folder);
         let source = Arc::new(Source {
             path: path.to_owned(),
             text,
@@ -117,6 +122,10 @@ impl Reading {
         match String::from_utf8(bytes) {
             Ok(text) => Self::of_text_in(text, path, folder),
             Err(error) => {
+                if let Some(problem) = foreign::recognized(error.as_bytes(), path) {
+                    let diagnostic = Diagnostic::new(Span::default(), problem);
+                    return Self::failed(path, String::new(), diagnostic);
+                }
                 let start = error.utf8_error().valid_up_to();
                 let byte = error.as_bytes()[start];
                 // The replacement character stands where the byte is.
@@ -224,10 +233,16 @@ const fn too_large() -> Problem {
     }
 }
 
-fn read(text: &str, folder: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+fn read(text: &str, path: &Path, folder: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
     let (root, damage, diagnostics) = syntax::parse(text);
     if root.is_empty() && diagnostics.is_empty() {
         let diagnostic = Diagnostic::new(Span::default(), Problem::Empty);
+        return (None, vec![diagnostic], Broken::default());
+    }
+    if !diagnostics.is_empty()
+        && let Some(problem) = foreign::recognized(text.as_bytes(), path)
+    {
+        let diagnostic = Diagnostic::new(Span::default(), problem);
         return (None, vec![diagnostic], Broken::default());
     }
     let mut reader = Reader {
@@ -267,7 +282,7 @@ fn unknown_sections(reader: &mut Reader<'_>, root: &DeTable<'_>) -> Vec<String> 
     for key in root.keys() {
         let name = key.get_ref();
         if !sections::SECTIONS.contains(&name.as_ref()) {
-            let problem = Problem::unknown("section", name, sections::SECTIONS);
+            let problem = sections::unknown_section(name);
             misspelt.extend(problem.nearest().map(str::to_owned));
             reader.report(key.span().into(), problem);
         }

@@ -9,6 +9,7 @@ use toml_parser::lexer::TokenKind;
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, shortened};
 use super::Node;
 use super::entries::header;
+use super::habits;
 
 /// The size in bytes up to which more than the first syntax error is looked for: text that is
 /// nothing but errors costs 300 times its size in messages.
@@ -259,6 +260,9 @@ fn place(text: &str, error: &Error) -> Span {
 
 /// The message of the TOML parser, in the words of someone who edits a scene.
 fn syntax(text: &str, message: &str, span: Span) -> Problem {
+    if let Some(way_out) = habits::way_out(&text[line_around(text, span.start)]) {
+        return Problem::Syntax(way_out);
+    }
     let written = text.get(span.start..span.end).unwrap_or_default();
     let before = text[..span.start].trim_end_matches([' ', '\t']);
     let after = text[span.start..].trim_start_matches([' ', '\t']);

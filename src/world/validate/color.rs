@@ -38,7 +38,7 @@ pub(super) struct Reflection {
 /// How large a reflectance may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Bound {
-    /// At most 1: an albedo.
+    /// At most 1: k_d, or an albedo.
     Albedo,
     /// Without: a narrow lobe with a large k_s still reflects little in all.
     None,
@@ -280,7 +280,7 @@ impl Validator<'_> {
         let above = |rgb: &[f64; 3]| rgb.iter().any(|&channel| channel > 1.0 + ROUNDING);
         let colorimetry = self.colorimetry_of_spectra();
         if bound == Bound::Albedo && (above(&literal.rgb) || colorimetry.is_none() && above(&rgb)) {
-            let expected = "an albedo of at most 1 in every channel";
+            let expected = "at most 1 in every channel";
             self.out_of_range(key, written.span, listed(&rgb), expected);
             return Err(Reported);
         }
@@ -315,7 +315,7 @@ impl Validator<'_> {
             (peak, nm) = (value, place);
         }
         let (most, expected) = match bound {
-            Bound::Albedo => (1.0, "an albedo of at most 1 at every wavelength"),
+            Bound::Albedo => (1.0, "at most 1 at every wavelength"),
             Bound::None => (f64::from(f32::MAX), "at most 3.4e38 at every wavelength"),
         };
         if peak > most {
