@@ -6,7 +6,9 @@
 
 mod curve;
 pub mod diagnostic;
+mod encoding;
 pub mod mesh;
+mod opening;
 mod read;
 mod value;
 
@@ -15,7 +17,9 @@ use std::sync::Arc;
 
 pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
+pub use encoding::Foreign;
 pub use mesh::MeshFile;
+pub use opening::NotAFile;
 pub use read::{Broken, Reading};
 pub use value::{ColorSpace, Transport, Unit, Value};
 
