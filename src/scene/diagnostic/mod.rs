@@ -2,6 +2,7 @@
 
 mod render;
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -112,8 +113,8 @@ pub enum Problem {
         what: &'static str,
         /// As written.
         name: String,
-        /// What names may be.
-        why: &'static str,
+        /// What names may be, or what to write instead.
+        why: Cow<'static, str>,
     },
     /// An entry that does not say of which kind it is: `[objects.ball]` alone.
     #[error("{what} `{}` does not say of which kind it is", shortened(name))]

@@ -17,6 +17,7 @@ pub(super) const MATERIALS: Section<Material> = Section {
     key: "materials",
     entry: "material",
     an_entry: "a material",
+    names_channels: false,
     kind: "kind of material",
     example: "`[materials.NAME.phong]` with a name of your choice",
     variants: &[
@@ -31,6 +32,7 @@ pub(super) const LIGHTS: Section<Light> = Section {
     key: "lights",
     entry: "light",
     an_entry: "a light",
+    names_channels: true,
     kind: "kind of light",
     example: "`[lights.NAME.point]` with a name of your choice",
     variants: &[("point", point_light)],
@@ -40,6 +42,7 @@ pub(super) const OBJECTS: Section<Object> = Section {
     key: "objects",
     entry: "object",
     an_entry: "an object",
+    names_channels: false,
     kind: "kind of object",
     example: "`[objects.NAME.sphere]` with a name of your choice",
     variants: &[
