@@ -19,6 +19,7 @@ mod images;
 mod invariance;
 mod layering;
 mod layers;
+mod meshes;
 mod openimageio;
 mod oracle;
 mod spectral_image;
