@@ -80,6 +80,9 @@ fn corpus() -> Vec<Vec<u8>> {
         property float y\rproperty float z\relement tristrips 1\r\
         property list int int vertex_indices\rend_header\r0 0 0\r2 0 0 7\r2 2 0\r0 2 0\r1 1 1.5\r\
         9 0 1 4 -1 1 2 4 3 0\rmore\r\x1a";
+    let unlined = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+        property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0 2 0 0\n2 2 0\n0 2 0 1 1 1.5 4 0\n1 2 3\n\n3\n0 1 4";
     let ahead_obj = "f 1//1 2//2 3//9\nf 1/ 2// 5\nf 4//-1 3//1 2\nf 1 2\nv 0 0 0\nv 2 0 0 #x\n\
         v 2 2 0 1 2 3 4 5\nvn 0 0 1\nvn -nan(ind) 1.#QNAN 1e999\nv 0 2 0\rv 1 1 1.5\rv nan 0 0\n\
         vw 1 2\nmtllib a\\\nf 5 3 4\\ \n 1\n\x1a";
@@ -87,6 +90,7 @@ fn corpus() -> Vec<Vec<u8>> {
     vec![
         strips,
         ascii_strips.into(),
+        unlined.into(),
         ahead_obj.into(),
         ascii.into_bytes(),
         little,
@@ -233,6 +237,15 @@ fn expensive_files() {
         ("lone returns", repeated("\r\r\\\r\r") + "f 1 2 3\n"),
         ("joined blanks", repeated("\\ \t \n") + "f 1 2 3\n"),
         ("names", repeated("mtllib a\\\n") + "f 1 2 3\n"),
+        (
+            "one number a line",
+            format!(
+                "{header}element vertex 20000\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 20000\nproperty list uchar int vertex_indices\nend_header\n{}{}",
+                "1\n".repeat(60_000),
+                "3\n0\n1\n2\n".repeat(20_000)
+            ),
+        ),
         (
             "strips",
             format!(

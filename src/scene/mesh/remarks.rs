@@ -31,6 +31,9 @@ pub struct MeshRemarks {
     /// Lines of text with more or fewer values than belong there, all those that are used being
     /// there.
     pub uneven_lines: u32,
+    /// Whether the numbers of an ASCII PLY file are not parted into lines by elements, so that they
+    /// were read one after the other.
+    pub unlined: bool,
     /// Bytes, other than blanks, behind all that a PLY header counts.
     pub trailing_bytes: u64,
 }
@@ -107,10 +110,13 @@ impl MeshRemarks {
                 "bytes behind all that its header counts, which were skipped",
             ),
         ];
+        let counts = counts.into_iter().filter(|&(count, ..)| count > 0);
+        let counts = counts
+            .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
+        let unlined = "lines that are not an element each, so that its numbers were read one after \
+            the other";
         counts
-            .into_iter()
-            .filter(|&(count, ..)| count > 0)
-            .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }))
+            .chain(self.unlined.then(|| unlined.to_owned()))
             .collect()
     }
 

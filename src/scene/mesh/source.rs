@@ -114,6 +114,14 @@ impl<'r> Source<'r> {
         }
     }
 
+    /// Adds to the window all that comes.
+    pub(super) fn read_all(&mut self) -> io::Result<()> {
+        while !self.ended {
+            self.read_on()?;
+        }
+        Ok(())
+    }
+
     /// Goes back or forth to a byte of the file.
     pub(super) fn go_to(&mut self, position: usize) -> io::Result<()> {
         self.input.seek(SeekFrom::Start(position as u64))?;
@@ -180,7 +188,7 @@ fn whole_lines(bytes: &[u8], dialect: Dialect) -> Option<usize> {
     loop {
         end = bytes[..end].iter().rposition(|&byte| is_line_end(byte))?;
         let joined = match dialect {
-            Dialect::Ply => false,
+            Dialect::Ply | Dialect::UnlinedPly => false,
             Dialect::Obj => {
                 let line = bytes[..end].strip_suffix(b"\r").unwrap_or(&bytes[..end]);
                 let blank = |&&byte: &&u8| !is_line_end(byte) && is_separator(byte);

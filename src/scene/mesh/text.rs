@@ -30,6 +30,8 @@ pub(super) struct Scanner<'a> {
 pub(super) enum Dialect {
     /// Nothing but values on a line.
     Ply,
+    /// As [`Dialect::Ply`], but line ends are blanks.
+    UnlinedPly,
     /// `#` starts a comment, `\` at the end of a line joins the next one to it.
     Obj,
 }
@@ -50,6 +52,11 @@ impl<'a> Scanner<'a> {
             position: 0,
             dialect,
         }
+    }
+
+    /// The rules that it follows.
+    pub(super) const fn dialect(&self) -> Dialect {
+        self.dialect
     }
 
     /// The byte that is next.
@@ -73,6 +80,7 @@ impl<'a> Scanner<'a> {
         loop {
             match self.peek() {
                 Some(byte) if is_blank(byte) => self.position += 1,
+                Some(b'\n' | b'\r') if self.dialect == Dialect::UnlinedPly => self.position += 1,
                 Some(b'\\') if self.dialect == Dialect::Obj => {
                     let Some(length) = line_end_ahead(&self.bytes[self.position + 1..]) else {
                         return;
@@ -263,6 +271,10 @@ impl<'a> Scanner<'a> {
             Some(b'-' | b'+' | b'0'..=b'9') => self.integer_prefix("").ok(),
             _ => None,
         };
+        // As nearly always.
+        if let (Some(_), Some(b'/' | b' ' | b'\n')) = (value, self.peek()) {
+            return value.map(Index::Number);
+        }
         let is_end = |byte| is_separator(byte) || matches!(byte, b'/' | b'\\' | b'#');
         if self.peek().is_none_or(is_end) {
             return if self.position == start {

@@ -1,4 +1,5 @@
-//! The body of an ASCII PLY file: an element a line.
+//! The body of an ASCII PLY file: an element a line, as nearly all have it, or else one number after
+//! the other.
 
 use super::super::MeshRemarks;
 use super::super::error::{Fault, MeshError, Position};
@@ -15,12 +16,16 @@ const INDEX: &str = "the index of a vertex";
 /// The lines that are left.
 pub(super) struct Text<'r> {
     source: Source<'r>,
+    dialect: Dialect,
 }
 
 impl<'r> Text<'r> {
     /// The lines from the start of the source's window on.
     pub(super) const fn new(source: Source<'r>) -> Self {
-        Self { source }
+        Self {
+            source,
+            dialect: Dialect::Ply,
+        }
     }
 
     /// Calls `one` at the line of each of the elements, one after the other; it goes to the next.
@@ -34,7 +39,7 @@ impl<'r> Text<'r> {
         }
         let mut index = 0;
         loop {
-            let mut scanner = Scanner::new(self.source.lines(Dialect::Ply)?, Dialect::Ply);
+            let mut scanner = Scanner::new(self.source.lines(self.dialect)?, self.dialect);
             let mut result = Ok(());
             while index < element.count && scanner.skip_empty_lines() {
                 result = one(&mut scanner);
@@ -93,15 +98,24 @@ fn skip(scanner: &mut Scanner<'_>, kind: Kind) -> Result<(), Box<Fault>> {
     }
 }
 
-/// Goes to the next line after the properties that are used. If this one has not just the `others`
-/// left, it is counted: some programs write more, or something else, than their header says.
+/// Goes past the `others`, the properties after those that are used, to the next line. If this one
+/// has not just them, it is counted: some programs write more, or something else, than their header
+/// says.
 #[inline]
-fn end_element(scanner: &mut Scanner<'_>, others: &[Property<'_>], surface: &mut Surface) {
-    let as_announced = (others.iter()).all(|property| skip(scanner, property.kind).is_ok());
-    if !as_announced || !scanner.at_line_end() {
+fn end_element(
+    scanner: &mut Scanner<'_>,
+    others: &[Property<'_>],
+    surface: &mut Surface,
+) -> Result<(), Box<Fault>> {
+    let skipped = (others.iter()).try_for_each(|property| skip(scanner, property.kind));
+    if scanner.dialect() == Dialect::UnlinedPly {
+        return skipped;
+    }
+    if skipped.is_err() || !scanner.at_line_end() {
         MeshRemarks::add(&mut surface.remarks.uneven_lines);
     }
     scanner.skip_line();
+    Ok(())
 }
 
 impl Body for Text<'_> {
@@ -109,8 +123,19 @@ impl Body for Text<'_> {
         self.source.position()
     }
 
+    fn ignore_lines(&mut self, position: usize) -> Result<bool, MeshError> {
+        self.dialect = Dialect::UnlinedPly;
+        self.return_to(position)?;
+        Ok(true)
+    }
+
     fn return_to(&mut self, position: usize) -> Result<(), MeshError> {
-        Ok(self.source.go_to(position)?)
+        self.source.go_to(position)?;
+        if self.dialect == Dialect::UnlinedPly {
+            // An element may begin on one line and end on any other.
+            self.source.read_all()?;
+        }
+        Ok(())
     }
 
     fn vertices(
@@ -145,8 +170,7 @@ impl Body for Text<'_> {
                 }
             }
             mesh.push(&record, layout.has_normals)?;
-            end_element(scanner, others, &mut mesh.surface);
-            Ok(())
+            end_element(scanner, others, &mut mesh.surface)
         })
     }
 
@@ -169,8 +193,7 @@ impl Body for Text<'_> {
                 corners.push(checked_index(scanner.integer(INDEX)?, vertices)?);
             }
             surface.face(&corners, |_, _| Ok(()))?;
-            end_element(scanner, &others[1..], surface);
-            Ok(())
+            end_element(scanner, &others[1..], surface)
         })
     }
 
@@ -188,13 +211,17 @@ impl Body for Text<'_> {
                 strip_corner(scanner.integer(INDEX)?, &mut strip, surface)?;
             }
             end_strip(&mut strip, surface);
-            end_element(scanner, &others[1..], surface);
-            Ok(())
+            end_element(scanner, &others[1..], surface)
         })
     }
 
     fn skip(&mut self, element: &Element<'_>) -> Result<(), MeshError> {
+        let unlined = self.dialect == Dialect::UnlinedPly;
         self.each(element, |scanner| {
+            if unlined {
+                return (element.properties.iter())
+                    .try_for_each(|property| skip(scanner, property.kind));
+            }
             scanner.skip_line();
             Ok(())
         })

@@ -273,6 +273,10 @@ impl Body for Bytes<'_> {
         self.source.position()
     }
 
+    fn ignore_lines(&mut self, _: usize) -> Result<bool, MeshError> {
+        Ok(false)
+    }
+
     fn return_to(&mut self, position: usize) -> Result<(), MeshError> {
         Ok(self.source.go_to(position)?)
     }

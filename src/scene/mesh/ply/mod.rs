@@ -48,6 +48,10 @@ trait Body {
     /// The byte of the file that is next.
     fn position(&self) -> usize;
 
+    /// Goes back to a byte of the file, to read from there on regardless of lines; whether that
+    /// makes a difference.
+    fn ignore_lines(&mut self, position: usize) -> Result<bool, MeshError>;
+
     /// Goes back to a byte of the file.
     fn return_to(&mut self, position: usize) -> Result<(), MeshError>;
 
@@ -125,32 +129,23 @@ pub(super) fn read(mut source: Source<'_>) -> Result<MeshFile, MeshError> {
 fn read_body(mut body: impl Body, header: &Header<'_>, size: usize) -> Result<MeshFile, MeshError> {
     let plan = header.plan()?;
     let start = body.position();
-    let mut mesh = Vertices {
-        surface: Surface::for_file(size),
-        normals: Vec::new(),
-    };
-    mesh.surface.remarks = header.remarks.clone();
-    let mut before_vertices = Vec::new();
-    let mut vertices_read = false;
-    for element in &header.elements {
-        let corners = (plan.surfaces.iter()).find(|(surface, _)| std::ptr::eq(element, *surface));
-        if std::ptr::eq(element, plan.vertex) {
-            body.vertices(element, &plan.layout, &mut mesh)?;
-            vertices_read = true;
-        } else if let Some(&(_, indices)) = corners
-            && vertices_read
-        {
-            element.surface(indices, &mut body, &mut mesh.surface)?;
+    let mut read = plan.read(&mut body, header, size);
+    if let Err(error @ MeshError::Invalid { .. }) = read {
+        // Unless every number fits, it is the lines that are right.
+        let unlined = if body.ignore_lines(start)? {
+            plan.read(&mut body, header, size).ok()
         } else {
-            before_vertices.extend(corners.map(|corners| (body.position(), corners)));
-            body.skip(element)?;
-        }
+            None
+        };
+        read = match unlined {
+            Some(mut mesh) if mesh.surface.remarks.trailing_bytes == 0 => {
+                mesh.surface.remarks.unlined = true;
+                Ok(mesh)
+            }
+            Some(_) | None => Err(error),
+        };
     }
-    mesh.surface.remarks.trailing_bytes = body.finish()?;
-    for (position, &(element, indices)) in before_vertices {
-        body.return_to(position)?;
-        element.surface(indices, &mut body, &mut mesh.surface)?;
-    }
+    let mut mesh = read?;
     if mesh.surface.triangles.is_empty() {
         let remarks = Box::new(mesh.surface.remarks);
         return Err(MeshError::NoFaces { remarks });
@@ -170,6 +165,45 @@ fn read_body(mut body: impl Body, header: &Header<'_>, size: usize) -> Result<Me
         return Err(MeshError::Changed);
     }
     mesh.finish(plan.layout.has_normals)
+}
+
+impl Plan<'_, '_> {
+    /// Reads all elements from the start of the body on.
+    fn read(
+        &self,
+        body: &mut impl Body,
+        header: &Header<'_>,
+        size: usize,
+    ) -> Result<Vertices, MeshError> {
+        let mut mesh = Vertices {
+            surface: Surface::for_file(size),
+            normals: Vec::new(),
+        };
+        mesh.surface.remarks = header.remarks.clone();
+        let mut before_vertices = Vec::new();
+        let mut vertices_read = false;
+        for element in &header.elements {
+            let corners =
+                (self.surfaces.iter()).find(|(surface, _)| std::ptr::eq(element, *surface));
+            if std::ptr::eq(element, self.vertex) {
+                body.vertices(element, &self.layout, &mut mesh)?;
+                vertices_read = true;
+            } else if let Some(&(_, indices)) = corners
+                && vertices_read
+            {
+                element.surface(indices, body, &mut mesh.surface)?;
+            } else {
+                before_vertices.extend(corners.map(|corners| (body.position(), corners)));
+                body.skip(element)?;
+            }
+        }
+        mesh.surface.remarks.trailing_bytes = body.finish()?;
+        for (position, &(element, indices)) in before_vertices {
+            body.return_to(position)?;
+            element.surface(indices, body, &mut mesh.surface)?;
+        }
+        Ok(mesh)
+    }
 }
 
 impl<'a> Header<'a> {

@@ -299,3 +299,35 @@ fn normals_that_are_no_numbers() {
     assert_eq!(mesh.normals.unwrap().vectors, [[0., 0., 1.]; 3]);
     assert_eq!(mesh.remarks.mended_normals, 3);
 }
+
+/// Numbers that are not an element a line, but all there.
+#[test]
+fn elements_that_are_not_on_lines_of_their_own() {
+    let header = "ply\nformat ascii 1.0\nelement tag 1\nproperty list uchar int a\n\
+        element face 1\nproperty list uchar int vertex_indices\nproperty uchar red\n\
+        element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+        element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+    let numbers = "2 7 7 3 0 1 2 9 0 0 0 9 1 0 0 9 1 1 0 9 0 1 0 9 5 0 1 2 -1 3";
+    let in_lines = "2 7 7\n3 0 1 2 9\n0 0 0 9\n1 0 0 9\n1 1 0 9\n0 1 0 9\n5 0 1 2 -1 3\n";
+    let parse = |body: &str| MeshFile::parse(format!("{header}{body}").as_bytes(), Path::new(""));
+    let mut expected = parse(in_lines).unwrap();
+    assert_eq!(expected.triangles, [[0, 1, 2], [0, 1, 2]]);
+    assert!(!expected.remarks.unlined);
+    expected.remarks.unlined = true;
+    for body in [
+        numbers.to_owned(),
+        numbers.replace(' ', "\n"),
+        numbers.replace(' ', "\r\n\r\n"),
+        numbers.replace(" 1 ", " 1\n"),
+    ] {
+        assert_eq!(parse(&body).unwrap(), expected, "{body}");
+    }
+    // One number too few or too many: the lines are right, and one of them is wrong.
+    for body in [
+        in_lines.replace("1 1 0 9", "1 1"),
+        in_lines.replace("1 1 0 9\n", ""),
+    ] {
+        let message = parse(&body).unwrap_err().to_string();
+        assert!(message.contains(" at line "), "{message}");
+    }
+}
