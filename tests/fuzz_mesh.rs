@@ -64,7 +64,34 @@ fn corpus() -> Vec<Vec<u8>> {
         big.extend((face.len() as u16).to_be_bytes());
         big.extend(face.iter().flat_map(|index| index.to_be_bytes()));
     }
+    // The sides as strips, beside the base as a face and before the vertices in one of the files.
+    let mut strips = b"ply\nformat binary_big_endian 1.0\nelement tristrips 2\n\
+        property list int int vertex_indices\nelement vertex 5\nproperty float x\nproperty float y\n\
+        property float z\nelement face 1\nproperty list uchar float vertex_index\nend_header\n"
+        .to_vec();
+    for strip in [&[0, 1, 4, 2, 2, -1, 2, 3, 4_i32][..], &[3, 0, 4, -1]] {
+        strips.extend((strip.len() as i32).to_be_bytes());
+        strips.extend(strip.iter().flat_map(|index| index.to_be_bytes()));
+    }
+    strips.extend(positions.iter().flatten().flat_map(|x| x.to_be_bytes()));
+    strips.push(4);
+    strips.extend([3., 2., 1., 0_f32].into_iter().flat_map(f32::to_be_bytes));
+    let ascii_strips = "ply\rformat ascii 1.0\rMade by hand\relement vertex 5\rproperty float x\r\
+        property float y\rproperty float z\relement tristrips 1\r\
+        property list int int vertex_indices\rend_header\r0 0 0\r2 0 0 7\r2 2 0\r0 2 0\r1 1 1.5\r\
+        9 0 1 4 -1 1 2 4 3 0\rmore\r\x1a";
+    let unlined = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
+        property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0 2 0 0\n2 2 0\n0 2 0 1 1 1.5 4 0\n1 2 3\n\n3\n0 1 4";
+    let ahead_obj = "f 1//1 2//2 3//9\nf 1/ 2// 5\nf 4//-1 3//1 2\nf 1 2\nv 0 0 0\nv 2 0 0 #x\n\
+        v 2 2 0 1 2 3 4 5\nvn 0 0 1\nvn -nan(ind) 1.#QNAN 1e999\nv 0 2 0\rv 1 1 1.5\rv nan 0 0\n\
+        vw 1 2\nmtllib a\\\nf 5 3 4\\ \n 1\n\x1a";
+
     vec![
+        strips,
+        ascii_strips.into(),
+        unlined.into(),
+        ahead_obj.into(),
         ascii.into_bytes(),
         little,
         big,
@@ -196,6 +223,39 @@ fn expensive_files() {
             format!("vn 0 0 1\n{}", repeated("f 1 2 3\nf 1//1 2//1 3//1\n")),
         ),
         ("one line", "f 1 2 3 \\\n".repeat(SIZE / 10)),
+        (
+            "faces above their vertices",
+            format!("{}{square}", "f 1 2 3\n".repeat(SIZE / 8)),
+        ),
+        ("normals that are not there", repeated("f 1//9 2//9 3//9\n")),
+        (
+            "vertices that are not finite",
+            repeated("v\n") + "f 1 2 3\n",
+        ),
+        ("a used one at the end", repeated("v\n") + "f 1 2 -1\n"),
+        ("unknown statements", repeated("\u{1}\n") + "f 1 2 3\n"),
+        ("lone returns", repeated("\r\r\\\r\r") + "f 1 2 3\n"),
+        ("joined blanks", repeated("\\ \t \n") + "f 1 2 3\n"),
+        ("names", repeated("mtllib a\\\n") + "f 1 2 3\n"),
+        (
+            "one number a line",
+            format!(
+                "{header}element vertex 20000\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 20000\nproperty list uchar int vertex_indices\nend_header\n{}{}",
+                "1\n".repeat(60_000),
+                "3\n0\n1\n2\n".repeat(20_000)
+            ),
+        ),
+        (
+            "strips",
+            format!(
+                "{header}element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n\
+                0 1 0\n{} {}\n",
+                SIZE / 2,
+                "0 1 2 ".repeat(SIZE / 6)
+            ),
+        ),
         ("no line end", "v".repeat(SIZE)),
         ("long number", format!("v 1{} 0 0\n", "0".repeat(SIZE))),
         (
@@ -238,8 +298,28 @@ fn dense_files() {
     ply.extend(list.repeat(100_000));
     let mut obj = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
     obj += &format!("f{}\n", " 1 2 3".repeat(20)).repeat(200_000);
-    for bytes in [&ply, obj.as_bytes()] {
+    let mut strips = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n\
+        property float y\nproperty float z\nelement tristrips 1\n\
+        property list uint uchar vertex_indices\nend_header\n"
+        .to_vec();
+    strips.extend((0..9_u8).flat_map(|i| f32::from(i * i % 5).to_le_bytes()));
+    strips.extend(30_000_000_u32.to_le_bytes());
+    strips.extend([0, 1, 2].repeat(10_000_000));
+    for bytes in [&ply, obj.as_bytes(), &strips] {
         // Refused, since no legal answer fits in the allowance.
         assert_eq!(fuzzing::check(bytes, read), Ok(false));
+    }
+    // Read, with room to spare.
+    let mut wide = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n\
+        property float y\nproperty float z\nelement tristrips 1\n\
+        property list uint int vertex_indices\nend_header\n"
+        .to_vec();
+    wide.extend((0..9_u8).flat_map(|i| f32::from(i * i % 5).to_le_bytes()));
+    wide.extend(6_000_000_u32.to_le_bytes());
+    wide.extend((0..6_000_000_u32).flat_map(|i| (i % 3).to_le_bytes()));
+    let ahead =
+        "f 1//1 2//2 3//9\n".repeat(600_000) + "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\n";
+    for bytes in [&wide, ahead.as_bytes()] {
+        assert_eq!(fuzzing::check(bytes, read), Ok(true));
     }
 }

@@ -20,6 +20,7 @@ mod images;
 mod invariance;
 mod layering;
 mod layers;
+mod meshes;
 mod openimageio;
 mod oracle;
 mod package;

@@ -85,7 +85,7 @@ fn every_scene_is_valid() {
 
 /// What a schema cannot say, and the bad scenes that are wrong in that way alone. Each stands for all
 /// whose names begin so.
-const BEYOND: [(&str, &[&str]); 6] = [
+const BEYOND: [(&str, &[&str]); 7] = [
     ("what is in a file", &["csv_", "mesh_"]),
     (
         "that wavelengths ascend",
@@ -108,6 +108,7 @@ const BEYOND: [(&str, &[&str]); 6] = [
         &["range_eye", "range_up", "range_triangle"],
     ),
     ("numbers that JSON's readers make infinite", &["curve_huge"]),
+    ("wavelengths in another unit", &["curve_micrometers"]),
 ];
 
 #[test]

@@ -1,32 +1,49 @@
 //! Curves from files of two columns, wavelength in nm and value.
 
+use std::borrow::Cow;
 use std::fmt;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
-
 use super::diagnostic::shortened;
+use super::encoding::Foreign;
+use super::opening::{self, NotAFile};
 use crate::spectrum::{Curve, CurveProblem};
 
-/// The largest curve file in bytes; a million points fit.
+/// The largest curve file in bytes; a million points fit. Reading one takes at most six times its
+/// size in memory.
 const LARGEST_FILE: u64 = 32_000_000;
+
+/// The fewest bytes that a point takes in a file: two digits and what parts them and ends the line.
+const LEAST_POINT: usize = 4;
 
 /// Why a curve file cannot be used, with the line where it is one.
 #[derive(Debug, thiserror::Error)]
 pub enum CurveError {
     /// The file cannot be read.
     #[error("{0}")]
-    Unreadable(io::Error),
+    Unreadable(#[from] io::Error),
+    /// A directory, a device, a pipe.
+    #[error("{0}, expected a file of two columns")]
+    NotAFile(#[from] NotAFile),
     /// More text than a curve can have.
     #[error("the file is larger than {limit} MB", limit = LARGEST_FILE / 1_000_000)]
     TooLarge,
+    /// Text of an encoding that is not read, or a compressed file.
+    #[error("it is {found}, expected text in ASCII or UTF-8; {}", .found.way_out())]
+    Foreign {
+        /// What it is instead.
+        found: Foreign,
+    },
     /// Not text.
-    #[error("the file is not UTF-8 text")]
+    #[error("the file is not text")]
     NotText,
     /// Another number of columns than two.
-    #[error("line {line}: {columns}, expected two, wavelength in nm and value, parted by a comma", columns = Columns(*.columns))]
+    #[error(
+        "line {line}: {columns}, expected two, wavelength in nm and value, parted by blanks, a tab, \
+         a comma or a semicolon",
+        columns = Columns(*.columns)
+    )]
     Columns {
         /// Counted from 1.
         line: u64,
@@ -34,7 +51,7 @@ pub enum CurveError {
         columns: usize,
     },
     /// Text where a number should be.
-    #[error("line {line}: `{}` is not a number", shortened(text))]
+    #[error("line {line}: `{}` is not a number{}", shortened(text), way_out(text))]
     NotANumber {
         /// Counted from 1.
         line: u64,
@@ -49,6 +66,23 @@ pub enum CurveError {
         /// What is wrong.
         problem: CurveProblem,
     },
+}
+
+impl CurveError {
+    /// Whether another machine, or another try, may have more luck with the same file: memory was
+    /// short, or reading failed.
+    pub fn is_transient(&self) -> bool {
+        match self {
+            Self::Unreadable(error) => opening::is_transient(error),
+            Self::NotAFile(_)
+            | Self::TooLarge
+            | Self::Foreign { .. }
+            | Self::NotText
+            | Self::Columns { .. }
+            | Self::NotANumber { .. }
+            | Self::Illegal { .. } => false,
+        }
+    }
 }
 
 /// "one column", "3 columns"
@@ -67,105 +101,146 @@ fn at_line(line: Option<u64>) -> String {
     line.map_or_else(String::new, |line| format!("line {line}: "))
 }
 
-/// Reads a curve file: two columns parted by commas, semicolons or tabs; lines that start with `#`
-/// are comments, and the first line may name the columns.
+/// What to do about a text that is no number, if that can be told.
+fn way_out(text: &str) -> &'static str {
+    if number(&text.replacen(',', ".", 1)).is_some() {
+        ", expected a decimal point"
+    } else {
+        ""
+    }
+}
+
+/// Reads a curve file: two columns parted by blanks, tabs, commas or semicolons. What follows `#` or
+/// `//` on a line is a comment; the first line of others may name the columns.
 ///
 /// # Errors
 /// A file that cannot be read, lines of other than two numbers, and points that do not make a
 /// [`Curve`].
 pub(super) fn load(path: &Path) -> Result<Curve, CurveError> {
-    let mut text = String::new();
-    let file = File::open(path).map_err(CurveError::Unreadable)?;
-    let read = file.take(LARGEST_FILE + 1).read_to_string(&mut text);
-    match read {
-        Ok(length) if length as u64 > LARGEST_FILE => Err(CurveError::TooLarge),
-        Ok(_) => parse(&text),
-        Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(CurveError::NotText),
-        Err(error) => Err(CurveError::Unreadable(error)),
+    let (file, size) = opening::open::<CurveError>(path)?;
+    if size > LARGEST_FILE {
+        return Err(CurveError::TooLarge);
     }
+    let mut bytes = Vec::new();
+    // One byte more shows that the file has ended.
+    bytes
+        .try_reserve_exact(size as usize + 1)
+        .map_err(io::Error::from)?;
+    let length = file.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
+    if length as u64 > LARGEST_FILE {
+        return Err(CurveError::TooLarge);
+    }
+    parse(&bytes)
 }
 
-fn parse(text: &str) -> Result<Curve, CurveError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = ReaderBuilder::new()
-        .delimiter(delimiter(text))
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(Trim::All)
-        .from_reader(text.as_bytes());
-    let (mut wavelengths, mut values, mut starts) = (Vec::new(), Vec::new(), Vec::new());
-    let mut record = StringRecord::new();
-    let mut is_first = true;
-    while reader
-        .read_record(&mut record)
-        .map_err(|_| CurveError::NotText)?
-    {
-        // A line of blanks alone.
-        if record.len() == 1 && record[0].is_empty() {
+fn parse(bytes: &[u8]) -> Result<Curve, CurveError> {
+    if let Some(found) = Foreign::of(bytes) {
+        return Err(CurveError::Foreign { found });
+    }
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+    if bytes.contains(&0) {
+        return Err(CurveError::NotText);
+    }
+    let most = bytes.len() / LEAST_POINT + 1;
+    let points = most.min(rows(bytes).count());
+    let (mut wavelengths, mut values) = (Vec::new(), Vec::new());
+    for column in [&mut wavelengths, &mut values] {
+        column.try_reserve_exact(points).map_err(io::Error::from)?;
+    }
+    let mut header = None;
+    for (index, (line, row)) in rows(bytes).enumerate() {
+        let columns = columns(&row);
+        let numbers = [0, 1].map(|i| columns.get(i).and_then(|text| number(text)));
+        if index == 0 && numbers == [None; 2] {
+            header = Some(line);
             continue;
         }
-        let start = record.position().map_or(0, csv::Position::byte);
-        let line = || line_of_record(text, start);
-        let may_be_header = std::mem::take(&mut is_first);
-        let [nm, value] = columns(&record, line)?;
-        match (number(nm, line), number(value, line)) {
-            (Ok(nm), Ok(value)) => {
-                wavelengths.push(nm);
-                values.push(value);
-                starts.push(start);
-            }
-            (Err(_), Err(_)) if may_be_header => {}
-            (Err(error), _) | (_, Err(error)) => return Err(error),
-        }
+        let &[nm, value] = columns.as_slice() else {
+            let columns = columns.len();
+            return Err(CurveError::Columns { line, columns });
+        };
+        let [Some(nm_value), Some(value_value)] = numbers else {
+            let text = if numbers[0].is_none() { nm } else { value }.to_owned();
+            return Err(CurveError::NotANumber { line, text });
+        };
+        wavelengths.push(nm_value);
+        values.push(value_value);
     }
     Curve::new(wavelengths, values).map_err(|problem| CurveError::Illegal {
-        line: problem
-            .index()
-            .map(|index| line_of_record(text, starts[index])),
+        line: problem.index().and_then(|index| {
+            let mut points = rows(bytes).filter(|&(line, _)| Some(line) != header);
+            points.nth(index).map(|(line, _)| line)
+        }),
         problem,
     })
 }
 
-/// What parts the columns: a semicolon or tab if the first line of data has one, else a comma.
-fn delimiter(text: &str) -> u8 {
-    let mut lines = text
-        .lines()
-        .filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let first = lines.next().unwrap_or_default();
-    [b';', b'\t']
-        .into_iter()
-        .find(|&delimiter| first.contains(char::from(delimiter)))
-        .unwrap_or(b',')
-}
-
-/// The line, counted from 1, of the record that the reader found when it went on at the byte
-/// `start`. What it passed over is before it: the rest of a line's end, empty lines and comments.
-fn line_of_record(text: &str, start: u64) -> u64 {
-    let (before, rest) = text.split_at(start as usize);
-    let passed = rest
-        .lines()
-        .take_while(|line| line.is_empty() || line.starts_with('#'));
-    let line = 1 + before.matches('\n').count() + passed.count();
-    line as u64
-}
-
-fn columns(record: &StringRecord, line: impl Fn() -> u64) -> Result<[&str; 2], CurveError> {
-    let columns = record.len();
-    match (record.get(0), record.get(1)) {
-        (Some(nm), Some(value)) if columns == 2 => Ok([nm, value]),
-        _ => Err(CurveError::Columns {
-            line: line(),
-            columns,
-        }),
-    }
-}
-
-fn number(text: &str, line: impl Fn() -> u64) -> Result<f64, CurveError> {
-    text.parse().map_err(|_| CurveError::NotANumber {
-        line: line(),
-        text: text.to_owned(),
+/// The lines, counted from 1, that are neither empty nor comments, without blanks and comments at
+/// their ends. They end in LF, CR LF or CR; what is no UTF-8, as in old comments, becomes U+FFFD.
+fn rows(bytes: &[u8]) -> impl Iterator<Item = (u64, Cow<'_, str>)> {
+    let mut rest = Some(bytes);
+    let mut line = 0;
+    std::iter::from_fn(move || {
+        loop {
+            let text = rest?;
+            let end = text.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+            let (row, after) = match end {
+                Some(end) if text[end..].starts_with(b"\r\n") => (&text[..end], Some(end + 2)),
+                Some(end) => (&text[..end], Some(end + 1)),
+                None => (text, None),
+            };
+            rest = after.map(|after| &text[after..]);
+            line += 1;
+            let row = without_comment(row);
+            if !row.is_empty() {
+                return Some((line, String::from_utf8_lossy(row)));
+            }
+        }
     })
+}
+
+fn without_comment(row: &[u8]) -> &[u8] {
+    let is_comment = |pair: &[u8]| pair[0] == b'#' || pair == b"//";
+    let comment = row.windows(2).position(is_comment);
+    let row = &row[..comment.unwrap_or(row.len())];
+    // A window of two does not see the last byte alone, nor the mark by which DOS ends a text.
+    let row = row.strip_suffix(b"#").unwrap_or(row);
+    row.strip_suffix(b"\x1a").unwrap_or(row).trim_ascii()
+}
+
+/// The columns of a line: parted by semicolons if it has one, else by commas if it has one, else by
+/// blanks. A comma between digits of a line that blanks part in two is a decimal comma.
+fn columns(row: &str) -> Vec<&str> {
+    let blanks = || row.split_whitespace();
+    let is_decimal_comma = || {
+        let before = row.split(',').next().unwrap_or_default();
+        number(unquoted(before)).is_none() && blanks().count() == 2
+    };
+    let mut columns: Vec<&str> = if row.contains(';') {
+        row.split(';').map(unquoted).collect()
+    } else if row.contains(',') && !is_decimal_comma() {
+        row.split(',').map(unquoted).collect()
+    } else {
+        blanks().map(unquoted).collect()
+    };
+    // Spreadsheets end lines with separators of columns that are empty.
+    while columns.len() > 2 && columns.last().is_some_and(|last| last.is_empty()) {
+        columns.pop();
+    }
+    columns
+}
+
+/// A column without the blanks and quotes around it.
+fn unquoted(column: &str) -> &str {
+    let column = column.trim();
+    let inner = column
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'));
+    inner.map_or(column, str::trim)
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok()
 }
 
 #[cfg(test)]
@@ -182,64 +257,101 @@ mod tests {
             "400\t0.1\n500.5\t0.25\n700\t1\n",
             "\"400\",\"0.1\"\n500.5,0.25\n700,1\n",
             "  \nnm,value\n400,0.1\n500.5,0.25\n  \n700,1\n  ",
+            // As pbrt's and Mitsuba's, and what others make of it.
+            "# nm value\n400 0.1\n500.5   0.25\n700 1\n",
+            "  400 \t 0.1\n#\n// another\n500.5 0.25 # why\n700 1 // end\n\x1a",
+            "wavelength in nm\treflectance of it\n400\t\t0.1\n500.5\t.25\n700\t1",
+            "Wavelength\n400 0.1\n500.5 .25\n700 1#",
+            "400 0.1\r500.5 0.25\r700 1\r",
+            "nm;R;\n400;0.1;\n500.5;0.25;;\n700;1;\n",
+            "400 , 0.1\n500.5 ,0.25\n700,1",
         ] {
-            assert_eq!(parse(text).unwrap(), expected, "{text}");
+            assert_eq!(parse(text.as_bytes()).unwrap(), expected, "{text}");
         }
+        // Old comments are in other encodings.
+        let latin = b"# in \xc5ngstr\xf6m\n\xb5m times 1000,R\n400,0.1\n500.5,0.25\n700,1\n";
+        assert_eq!(parse(latin).unwrap(), expected);
     }
 
     #[test]
     fn what_is_wrong_has_its_line() {
+        const PARTED: &str = "expected two, wavelength in nm and value, parted by blanks, a tab, a \
+            comma or a semicolon";
         for (text, message) in [
-            ("", "the curve has no points, expected at least 2"),
+            ("", "the curve has no points, expected at least 2".to_owned()),
             (
                 "nm,value\n400,1\n",
-                "the curve has 1 point, expected at least 2",
+                "the curve has 1 point, expected at least 2".to_owned(),
             ),
-            ("nm,value\nnm,value\n", "line 2: `nm` is not a number"),
-            ("400,0.1\n500,red\n", "line 2: `red` is not a number"),
+            (
+                "nm,value\nnm,value\n",
+                "line 2: `nm` is not a number".to_owned(),
+            ),
+            (
+                "400,0.1\n500,red\n",
+                "line 2: `red` is not a number".to_owned(),
+            ),
             (
                 "nm,value\r\n400,0.1\r\n500,red\r\n",
-                "line 3: `red` is not a number",
+                "line 3: `red` is not a number".to_owned(),
+            ),
+            (
+                "nm value\r400 0.1\r500 red\r",
+                "line 3: `red` is not a number".to_owned(),
             ),
             (
                 "400,0.1\n# a comment\n\n500,red\n",
-                "line 4: `red` is not a number",
+                "line 4: `red` is not a number".to_owned(),
             ),
             (
                 "\u{feff}nm,value\r\n400,0.1\r\n\r\n# a comment\r\n300,1\r\n",
-                "line 5: the wavelength 300 nm comes after 400 nm, expected ascending order",
+                "line 5: the wavelength 300 nm comes after 400 nm, expected ascending order"
+                    .to_owned(),
+            ),
+            ("400,0,1\n", format!("line 1: 3 columns, {PARTED}")),
+            ("400\n", format!("line 1: one column, {PARTED}")),
+            ("a\nb\n", format!("line 2: one column, {PARTED}")),
+            ("400 0.1 500 0.2", format!("line 1: 4 columns, {PARTED}")),
+            (
+                "400;0,1\n500;0,2\n",
+                "line 1: `0,1` is not a number, expected a decimal point".to_owned(),
             ),
             (
-                "400,0,1\n",
-                "line 1: 3 columns, expected two, wavelength in nm and value, parted by a comma",
+                "400 0,1\n500 0,2\n",
+                "line 1: `0,1` is not a number, expected a decimal point".to_owned(),
             ),
-            (
-                "400 0.1\n",
-                "line 1: one column, expected two, wavelength in nm and value, parted by a comma",
-            ),
-            ("400;0,1\n500;0,2\n", "line 1: `0,1` is not a number"),
             (
                 "400,nan\n500,1\n",
-                "line 1: the value is NaN, expected a number of at least 0",
+                "line 1: the value is NaN, expected a number of at least 0".to_owned(),
             ),
             (
                 "# x\n400,0.1\n500,-2\n",
-                "line 3: the value is -2, expected a number of at least 0",
+                "line 3: the value is -2, expected a number of at least 0".to_owned(),
             ),
             (
                 "400,1\n400,2\n",
-                "line 2: the wavelength 400 nm is there twice, expected each once, in ascending order",
+                "line 2: the wavelength 400 nm is there twice, expected each once, in ascending \
+                order"
+                    .to_owned(),
             ),
             (
                 "500,1\n400,2\n",
-                "line 2: the wavelength 400 nm comes after 500 nm, expected ascending order",
+                "line 2: the wavelength 400 nm comes after 500 nm, expected ascending order"
+                    .to_owned(),
             ),
             (
                 "inf,1\n400,2\n",
-                "line 1: the wavelength is inf, expected a number of nanometers above 0",
+                "line 1: the wavelength is inf, expected a number of nanometers above 0".to_owned(),
             ),
+            (
+                "n\0m\0,\0R\0\n\0",
+                "it is text in UTF-16 (little endian), expected text in ASCII or UTF-8; save it as \
+                UTF-8"
+                    .to_owned(),
+            ),
+            ("400,1\n\0\0", "the file is not text".to_owned()),
         ] {
-            assert_eq!(parse(text).unwrap_err().to_string(), message, "{text}");
+            assert_eq!(parse(text.as_bytes()).unwrap_err().to_string(), message, "{text}");
         }
     }
 }

@@ -11,6 +11,90 @@ use super::{FIRST, LAST, SAMPLES, Spectrum, VISIBLE};
 /// table such as 400.1, 401.1, … is not.
 const FINE: f64 = 1.0 - 1e-9;
 
+/// A unit in which spectra are tabulated, other than nm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WavelengthUnit {
+    /// µm
+    Micrometer,
+    /// Å, 0.1 nm
+    Angstrom,
+    /// cm⁻¹, the wavenumber 1/λ
+    Wavenumber,
+    /// eV, the photon's energy h c/λ
+    Electronvolt,
+    /// m
+    Meter,
+    /// mm
+    Millimeter,
+    /// Hz, the frequency c/λ
+    Hertz,
+}
+
+impl WavelengthUnit {
+    /// All of them, the most usual first.
+    pub const ALL: [Self; 7] = [
+        Self::Micrometer,
+        Self::Angstrom,
+        Self::Wavenumber,
+        Self::Electronvolt,
+        Self::Meter,
+        Self::Millimeter,
+        Self::Hertz,
+    ];
+
+    /// The wavelength in nm that a number of this unit is.
+    pub fn nm(self, number: f64) -> f64 {
+        match self {
+            Self::Micrometer => number * 1e3,
+            Self::Angstrom => number * 0.1,
+            Self::Wavenumber => 1e7 / number,
+            // h c by the SI's exact values of h, c and e.
+            Self::Electronvolt => 1_239.841_984 / number,
+            Self::Meter => number * 1e9,
+            Self::Millimeter => number * 1e6,
+            Self::Hertz => 299_792_458e9 / number,
+        }
+    }
+
+    /// How to get nm from it.
+    pub const fn in_nm(self) -> &'static str {
+        match self {
+            Self::Micrometer => "1 µm is 1000 nm",
+            Self::Angstrom => "10 Å are 1 nm",
+            Self::Wavenumber => "x cm⁻¹ are 1e7/x nm",
+            Self::Electronvolt => "x eV are 1239.84/x nm",
+            Self::Meter => "1 m is 1e9 nm",
+            Self::Millimeter => "1 mm is 1e6 nm",
+            Self::Hertz => "x Hz are 2.998e17/x nm",
+        }
+    }
+
+    /// The units in which some of `numbers` would be wavelengths on the grid's range.
+    fn likely(numbers: &[f64]) -> Vec<Self> {
+        let fits = |unit: &Self| numbers.iter().any(|&number| is_on_grid(unit.nm(number)));
+        Self::ALL.into_iter().filter(fits).collect()
+    }
+}
+
+impl fmt::Display for WavelengthUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Micrometer => "µm",
+            Self::Angstrom => "Å",
+            Self::Wavenumber => "cm⁻¹",
+            Self::Electronvolt => "eV",
+            Self::Meter => "m",
+            Self::Millimeter => "mm",
+            Self::Hertz => "Hz",
+        })
+    }
+}
+
+/// Whether a wavelength is on the range of the grid.
+fn is_on_grid(nm: f64) -> bool {
+    (f64::from(FIRST)..=f64::from(LAST)).contains(&nm)
+}
+
 /// A tabulated spectrum: at least two points, ascending in wavelength, none of them negative.
 ///
 /// It is linear between its points and constant beyond; [`Curve::spectrum`] says what becomes of
@@ -42,6 +126,16 @@ pub enum CurveProblem {
         index: usize,
         /// As understood.
         nm: f64,
+    },
+    /// All points beyond the same end of the grid's range, as where wavelengths are in another unit:
+    /// nothing is said about the light that is computed.
+    BesideGrid {
+        /// The smallest wavelength, taken for nm.
+        smallest: f64,
+        /// The largest wavelength, taken for nm.
+        largest: f64,
+        /// Units in which some of the points would be on the range.
+        units: Vec<WavelengthUnit>,
     },
     /// A wavelength that is not above the one before.
     NotAscending {
@@ -78,16 +172,20 @@ impl CurveProblem {
             | Self::NotAscending { index, .. }
             | Self::BadValue { index, .. }
             | Self::OutsideGrid { index, .. } => Some(index),
-            Self::TooFewPoints { .. } | Self::UnequalLengths { .. } | Self::NoLines => None,
+            Self::TooFewPoints { .. }
+            | Self::UnequalLengths { .. }
+            | Self::BesideGrid { .. }
+            | Self::NoLines => None,
         }
     }
 
     /// Whether it is about a wavelength, rather than about a value.
     pub const fn is_about_wavelength(&self) -> bool {
         match self {
-            Self::BadWavelength { .. } | Self::NotAscending { .. } | Self::OutsideGrid { .. } => {
-                true
-            }
+            Self::BadWavelength { .. }
+            | Self::BesideGrid { .. }
+            | Self::NotAscending { .. }
+            | Self::OutsideGrid { .. } => true,
             Self::TooFewPoints { .. }
             | Self::UnequalLengths { .. }
             | Self::BadValue { .. }
@@ -120,6 +218,18 @@ impl fmt::Display for CurveProblem {
                 f,
                 "the wavelength is {nm}, expected a number of nanometers above 0"
             ),
+            Self::BesideGrid {
+                smallest,
+                largest,
+                ref units,
+            } => {
+                write!(
+                    f,
+                    "no point of the curve is from {FIRST} to {LAST} nm, all are from {smallest} to \
+                     {largest}; wavelengths are in nm"
+                )?;
+                write_units(f, ", these look like", units)
+            }
             Self::NotAscending { nm, before, .. } if nm == before => write!(
                 f,
                 "the wavelength {nm} nm is there twice, expected each once, in ascending order"
@@ -134,10 +244,20 @@ impl fmt::Display for CurveProblem {
             Self::OutsideGrid { nm, .. } => write!(
                 f,
                 "the line is at {nm} nm, expected a wavelength from {FIRST} to {LAST} nm"
-            ),
+            )
+            .and_then(|()| write_units(f, "; this looks like", &WavelengthUnit::likely(&[nm]))),
             Self::NoLines => write!(f, "there are no lines, expected at least 1"),
         }
     }
+}
+
+/// "these look like µm (1 µm is 1000 nm)", or nothing where there are no units.
+fn write_units(f: &mut fmt::Formatter<'_>, start: &str, units: &[WavelengthUnit]) -> fmt::Result {
+    for (number, unit) in units.iter().enumerate() {
+        let link = if number == 0 { start } else { " or" };
+        write!(f, "{link} {unit} ({})", unit.in_nm())?;
+    }
+    Ok(())
 }
 
 impl Curve {
@@ -145,7 +265,8 @@ impl Curve {
     ///
     /// # Errors
     /// Fewer than two points, unequal lengths, wavelengths that are not positive, finite and
-    /// strictly ascending, values that are negative or not finite.
+    /// strictly ascending, or all below 360 nm or all above 830 nm, values that are negative or
+    /// not finite.
     pub fn new(wavelengths: Vec<f64>, values: Vec<f64>) -> Result<Self, CurveProblem> {
         if wavelengths.len() != values.len() {
             return Err(CurveProblem::UnequalLengths {
@@ -157,8 +278,19 @@ impl Curve {
             let points = wavelengths.len();
             return Err(CurveProblem::TooFewPoints { points });
         }
+        let is_positive = |nm: &f64| nm.is_finite() && *nm > 0.0;
+        let smallest = wavelengths.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = wavelengths.iter().copied().fold(0.0, f64::max);
+        let is_beside = largest < f64::from(FIRST) || smallest > f64::from(LAST);
+        if wavelengths.iter().all(is_positive) && is_beside {
+            return Err(CurveProblem::BesideGrid {
+                smallest,
+                largest,
+                units: WavelengthUnit::likely(&wavelengths),
+            });
+        }
         for (index, (&nm, &value)) in wavelengths.iter().zip(&values).enumerate() {
-            if !(nm.is_finite() && nm > 0.0) {
+            if !is_positive(&nm) {
                 return Err(CurveProblem::BadWavelength { index, nm });
             }
             if index > 0 && nm <= wavelengths[index - 1] {
@@ -197,9 +329,8 @@ impl Curve {
     /// The largest value of the points on the grid's range, and the wavelength in nm where it is
     /// first; `None` if no point is there. [`Curve::spectrum`] may not reach it.
     pub fn peak(&self) -> Option<(f64, f64)> {
-        let range = f64::from(FIRST)..=f64::from(LAST);
         let points = self.values.iter().copied().zip(self.wavelengths.iter());
-        let points = points.filter(|(_, nm)| range.contains(nm));
+        let points = points.filter(|&(_, &nm)| is_on_grid(nm));
         points.fold(None, |peak, (value, &nm)| match peak {
             Some((largest, _)) if largest >= value => peak,
             Some(_) | None => Some((value, nm)),
@@ -291,7 +422,7 @@ impl Lines {
             return Err(CurveProblem::NoLines);
         }
         for (index, &[nm, value]) in lines.iter().enumerate() {
-            if !(f64::from(FIRST)..=f64::from(LAST)).contains(&nm) {
+            if !is_on_grid(nm) {
                 return Err(CurveProblem::OutsideGrid { index, nm });
             }
             if !(value.is_finite() && value >= 0.0) {
@@ -446,7 +577,67 @@ mod tests {
             peak([400.0, 500.0, 600.0], [1.0, 2.0, 2.0]),
             Some((2.0, 500.0))
         );
-        assert_eq!(peak([100.0, 200.0, 300.0], [1.0; 3]), None);
+        assert_eq!(peak([300.0, 350.0, 900.0], [1.0; 3]), None);
+    }
+
+    #[test]
+    fn other_units_are_recognized() {
+        use WavelengthUnit as Unit;
+        let problem = |wavelengths: &[f64]| {
+            let values = vec![1.0; wavelengths.len()];
+            Curve::new(wavelengths.to_vec(), values).unwrap_err()
+        };
+        for (wavelengths, expected) in [
+            (&[0.38, 0.55, 0.78][..], &[Unit::Micrometer][..]),
+            (&[3800.0, 5500.0, 7800.0], &[Unit::Angstrom]),
+            (&[12_900.0, 18_000.0, 26_300.0], &[Unit::Wavenumber]),
+            // Whatever the order: wavenumbers that ascend as wavelengths do.
+            (&[26_300.0, 18_000.0, 12_900.0], &[Unit::Wavenumber]),
+            (&[1.6, 2.3, 3.2], &[Unit::Electronvolt]),
+            (&[3.8e-7, 5.5e-7, 7.8e-7], &[Unit::Meter]),
+            (&[3.8e-4, 5.5e-4, 7.8e-4], &[Unit::Millimeter]),
+            (&[3.8e14, 5.5e14, 7.8e14], &[Unit::Hertz]),
+            (
+                &[0.3, 0.5, 1.0, 2.5],
+                &[Unit::Micrometer, Unit::Electronvolt],
+            ),
+            (
+                &[3000.0, 5000.0, 25_000.0],
+                &[Unit::Angstrom, Unit::Wavenumber],
+            ),
+            // Infrared and ultraviolet alone.
+            (&[900.0, 1700.0], &[]),
+            (&[250.0, 350.0], &[]),
+        ] {
+            let problem = problem(wavelengths);
+            assert!(problem.is_about_wavelength() && problem.index().is_none());
+            let CurveProblem::BesideGrid { units, .. } = &problem else {
+                panic!("{problem}");
+            };
+            assert_eq!(units, expected, "{wavelengths:?}");
+        }
+        assert_eq!(
+            problem(&[0.38, 0.55, 0.78]).to_string(),
+            "no point of the curve is from 360 to 830 nm, all are from 0.38 to 0.78; wavelengths are \
+             in nm, these look like µm (1 µm is 1000 nm)"
+        );
+        assert_eq!(
+            problem(&[900.0, 1700.0]).to_string(),
+            "no point of the curve is from 360 to 830 nm, all are from 900 to 1700; wavelengths are \
+             in nm"
+        );
+        // 550 nm in each unit.
+        for (unit, number) in Unit::ALL.into_iter().zip([
+            0.55,
+            5500.0,
+            18_181.818_181_818_18,
+            2.254_258_152_727_273,
+            5.5e-7,
+            5.5e-4,
+            5.450_771_963_636_364e14,
+        ]) {
+            assert!((unit.nm(number) / 550.0 - 1.0).abs() < ROUNDING, "{unit}");
+        }
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub mod tables;
 pub mod upsample;
 
 pub use blackbody::blackbody;
-pub use curve::{Curve, CurveProblem, Lines};
+pub use curve::{Curve, CurveProblem, Lines, WavelengthUnit};
 pub use daylight::daylight;
 pub use illuminant::Illuminant;
 pub use observer::Observer;

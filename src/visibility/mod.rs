@@ -19,6 +19,7 @@ mod disc;
 mod extent;
 mod facing;
 mod lift;
+mod met;
 mod nodes;
 mod outline;
 mod packet;

@@ -52,6 +52,8 @@ pub struct Mesh {
     pub shadow_terminator: ShadowTerminator,
     /// How many triangles of the file had no area and were dropped.
     pub degenerate: usize,
+    /// How many more were dropped since f64 cannot tell their corners apart where they are placed.
+    pub vanished: usize,
     /// What of the file was not taken as written.
     pub remarks: MeshRemarks,
 }

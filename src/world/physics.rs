@@ -9,7 +9,6 @@ use super::{Material, Mesh, Shape, World};
 use crate::math::{DVec3, Point};
 use crate::scene::ColorSpace;
 use crate::scene::ShadowTerminator;
-use crate::scene::mesh::MeshRemarks;
 use crate::spectrum::VISIBLE;
 use crate::units::{Reflectance, Rgb};
 
@@ -60,12 +59,20 @@ pub enum Warning {
         /// The mesh's name.
         object: String,
     },
-    /// A mesh file is not taken as written in places.
+    /// A mesh has triangles whose corners are the same point in f64, which were dropped.
+    Vanished {
+        /// The mesh's name.
+        object: String,
+        /// How many.
+        triangles: usize,
+    },
+    /// A mesh file is not taken as written in places: one of its
+    /// [remarks](crate::scene::mesh::MeshRemarks::list).
     Mended {
         /// The mesh's name.
         object: String,
-        /// What is different, and how often.
-        remarks: MeshRemarks,
+        /// What the file has, how often, and what became of it.
+        remark: String,
     },
 }
 
@@ -85,9 +92,16 @@ impl fmt::Display for Warning {
                 write!(f, "light `{light}` is inside of object `{object}`")
             }
             Self::NoLight => write!(f, "the scene has no light, so every surface is black"),
+            Self::Degenerate {
+                object,
+                triangles: 1,
+            } => write!(
+                f,
+                "1 triangle of object `{object}` has no area and was dropped"
+            ),
             Self::Degenerate { object, triangles } => write!(
                 f,
-                "{triangles} triangles of object `{object}` have no area and were dropped",
+                "{triangles} triangles of object `{object}` have no area and were dropped"
             ),
             Self::Gap {
                 entry,
@@ -113,28 +127,21 @@ impl fmt::Display for Warning {
                 "`shadow_terminator = \"hanika\"` of object `{object}` does nothing: it is shaded flat, \
                  for its file has no vertex normals or it says `smooth = false`",
             ),
-            Self::Mended { object, remarks } => {
-                let MeshRemarks {
-                    mended_normals,
-                    folded_polygons,
-                    skipped_statements,
-                } = remarks;
-                let parts = [
-                    (
-                        mended_normals,
-                        "normals without a direction, replaced by geometric ones",
-                    ),
-                    (folded_polygons, "polygons that cross themselves"),
-                    (
-                        skipped_statements,
-                        "lines, points or curves, which are not rendered",
-                    ),
-                ];
-                let parts = parts.iter().filter(|(count, _)| **count > 0);
-                let parts: Vec<String> = parts
-                    .map(|(count, what)| format!("{count} {what}"))
-                    .collect();
-                write!(f, "the file of object `{object}` has {}", parts.join("; "))
+            Self::Vanished {
+                object,
+                triangles: 1,
+            } => write!(
+                f,
+                "1 triangle of object `{object}` is too small where it is placed for 64-bit floats \
+                 to tell its corners apart, and was dropped"
+            ),
+            Self::Vanished { object, triangles } => write!(
+                f,
+                "{triangles} triangles of object `{object}` are too small where they are placed for \
+                 64-bit floats to tell their corners apart, and were dropped"
+            ),
+            Self::Mended { object, remark } => {
+                write!(f, "the file of object `{object}` has {remark}")
             }
         }
     }
@@ -180,28 +187,29 @@ pub fn warnings(world: &World) -> Vec<Warning> {
     for object in world.objects() {
         if let Shape::Mesh(mesh) = object.shape {
             let mesh = &world.triangles().meshes()[mesh];
-            let Mesh {
-                degenerate,
-                remarks,
-                ..
-            } = *mesh;
-            if degenerate > 0 {
+            let object = &object.name;
+            if mesh.degenerate > 0 {
                 warnings.push(Warning::Degenerate {
-                    object: object.name.clone(),
-                    triangles: degenerate,
+                    object: object.clone(),
+                    triangles: mesh.degenerate,
                 });
             }
             if mesh.shadow_terminator == ShadowTerminator::Hanika && !mesh.lifts_shadow_rays() {
                 warnings.push(Warning::NothingToLift {
-                    object: object.name.clone(),
+                    object: object.clone(),
                 });
             }
-            if !remarks.is_empty() {
-                warnings.push(Warning::Mended {
-                    object: object.name.clone(),
-                    remarks,
+            if mesh.vanished > 0 {
+                warnings.push(Warning::Vanished {
+                    object: object.clone(),
+                    triangles: mesh.vanished,
                 });
             }
+            let remarks = mesh.remarks.list().into_iter();
+            warnings.extend(remarks.map(|remark| Warning::Mended {
+                object: object.clone(),
+                remark,
+            }));
         }
         for light in world.lights() {
             if is_inside(world, object.shape, light.value.position) {

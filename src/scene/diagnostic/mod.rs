@@ -144,8 +144,8 @@ pub enum Problem {
         what: &'static str,
         /// As written.
         name: String,
-        /// What names may be.
-        why: &'static str,
+        /// What names may be, or what to write instead.
+        why: Cow<'static, str>,
     },
     /// An entry that does not say of which kind it is: `[objects.ball]` alone.
     #[error("{what} `{}` does not say of which kind it is", shortened(name))]

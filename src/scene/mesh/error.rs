@@ -1,8 +1,12 @@
 //! Why a mesh file cannot be used, and where in it.
 
+use std::collections::TryReserveError;
 use std::fmt;
 
+use super::MeshRemarks;
 use crate::printable::printable;
+use crate::scene::encoding::Foreign;
+use crate::scene::opening::{NotAFile, is_transient};
 
 /// Why a mesh file cannot be used. The message says where in the file and what was expected.
 #[derive(Debug, thiserror::Error)]
@@ -11,22 +15,37 @@ pub enum MeshError {
     #[error("{0}")]
     Io(#[from] std::io::Error),
     /// A directory, a device, a pipe.
-    #[error("it is {found}, expected a PLY or OBJ file")]
-    NotAFile {
-        /// What it is instead.
-        found: &'static str,
-    },
+    #[error("{0}, expected a PLY or OBJ file")]
+    NotAFile(#[from] NotAFile),
+    /// There is not enough memory for it.
+    #[error("there is not enough memory to read the mesh")]
+    NoMemory,
+    /// It was another file when it was looked at again.
+    #[error("the file changed while it was read")]
+    Changed,
     /// No bytes at all.
     #[error("the file is empty, expected a PLY or OBJ mesh")]
     Empty,
+    /// Text of an encoding that is not read, or a compressed file.
+    #[error("it is {found}, expected a PLY or OBJ mesh in ASCII or UTF-8; {}", .found.way_out())]
+    Foreign {
+        /// What it is instead.
+        found: Foreign,
+    },
     /// Neither the first bytes nor the name are those of a format that is read.
     #[error(
         "unknown mesh format, expected PLY (first line `ply`) or OBJ (a name that ends in `.obj`)"
     )]
     UnknownFormat,
     /// Vertices alone, or nothing but comments.
-    #[error("the mesh has no faces, expected at least one triangle or polygon")]
-    NoFaces,
+    #[error(
+        "the mesh has no faces, expected at least one triangle or polygon{}",
+        Instead(remarks)
+    )]
+    NoFaces {
+        /// What is there instead, as far as it was counted.
+        remarks: Box<MeshRemarks>,
+    },
     /// Something in the file is wrong.
     #[error("{place}: {fault}")]
     Invalid {
@@ -35,6 +54,41 @@ pub enum MeshError {
         /// What.
         fault: Fault,
     },
+}
+
+impl MeshError {
+    /// Whether another machine, or another try, may have more luck with the same file: memory was
+    /// short, reading failed, or the file changed meanwhile.
+    pub fn is_transient(&self) -> bool {
+        match self {
+            Self::Io(error) => is_transient(error),
+            Self::NoMemory | Self::Changed => true,
+            Self::NotAFile(_)
+            | Self::Empty
+            | Self::Foreign { .. }
+            | Self::UnknownFormat
+            | Self::NoFaces { .. }
+            | Self::Invalid { .. } => false,
+        }
+    }
+}
+
+impl From<TryReserveError> for MeshError {
+    fn from(_: TryReserveError) -> Self {
+        Self::NoMemory
+    }
+}
+
+/// What was skipped of a mesh without faces, as a message goes on with it.
+struct Instead<'a>(&'a MeshRemarks);
+
+impl fmt::Display for Instead<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.list().as_slice() {
+            [] => Ok(()),
+            list => write!(f, "; it has {}", list.join("; ")),
+        }
+    }
 }
 
 /// A place in a mesh file.
@@ -97,27 +151,18 @@ pub enum Fault {
         /// As understood.
         value: f64,
     },
-    /// An index that names no vertex or normal.
+    /// An index that names no vertex.
     #[error("{what} {index} does not exist, expected {}", Indices { first: *first, count: *count })]
     NoSuchIndex {
-        /// `vertex` or `normal`.
+        /// `vertex`
         what: &'static str,
         /// As written.
         index: i64,
         /// The smallest index of the format: 0 in PLY, 1 in OBJ.
         first: u8,
-        /// How many there are up to this place.
+        /// How many there are, for a negative index up to this place.
         count: usize,
     },
-    /// A face without area.
-    #[error("a face of {corners} corners, expected at least 3")]
-    TooFewCorners {
-        /// How many it has.
-        corners: i64,
-    },
-    /// Some corners of a face have a normal and others do not.
-    #[error("a face of corners with and without a normal, expected all alike")]
-    MixedCorners,
     /// A face too large to be cut into triangles.
     #[error(
         "a face of {corners} corners, expected at most {most}; cut it into triangles in the program it comes from",
@@ -132,6 +177,15 @@ pub enum Fault {
         "the concave faces up to this one are too intricate; cut them into triangles in the program they come from"
     )]
     TooIntricate,
+    /// There is not enough memory; it becomes [`MeshError::NoMemory`].
+    #[error("there is not enough memory to read the mesh")]
+    NoMemory,
+    /// A header without an end.
+    #[error(
+        "a header of more than {megabytes} MB, expected `end_header` before",
+        megabytes = super::ply::LONGEST_HEADER >> 20
+    )]
+    LongHeader,
     /// A count that no 32-bit index reaches.
     #[error("more than {} {what}, expected fewer", u32::MAX)]
     TooMany {
@@ -179,7 +233,7 @@ struct Indices {
 impl fmt::Display for Indices {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.count, self.first) {
-            (0, _) => f.write_str("one that is defined before it, of which there are none"),
+            (0, _) => f.write_str("one of the file's, which has none there"),
             (count, 0) => write!(f, "0 to {}", count - 1),
             (count, _) => write!(f, "1 to {count}, or -{count} to -1 counted backwards"),
         }
@@ -200,19 +254,11 @@ impl fmt::Display for Place {
 }
 
 impl Fault {
-    /// `found` instead of `expected`, cut to a readable length, with escapes for what cannot be
-    /// printed.
+    /// `found` instead of `expected`, [as it can be shown](shown).
     #[cold]
     pub(super) fn unexpected(found: &[u8], expected: &'static str) -> Box<Self> {
-        const READABLE: usize = 40;
-        let mut text = found[..found.len().min(READABLE)]
-            .escape_ascii()
-            .to_string();
-        if found.len() > READABLE {
-            text.push('…');
-        }
         Box::new(Self::Unexpected {
-            found: text,
+            found: shown(found),
             expected,
         })
     }
@@ -224,9 +270,24 @@ impl Fault {
 
     /// This fault at a position, in an element.
     pub(super) fn at(self, position: Position, element: Option<ElementPlace>) -> MeshError {
+        if self == Self::NoMemory {
+            return MeshError::NoMemory;
+        }
         MeshError::Invalid {
             place: Place { position, element },
             fault: self,
         }
     }
+}
+
+/// Bytes of a file in a message: cut to a readable length, with escapes for what cannot be printed.
+pub(super) fn shown(bytes: &[u8]) -> String {
+    const READABLE: usize = 40;
+    let mut text = bytes[..bytes.len().min(READABLE)]
+        .escape_ascii()
+        .to_string();
+    if bytes.len() > READABLE {
+        text.push('…');
+    }
+    text
 }

@@ -64,7 +64,9 @@ impl Memory {
             .into_iter()
             .find(|&capacity| capacity.saturating_mul(size_of::<T>()) <= self.left)
             .ok_or(Box::new(Fault::TooLarge))?;
-        items.reserve_exact(capacity - items.len());
+        items
+            .try_reserve_exact(capacity - items.len())
+            .map_err(|_| Box::new(Fault::NoMemory))?;
         self.left = (self.left + old).saturating_sub(items.capacity() * size_of::<T>());
         Ok(())
     }

@@ -14,22 +14,26 @@ mod normals;
 mod obj;
 mod ply;
 mod polygon;
+mod remarks;
 mod source;
+mod strip;
 mod surface;
 mod text;
 
-use std::fs::File;
 use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
+use super::encoding::Foreign;
+use super::opening;
 pub use error::{ElementPlace, Fault, MeshError, Place, Position};
+pub use remarks::MeshRemarks;
 use source::Source;
 
 /// A mesh as its file has it: positions in f64, polygons cut into triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFile {
-    /// Vertex positions. Range: finite.
+    /// Vertex positions. Range: finite. Those of [`MeshRemarks::unused_positions`] are any.
     pub positions: Vec<[f64; 3]>,
     /// Three indices into `positions` each, counter-clockwise seen from outside. Triangles
     /// without area are among them as the file has them.
@@ -64,48 +68,15 @@ pub struct MeshGroup {
     pub triangles: Range<u32>,
 }
 
-/// What was not taken as written, counted so that `candela check` can say so; all zero for a
-/// mesh without flaws.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct MeshRemarks {
-    /// Normals without a direction (zero, infinite or NaN) that a triangle with area uses.
-    ///
-    /// In PLY each became the mean of the geometric normals of the triangles around its vertex.
-    /// In OBJ each face that names one has its triangles' geometric normals; these triangles are
-    /// counted.
-    pub mended_normals: u32,
-    /// Polygons that cross themselves, so that some of their triangles are turned over or
-    /// overlap.
-    pub folded_polygons: u32,
-    /// OBJ statements of lines, points, curves and curved surfaces, which are not rendered.
-    pub skipped_statements: u32,
-}
-
-impl MeshRemarks {
-    /// Whether everything was taken as written.
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 impl MeshFile {
     /// Reads a PLY or OBJ file; which one it is, its first bytes and then its name tell.
     ///
     /// # Errors
     /// [`MeshError`] for anything that is not a whole and finite mesh with at least one triangle.
     pub fn load(path: &Path) -> Result<Self, MeshError> {
-        let metadata = std::fs::metadata(path)?;
-        let kind = metadata.file_type();
-        if !kind.is_file() {
-            let found = if kind.is_dir() {
-                "a directory"
-            } else {
-                "a device or pipe"
-            };
-            return Err(MeshError::NotAFile { found });
-        }
-        let size = usize::try_from(metadata.len()).unwrap_or(usize::MAX);
-        Self::read(Source::new(&mut File::open(path)?, size)?, path)
+        let (mut file, size) = opening::open::<MeshError>(path)?;
+        let size = usize::try_from(size).unwrap_or(usize::MAX);
+        Self::read(Source::new(&mut file, size)?, path)
     }
 
     /// Reads a mesh from the bytes of a PLY or OBJ file of the name `name`.
@@ -116,10 +87,17 @@ impl MeshFile {
         Self::read(Source::new(&mut Cursor::new(bytes), bytes.len())?, name)
     }
 
-    fn read(source: Source<'_>, name: &Path) -> Result<Self, MeshError> {
+    fn read(mut source: Source<'_>, name: &Path) -> Result<Self, MeshError> {
+        const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+        if source.window().starts_with(BYTE_ORDER_MARK) {
+            source.skip(BYTE_ORDER_MARK.len());
+        }
         let start = source.window();
         if start.is_empty() {
             return Err(MeshError::Empty);
+        }
+        if let Some(found) = Foreign::of(start) {
+            return Err(MeshError::Foreign { found });
         }
         let extension = |expected: &str| {
             name.extension()

@@ -1,5 +1,7 @@
 //! Vertex normals that a file leaves without a direction.
 
+use std::collections::TryReserveError;
+
 use super::{cross, difference};
 
 /// The normal of a vertex or triangle that is never seen, since it has no area or nothing uses
@@ -40,11 +42,13 @@ pub(super) fn mend(
     normals: &mut [[f64; 3]],
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
-) -> u32 {
-    let without: Vec<bool> = normals.iter().map(|&n| !has_direction(n)).collect();
-    if !without.contains(&true) {
-        return 0;
+) -> Result<u32, TryReserveError> {
+    if normals.iter().all(|&normal| has_direction(normal)) {
+        return Ok(0);
     }
+    let mut without = Vec::new();
+    without.try_reserve_exact(normals.len())?;
+    without.extend(normals.iter().map(|&normal| !has_direction(normal)));
     for (normal, _) in normals
         .iter_mut()
         .zip(&without)
@@ -81,7 +85,7 @@ pub(super) fn mend(
             None => *normal = UNSEEN,
         }
     }
-    seen
+    Ok(seen)
 }
 
 #[cfg(test)]
@@ -94,7 +98,7 @@ mod tests {
     fn normals_with_a_direction_stay_as_written() {
         let written = [[0.0, 3.0, 4.0], [1e-200, 0.0, 0.0], [0.0, 0.0, -1.0]];
         let mut normals = written;
-        assert_eq!(mend(&mut normals, &SQUARE[..3], &[[0, 1, 2]]), 0);
+        assert_eq!(mend(&mut normals, &SQUARE[..3], &[[0, 1, 2]]), Ok(0));
         assert_eq!(normals, written);
     }
 
@@ -116,7 +120,7 @@ mod tests {
             [0.0; 3],
         ];
         let seen = mend(&mut normals, &positions, &[[0, 1, 2], [0, 3, 1]]);
-        assert_eq!(seen, 2);
+        assert_eq!(seen, Ok(2));
         let half = 0.5_f64.sqrt();
         for normal in &normals[..2] {
             let mean = [0.0, half, half];
@@ -132,7 +136,7 @@ mod tests {
     fn opposite_faces_do_not_cancel_out() {
         let mut normals = [[0.0; 3]; 3];
         let seen = mend(&mut normals, &SQUARE[..3], &[[0, 1, 2], [0, 2, 1]]);
-        assert_eq!(seen, 3);
+        assert_eq!(seen, Ok(3));
         assert_eq!(normals, [[0., 0., 1.]; 3]);
     }
 

@@ -7,7 +7,7 @@
 //! triangles, and is reported. The tests are counted and bounded for the whole file, so that no
 //! file takes more than linear time; a general triangulation library promises neither.
 
-use std::collections::VecDeque;
+use std::collections::{TryReserveError, VecDeque};
 
 use super::error::Fault;
 
@@ -90,6 +90,7 @@ impl Triangulator {
     ) -> Result<Triangulation<'_>, Box<Fault>> {
         let count = positions.len();
         debug_assert!((3..=MAX_CORNERS).contains(&count), "{count} corners");
+        self.make_room(count).map_err(|_| Fault::NoMemory)?;
         self.triangles.clear();
         let extent = self.project(positions);
         if count == 4 {
@@ -108,6 +109,18 @@ impl Triangulator {
             triangles: &self.triangles,
             folded,
         })
+    }
+
+    /// Room for all that cutting `count` corners takes.
+    fn make_room(&mut self, count: usize) -> Result<(), TryReserveError> {
+        // What is there already is kept to be cleared.
+        let more = |len: usize| count.saturating_sub(len);
+        self.corners.try_reserve(more(self.corners.len()))?;
+        self.triangles.try_reserve(more(self.triangles.len()))?;
+        self.blockers.try_reserve(more(self.blockers.len()))?;
+        // Each ear makes two corners candidates again.
+        let candidates = (3 * count).saturating_sub(self.candidates.len());
+        self.candidates.try_reserve(candidates)
     }
 
     /// Projects the corners along the axis that is nearest to the Newell normal, so that the

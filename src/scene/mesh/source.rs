@@ -2,7 +2,7 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
-use super::text::Dialect;
+use super::text::{Dialect, is_separator};
 
 /// Bytes that are read at once: enough to hide what a call costs, few enough to stay in a
 /// processor's cache until they are parsed.
@@ -30,7 +30,11 @@ pub(super) struct Source<'r> {
 }
 
 impl<'r> Source<'r> {
-    /// The first block of a file of about `size` bytes.
+    /// The first block of a file of `size` bytes, or more if it grows meanwhile.
+    ///
+    /// # Errors
+    /// Besides what reading can meet, here and below: no memory, and a file that has become shorter
+    /// than it was.
     pub(super) fn new(input: &'r mut dyn Input, size: usize) -> io::Result<Self> {
         let mut source = Self {
             input,
@@ -85,9 +89,13 @@ impl<'r> Source<'r> {
             // One byte more than there should be shows that the file has ended.
             let rest = self.remaining() - self.buffer.len() + 1;
             let room = BLOCK.max(self.buffer.len()).min(LEAST_BLOCK.max(rest));
-            self.buffer.reserve_exact(room);
+            self.buffer.try_reserve_exact(room)?;
             let mut block = Read::take(&mut *self.input, room as u64);
             self.ended = block.read_to_end(&mut self.buffer)? < room;
+            if self.ended && self.offset + self.buffer.len() < self.size {
+                let changed = "the file became shorter while it was read";
+                return Err(io::Error::new(io::ErrorKind::UnexpectedEof, changed));
+            }
         }
         Ok(!self.window().is_empty())
     }
@@ -106,6 +114,14 @@ impl<'r> Source<'r> {
         }
     }
 
+    /// Adds to the window all that comes.
+    pub(super) fn read_all(&mut self) -> io::Result<()> {
+        while !self.ended {
+            self.read_on()?;
+        }
+        Ok(())
+    }
+
     /// Goes back or forth to a byte of the file.
     pub(super) fn go_to(&mut self, position: usize) -> io::Result<()> {
         self.input.seek(SeekFrom::Start(position as u64))?;
@@ -117,18 +133,40 @@ impl<'r> Source<'r> {
         Ok(())
     }
 
+    /// Goes to the end of the file; how many bytes were left, but for blanks at the end.
+    pub(super) fn count_rest(&mut self) -> io::Result<u64> {
+        let mut passed = 0;
+        let mut count = 0;
+        loop {
+            let window = self.window();
+            let length = window.len();
+            if let Some(last) = window.iter().rposition(|&byte| !is_separator(byte)) {
+                count = passed + last as u64 + 1;
+            }
+            passed += length as u64;
+            self.skip(length);
+            if !self.read_on()? {
+                return Ok(count);
+            }
+        }
+    }
+
     /// The line of the byte that is `ahead` of the window's start, the first one 1. Read again
     /// from the file's beginning, so that nobody counts lines before there is an error to report;
     /// the window is lost.
     pub(super) fn line(&mut self, ahead: usize) -> io::Result<usize> {
         let mut before = self.position() + ahead;
         let mut line = 1;
+        let mut last = b'\n';
         self.go_to(0)?;
         while before > 0 {
             let window = self.window();
             let length = window.len().min(before);
-            let ends = window[..length].iter().filter(|&&byte| byte == b'\n');
-            line += ends.count();
+            for &byte in &window[..length] {
+                let ends = byte == b'\r' || byte == b'\n' && last != b'\r';
+                line += usize::from(ends);
+                last = byte;
+            }
             before -= length;
             self.skip(length);
             if !self.read_on()? {
@@ -140,22 +178,31 @@ impl<'r> Source<'r> {
 }
 
 /// The length of the lines in `bytes` that end there and are not joined to one that does not.
+///
+/// A CR that is the last byte may be half of a line end.
 fn whole_lines(bytes: &[u8], dialect: Dialect) -> Option<usize> {
-    let mut end = bytes.len();
+    let mut end = match bytes {
+        [rest @ .., b'\r'] => rest.len(),
+        _ => bytes.len(),
+    };
     loop {
-        end = bytes[..end].iter().rposition(|&byte| byte == b'\n')?;
+        end = bytes[..end].iter().rposition(|&byte| is_line_end(byte))?;
         let joined = match dialect {
-            Dialect::Ply => false,
+            Dialect::Ply | Dialect::UnlinedPly => false,
             Dialect::Obj => {
-                let blank = |&&byte: &&u8| byte != b'\n' && byte.is_ascii_whitespace();
-                let last = bytes[..end].iter().rev().find(|byte| !blank(byte));
-                last == Some(&b'\\')
+                let line = bytes[..end].strip_suffix(b"\r").unwrap_or(&bytes[..end]);
+                let blank = |&&byte: &&u8| !is_line_end(byte) && is_separator(byte);
+                line.iter().rev().find(|byte| !blank(byte)) == Some(&b'\\')
             }
         };
         if !joined {
             return Some(end + 1);
         }
     }
+}
+
+const fn is_line_end(byte: u8) -> bool {
+    matches!(byte, b'\n' | b'\r')
 }
 
 #[cfg(test)]

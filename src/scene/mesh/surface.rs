@@ -1,5 +1,6 @@
 //! The mesh as it grows while its file is read.
 
+use super::MeshRemarks;
 use super::error::Fault;
 use super::memory::Memory;
 use super::polygon::{MAX_CORNERS, Triangulator};
@@ -9,9 +10,10 @@ use super::polygon::{MAX_CORNERS, Triangulator};
 pub(super) struct Surface {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Polygons with triangles that are turned over or overlap.
-    pub(super) folded_polygons: u32,
+    pub(super) remarks: MeshRemarks,
     pub(super) memory: Memory,
+    /// The vertex whose position is a fault if it is not finite; others are only counted.
+    wanted: Option<u32>,
     triangulator: Triangulator,
 }
 
@@ -21,9 +23,19 @@ impl Surface {
         Self {
             positions: Vec::new(),
             triangles: Vec::new(),
-            folded_polygons: 0,
+            remarks: MeshRemarks::default(),
             memory: Memory::for_file(size),
+            wanted: None,
             triangulator: Triangulator::for_file(size),
+        }
+    }
+
+    /// As [`Surface::for_file`], to find out what is wrong with a vertex: see
+    /// [`Surface::broken_vertex`].
+    pub(super) fn to_find(vertex: u32, size: usize) -> Self {
+        Self {
+            wanted: Some(vertex),
+            ..Self::for_file(size)
         }
     }
 
@@ -34,16 +46,56 @@ impl Surface {
             .make_room(&mut self.triangles, additional, "triangles")
     }
 
-    /// A finite position.
+    /// Whether the next vertex is the one that is wanted.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.wanted == Some(self.positions.len() as u32)
+    }
+
+    /// A vertex. Whether it must be finite, the faces decide: see [`Surface::broken_vertex`].
     #[inline]
     pub(super) fn vertex(&mut self, position: [f64; 3]) -> Result<(), Box<Fault>> {
-        finite(position)?;
+        if !is_finite(position) {
+            self.not_finite(position)?;
+        }
         self.memory.make_room(&mut self.positions, 1, "vertices")?;
         self.positions.push(position);
         Ok(())
     }
 
+    #[cold]
+    fn not_finite(&mut self, position: [f64; 3]) -> Result<(), Box<Fault>> {
+        let mut coordinates = ['x', 'y', 'z'].into_iter().zip(position);
+        if self.is_wanted()
+            && let Some((axis, value)) = coordinates.find(|(_, value)| !value.is_finite())
+        {
+            return Err(Box::new(Fault::NotFinite { axis, value }));
+        }
+        MeshRemarks::add(&mut self.remarks.unused_positions);
+        Ok(())
+    }
+
+    /// The first vertex without a finite position that a triangle uses. Where there is none, those that
+    /// no triangle uses get the position of one that is used, once all of the file is read.
+    pub(super) fn broken_vertex(&mut self) -> Option<u32> {
+        if self.remarks.unused_positions == 0 {
+            return None;
+        }
+        let is_broken = |&&vertex: &&u32| !is_finite(self.positions[vertex as usize]);
+        let broken = self.triangles.iter().flatten().filter(is_broken).min();
+        let used = self
+            .triangles
+            .first()
+            .map(|&[a, _, _]| self.positions[a as usize]);
+        if let (None, Some(used)) = (broken, used) {
+            for position in self.positions.iter_mut().filter(|p| !is_finite(**p)) {
+                *position = used;
+            }
+        }
+        broken.copied()
+    }
+
     /// A face with these corners, which exist; each triangle's corner numbers go to `triangle`.
+    /// One of fewer than three corners is skipped.
     #[inline]
     pub(super) fn face(
         &mut self,
@@ -55,11 +107,17 @@ impl Surface {
             self.triangles.push([a, b, c]);
             return triangle(&mut self.memory, [0, 1, 2]);
         }
+        if corners.len() < 3 {
+            MeshRemarks::add(&mut self.remarks.small_faces);
+            return Ok(());
+        }
         corner_count(corners.len() as i64)?;
         self.room_for_triangles(corners.len() - 2)?;
         let positions = corners.iter().map(|&i| self.positions[i as usize]);
         let cut = self.triangulator.triangulate(positions)?;
-        self.folded_polygons = self.folded_polygons.saturating_add(u32::from(cut.folded));
+        if cut.folded {
+            MeshRemarks::add(&mut self.remarks.folded_polygons);
+        }
         for &numbers in cut.triangles {
             self.triangles.push(numbers.map(|i| corners[i as usize]));
             triangle(&mut self.memory, numbers)?;
@@ -72,19 +130,17 @@ impl Surface {
 #[inline]
 pub(super) fn corner_count(corners: i64) -> Result<usize, Box<Fault>> {
     match usize::try_from(corners) {
-        Ok(count @ 3..=MAX_CORNERS) => Ok(count),
-        Ok(0..3) | Err(_) => Err(Box::new(Fault::TooFewCorners { corners })),
+        Ok(count @ ..=MAX_CORNERS) => Ok(count),
         Ok(_) => Err(Box::new(Fault::TooManyCorners { corners })),
+        Err(_) => Err(Fault::unexpected(
+            corners.to_string().as_bytes(),
+            "the number of a face's corners",
+        )),
     }
 }
 
 /// Whether all coordinates are finite.
 #[inline]
-pub(super) fn finite(position: [f64; 3]) -> Result<(), Box<Fault>> {
-    for (axis, value) in ['x', 'y', 'z'].into_iter().zip(position) {
-        if !value.is_finite() {
-            return Err(Box::new(Fault::NotFinite { axis, value }));
-        }
-    }
-    Ok(())
+fn is_finite(position: [f64; 3]) -> bool {
+    position.iter().all(|x| x.is_finite())
 }

@@ -15,6 +15,9 @@ const EXACT_INTEGER: u64 = 1 << f64::MANTISSA_DIGITS;
 const U64_DIGITS: usize = 19;
 
 /// A position in the bytes of a text, with the rules of its format.
+///
+/// Lines end in LF, CR LF or, as on the first Macintoshes, CR alone. Blanks are the usual ones and
+/// what programs leave at the end of a file: NUL, and the mark by which DOS ends a text, 0x1A.
 #[derive(Clone, Debug)]
 pub(super) struct Scanner<'a> {
     bytes: &'a [u8],
@@ -27,8 +30,18 @@ pub(super) struct Scanner<'a> {
 pub(super) enum Dialect {
     /// Nothing but values on a line.
     Ply,
+    /// As [`Dialect::Ply`], but line ends are blanks.
+    UnlinedPly,
     /// `#` starts a comment, `\` at the end of a line joins the next one to it.
     Obj,
+}
+
+/// What stands where an index belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Index {
+    Number(i64),
+    /// Something else.
+    Other,
 }
 
 impl<'a> Scanner<'a> {
@@ -39,6 +52,11 @@ impl<'a> Scanner<'a> {
             position: 0,
             dialect,
         }
+    }
+
+    /// The rules that it follows.
+    pub(super) const fn dialect(&self) -> Dialect {
+        self.dialect
     }
 
     /// The byte that is next.
@@ -61,16 +79,13 @@ impl<'a> Scanner<'a> {
     pub(super) fn skip_blanks(&mut self) {
         loop {
             match self.peek() {
-                Some(b' ' | b'\t' | b'\r' | b'\x0c') => self.position += 1,
+                Some(byte) if is_blank(byte) => self.position += 1,
+                Some(b'\n' | b'\r') if self.dialect == Dialect::UnlinedPly => self.position += 1,
                 Some(b'\\') if self.dialect == Dialect::Obj => {
-                    let after = &self.bytes[self.position + 1..];
-                    if after.starts_with(b"\n") {
-                        self.position += 2;
-                    } else if after.starts_with(b"\r\n") {
-                        self.position += 3;
-                    } else {
+                    let Some(length) = line_end_ahead(&self.bytes[self.position + 1..]) else {
                         return;
-                    }
+                    };
+                    self.position += 1 + length;
                 }
                 _ => return,
             }
@@ -82,7 +97,7 @@ impl<'a> Scanner<'a> {
         loop {
             self.skip_blanks();
             match self.peek() {
-                Some(b'\n') => self.position += 1,
+                Some(b'\n' | b'\r') => self.position += 1,
                 Some(_) => return true,
                 None => return false,
             }
@@ -94,7 +109,7 @@ impl<'a> Scanner<'a> {
     pub(super) fn at_line_end(&mut self) -> bool {
         self.skip_blanks();
         match self.peek() {
-            None | Some(b'\n') => true,
+            None | Some(b'\n' | b'\r') => true,
             Some(b'#') => self.dialect == Dialect::Obj,
             Some(_) => false,
         }
@@ -114,27 +129,36 @@ impl<'a> Scanner<'a> {
         Ok(())
     }
 
+    /// Goes past `count` values on this line, whatever they are; whether all are there.
+    pub(super) fn skip_words(&mut self, count: usize) -> bool {
+        (0..count).all(|_| !self.at_line_end() && !self.word().is_empty())
+    }
+
     /// Goes to the next line, whatever stands on this one; what stood on it.
     pub(super) fn skip_line(&mut self) -> &'a [u8] {
         let rest = self.rest();
-        let length = rest.iter().position(|&byte| byte == b'\n');
-        self.position += length.map_or(rest.len(), |length| length + 1);
-        &rest[..length.unwrap_or(rest.len())]
+        let length = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r');
+        let line = &rest[..length.unwrap_or(rest.len())];
+        self.position += line.len();
+        self.accept(b'\r');
+        self.accept(b'\n');
+        line
     }
 
-    /// Goes past this line and those that `\` joins to it.
+    /// Goes past this line and those that `\` joins to it, if that is before a comment.
     pub(super) fn skip_joined_lines(&mut self) {
-        while self.skip_line().trim_ascii_end().ends_with(b"\\") {}
+        let is_joined = |line: &[u8]| {
+            let statement = line.split(|&byte| byte == b'#').next().unwrap_or(line);
+            statement.trim_ascii_end().ends_with(b"\\")
+        };
+        while is_joined(self.skip_line()) {}
     }
 
     /// The bytes up to the next blank or line end.
     pub(super) fn token(&self) -> &'a [u8] {
         let rest = self.rest();
-        let length = rest
-            .iter()
-            .position(u8::is_ascii_whitespace)
-            .unwrap_or(rest.len());
-        &rest[..length]
+        let length = rest.iter().position(|&byte| is_separator(byte));
+        &rest[..length.unwrap_or(rest.len())]
     }
 
     /// Goes past the next word on this line; the word.
@@ -173,11 +197,15 @@ impl<'a> Scanner<'a> {
         if token.is_empty() {
             return Err(self.nothing(expected));
         }
-        std::str::from_utf8(token)
-            .ok()
-            .and_then(|text| text.parse().ok())
-            .map(|value| (value, token.len()))
-            .ok_or_else(|| Fault::unexpected(token, expected))
+        if let Some(value) = parse_float(token) {
+            return Ok((value, token.len()));
+        }
+        // A comment may follow without a blank. Not before the above: `1.#INF` is a number.
+        let before_comment = token.split(|&byte| byte == b'#').next().unwrap_or(token);
+        match parse_float(before_comment) {
+            Some(value) if self.dialect == Dialect::Obj => Ok((value, before_comment.len())),
+            Some(_) | None => Err(Fault::unexpected(token, expected)),
+        }
     }
 
     /// The next integer on this line; what follows it directly is not looked at.
@@ -208,36 +236,65 @@ impl<'a> Scanner<'a> {
         Ok(if negative { -value } else { value })
     }
 
-    /// The next integer on this line, with a blank or the line's end after it.
+    /// The next integer on this line, with a blank or the line's end after it. It may be written
+    /// as a number with nothing but zeros after the point.
     #[inline]
     pub(super) fn integer(&mut self, expected: &'static str) -> Result<i64, Box<Fault>> {
         self.skip_blanks();
         let start = self.position;
-        let value = self.integer_prefix(expected)?;
-        if self.peek().is_none_or(|byte| byte.is_ascii_whitespace()) {
+        if let Ok(value) = self.integer_prefix(expected)
+            && self.peek().is_none_or(is_separator)
+        {
             return Ok(value);
         }
         self.position = start;
-        Err(Fault::unexpected(self.token(), expected))
+        self.whole_float(expected)
     }
 
-    /// The integer that starts at the next byte, with no blank before it.
+    /// The next number on this line, if it is an integer all the same.
+    #[cold]
+    fn whole_float(&mut self, expected: &'static str) -> Result<i64, Box<Fault>> {
+        let start = self.position;
+        let value = self.float(expected)?;
+        whole(value).ok_or_else(|| {
+            self.position = start;
+            Fault::unexpected(self.token(), expected)
+        })
+    }
+
+    /// Goes past the index that starts at the next byte, with no blank before it, up to a slash or the
+    /// end of the word; `None` where none stands there.
     #[inline]
-    pub(super) fn directly_integer(&mut self, expected: &'static str) -> Result<i64, Box<Fault>> {
-        match self.peek() {
-            Some(b'-' | b'+' | b'0'..=b'9') => self.integer_prefix(expected),
-            _ => Err(match self.token() {
-                [] => self.nothing(expected),
-                token => Fault::unexpected(token, expected),
-            }),
+    pub(super) fn index(&mut self) -> Option<Index> {
+        let start = self.position;
+        let value = match self.peek() {
+            Some(b'-' | b'+' | b'0'..=b'9') => self.integer_prefix("").ok(),
+            _ => None,
+        };
+        // As nearly always.
+        if let (Some(_), Some(b'/' | b' ' | b'\n')) = (value, self.peek()) {
+            return value.map(Index::Number);
         }
+        let is_end = |byte| is_separator(byte) || matches!(byte, b'/' | b'\\' | b'#');
+        if self.peek().is_none_or(is_end) {
+            return if self.position == start {
+                None
+            } else {
+                value.map(Index::Number)
+            };
+        }
+        while self.peek().is_some_and(|byte| !is_end(byte)) {
+            self.position += 1;
+        }
+        Some(Index::Other)
     }
 
-    /// Nothing but a blank, a line end or a line joined by `\` may follow.
+    /// Nothing but a blank, a line end, a comment or a line joined by `\` may follow.
     #[inline]
     pub(super) fn end_word(&self, expected: &'static str) -> Result<(), Box<Fault>> {
         match self.peek() {
-            None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\x0c' | b'\\') => Ok(()),
+            None | Some(b' ' | b'\n' | b'\r' | b'\\' | b'#') => Ok(()),
+            Some(byte) if is_blank(byte) => Ok(()),
             Some(_) => Err(Fault::unexpected(self.token(), expected)),
         }
     }
@@ -251,6 +308,63 @@ impl<'a> Scanner<'a> {
             Fault::LineEnds { expected }
         })
     }
+}
+
+/// Whether a byte parts the values of a line.
+#[inline]
+const fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\x0b' | b'\x0c' | b'\x1a' | b'\0')
+}
+
+/// Whether a byte ends a value: a blank or the end of a line.
+#[inline]
+pub(super) const fn is_separator(byte: u8) -> bool {
+    is_blank(byte) || matches!(byte, b'\n' | b'\r')
+}
+
+/// The length of the line end that `bytes` start with, and of the blanks before it, if there is one.
+fn line_end_ahead(bytes: &[u8]) -> Option<usize> {
+    let blanks = bytes.iter().take_while(|&&byte| is_blank(byte)).count();
+    match &bytes[blanks..] {
+        [b'\r', b'\n', ..] => Some(blanks + 2),
+        [b'\r' | b'\n', ..] => Some(blanks + 1),
+        _ => None,
+    }
+}
+
+/// The integer that a number is, where it is one and f64 tells it from its neighbors.
+pub(super) fn whole(value: f64) -> Option<i64> {
+    (value.fract() == 0.0 && value.abs() <= EXACT_INTEGER as f64).then_some(value as i64)
+}
+
+/// A number of any length and form, or one of the words by which programs print what is none.
+fn parse_float(token: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(token).ok()?;
+    text.parse().ok().or_else(|| parse_not_finite(text))
+}
+
+/// Infinity and NaN, as the C libraries, Java, Fortran and others print them beside the forms that Rust
+/// reads (`inf`, `infinity`, `nan` in any case, with a sign): `nan(ind)`, `nan(snan)`,
+/// `nan(0x8000000000000)`, `NaN0x7ff8000000000000`, `NaNQ`, `1.#INF`, `1.#IND00`, `1.#QNAN`, and what
+/// these become when they are rounded to fewer places, `1.#J`.
+#[cold]
+fn parse_not_finite(text: &str) -> Option<f64> {
+    let unsigned = text.strip_prefix(['-', '+']).unwrap_or(text);
+    let sign = if text.starts_with('-') { -1.0 } else { 1.0 };
+    let lower = unsigned.to_ascii_lowercase();
+    let is_payload = |rest: &str| {
+        let is_part = |byte: u8| byte.is_ascii_alphanumeric() || b"()_+-".contains(&byte);
+        rest.bytes().all(is_part)
+    };
+    if let Some(kind) = lower.strip_prefix("1.#").filter(|kind| is_payload(kind)) {
+        let is_infinite = kind.starts_with("inf");
+        return Some(sign * if is_infinite { f64::INFINITY } else { f64::NAN });
+    }
+    let quiet = lower.strip_prefix(['q', 's']).unwrap_or(&lower);
+    if quiet.strip_prefix("nan").is_some_and(is_payload) {
+        return Some(f64::NAN);
+    }
+    (unsigned == "∞").then_some(sign * f64::INFINITY)
 }
 
 #[inline]
@@ -298,7 +412,8 @@ fn scan_float(bytes: &[u8]) -> Option<(f64, usize)> {
         length = after;
     }
     match bytes.get(length) {
-        None | Some(b' ' | b'\t' | b'\n' | b'\r' | b'\\' | b'\x0c') => {}
+        None | Some(b' ' | b'\n' | b'\\') => {}
+        Some(&byte) if is_separator(byte) => {}
         Some(_) => return None,
     }
     let power = *POWERS_OF_TEN.get(exponent.unsigned_abs() as usize)?;
@@ -406,7 +521,75 @@ mod tests {
         ] {
             same_as_std(text);
         }
-        assert!(float("nan").unwrap().is_nan());
+    }
+
+    #[test]
+    fn what_programs_print_for_infinity_and_nan() {
+        for text in [
+            "nan",
+            "-nan",
+            "+NaN",
+            "NAN",
+            "nan(ind)",
+            "-nan(ind)",
+            "nan(snan)",
+            "-NAN(IND)",
+            "nan(0x8000000000000)",
+            "-nan(0xfffff)",
+            "NaN0x7ff8000000000000",
+            "NaNQ",
+            "NaNS",
+            "qNaN",
+            "sNaN",
+            "1.#IND",
+            "-1.#IND",
+            "1.#IND00",
+            "-1.#IND000000",
+            "1.#QNAN",
+            "1.#SNAN",
+            "-1.#QNAN0",
+            "1.#QNAN00e+000",
+            "1.#R",
+        ] {
+            assert!(float(text).unwrap().is_nan(), "{text}");
+        }
+        for text in [
+            "inf",
+            "Inf",
+            "INF",
+            "infinity",
+            "Infinity",
+            "INFINITY",
+            "1.#INF",
+            "1.#inf",
+            "1.#INF00",
+            "1.#INF00e+000",
+            "∞",
+        ] {
+            for (sign, expected) in [("", 1.0), ("+", 1.0), ("-", -1.0)] {
+                let text = format!("{sign}{text}");
+                assert_eq!(float(&text).unwrap(), expected * f64::INFINITY, "{text}");
+            }
+        }
+        for text in ["nano!", "1.#", "1#INF", "infinite", "nan nan,", "1.#IND.5"] {
+            let first = text.split(' ').next().unwrap();
+            assert_eq!(
+                float(text).is_ok(),
+                first == "nan" || first == "1.#",
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn comments_without_a_blank() {
+        let mut scanner = Scanner::new(b"1.5#x 2\n-nan(ind)# y\r1.#INF #", Dialect::Obj);
+        assert_eq!(scanner.float("").unwrap(), 1.5);
+        scanner.end_line("").unwrap();
+        assert!(scanner.float("").unwrap().is_nan());
+        scanner.end_line("").unwrap();
+        assert_eq!(scanner.float("").unwrap(), f64::INFINITY);
+        assert!(float("1.5#x").is_err());
     }
 
     #[test]
@@ -444,7 +627,9 @@ mod tests {
             integer("999999999999999999").unwrap(),
             999_999_999_999_999_999
         );
-        for text in ["1.5", "x", "-", "9999999999999999999", "1/2", "1e3"] {
+        assert_eq!(integer("3.000000000000000000e+00").unwrap(), 3);
+        assert_eq!(integer("-1.0 ").unwrap(), -1);
+        for text in ["1.5", "x", "-", "9999999999999999999", "1/2", "nan", "inf"] {
             assert!(
                 matches!(*integer(text).unwrap_err(), Fault::Unexpected { .. }),
                 "{text}"
@@ -453,7 +638,7 @@ mod tests {
     }
 
     #[test]
-    fn lines() {
+    fn lines_and_blanks() {
         let mut scanner = Scanner::new(b"1 \\\r\n 2 # three\n4", Dialect::Obj);
         assert_eq!(scanner.float("").unwrap(), 1.0);
         assert_eq!(scanner.float("").unwrap(), 2.0);

@@ -1,9 +1,11 @@
 //! `[section.name.variant]`: the names, and one variant each.
 
+use std::borrow::Cow;
+
 use toml::de::{DeTable, DeValue};
 
 use super::super::Entry;
-use super::super::diagnostic::{Problem, Span};
+use super::super::diagnostic::{Problem, Span, shortened};
 use super::Node;
 use super::fields::{Fields, Reader};
 use super::key::{Elsewhere, Form, unknown};
@@ -35,6 +37,8 @@ pub(super) struct Section<T: 'static> {
     pub(super) entry: &'static str,
     /// "a material"
     pub(super) an_entry: &'static str,
+    /// Whether names become those of EXR channels.
+    pub(super) names_channels: bool,
     /// "kind of material"
     pub(super) kind: &'static str,
     /// "`[materials.NAME.phong]` with a name of your choice"
@@ -82,7 +86,8 @@ impl<T> Section<T> {
     }
 
     fn entry(&self, reader: &mut Reader<'_>, name: &str, span: Span, node: &Node<'_>) -> Option<T> {
-        let why = objection(name);
+        let why = objection(name, self.names_channels);
+        let is_sound = why.is_none();
         if let Some(why) = why {
             let problem = Problem::BadName {
                 what: self.an_entry,
@@ -100,7 +105,7 @@ impl<T> Section<T> {
             // `[objects.sphere]`: it is the name that was forgotten.
             format!("{}.NAME", self.key)
         } else {
-            format!("{}.{name}", self.key)
+            format!("{}.{}", self.key, as_key(name))
         };
         let header = header(reader.text, span, node);
         let value = one_variant(
@@ -115,7 +120,7 @@ impl<T> Section<T> {
             table,
             &self.variants,
         );
-        value.filter(|_| why.is_none())
+        value.filter(|_| is_sound)
     }
 }
 
@@ -166,6 +171,20 @@ pub(super) fn one_variant<T>(
         let name = key.get_ref().as_ref();
         let header = header(reader.text, key.span().into(), node);
         let Some(variant) = variants.find(name) else {
+            let inner = node.get_ref().as_table();
+            let kind = inner.and_then(|table| table.keys().find(|key| is_known(key.get_ref())));
+            if let (Some(kind), Some((section, _))) = (kind, choice.path.split_once('.')) {
+                // `[objects.Plane.001.plane]`: the name has a dot.
+                let whole = format!("{}.{name}", choice.name);
+                let problem = Problem::Conflict(format!(
+                    "a name with a dot stands in quotes: `[{section}.{}.{}]`",
+                    as_key(&whole),
+                    kind.get_ref(),
+                ));
+                reader.report(header, problem);
+                sound = false;
+                continue;
+            }
             reader.report(key.span().into(), variants.unknown(choice.kind, name));
             sound = false;
             continue;
@@ -223,20 +242,39 @@ pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
     if has_header { span } else { key }
 }
 
-/// Why `name` cannot be used, if so. Names come back in EXR channels, where a dot separates layer
-/// and channel, and on command lines.
-pub(super) fn objection(name: &str) -> Option<&'static str> {
+/// Why `name` cannot be used, if so. Names come back in messages, mattes and on command lines; those
+/// of lights, in EXR channels too, where a dot separates layer and channel.
+pub(super) fn objection(name: &str, names_channels: bool) -> Option<Cow<'static, str>> {
     let is_allowed =
-        |character: char| character.is_alphanumeric() || matches!(character, '_' | '-' | ' ');
-    if name.is_empty() {
-        Some("names have at least one letter or digit")
+        |character: char| character.is_alphanumeric() || matches!(character, '_' | '-' | ' ' | '.');
+    Some(Cow::Borrowed(if name.is_empty() {
+        "names have at least one letter or digit"
     } else if name.len() > LONGEST_NAME {
-        Some("names are at most 200 bytes long")
+        "names are at most 200 bytes long"
     } else if !name.chars().all(is_allowed) {
-        Some("names are made of letters, digits, `_`, `-` and spaces")
+        if names_channels {
+            "names are made of letters, digits, `_`, `-` and spaces"
+        } else {
+            "names are made of letters, digits, `_`, `-`, `.` and spaces"
+        }
     } else if name.starts_with(' ') || name.ends_with(' ') {
-        Some("names do not start or end with a space")
+        "names do not start or end with a space"
+    } else if names_channels && name.contains('.') {
+        let other = shortened(&name.replace('.', "_"));
+        let why = format!("a dot parts layer and channel in the EXR; write `{other}`");
+        return Some(Cow::Owned(why));
     } else {
-        None
+        return None;
+    }))
+}
+
+/// A name as TOML writes it in a header: in quotes where it has more than ASCII letters, digits, `_`
+/// and `-`.
+fn as_key(name: &str) -> String {
+    let is_bare = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-');
+    if !name.is_empty() && name.bytes().all(is_bare) {
+        name.to_owned()
+    } else {
+        format!("\"{}\"", shortened(name))
     }
 }

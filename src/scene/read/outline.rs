@@ -50,7 +50,7 @@ fn section<T>(section: &Section<T>) -> Named {
         kinds: kinds(&section.variants),
         letters: std::array::from_fn(|code| {
             let name = format!("a{}a", char::from(code as u8));
-            objection(&name).is_none()
+            objection(&name, section.names_channels).is_none()
         }),
     }
 }

@@ -1,14 +1,19 @@
 //! Objects: their shapes in world space, and their materials.
 
+use std::path::PathBuf;
+
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::{LARGEST, Reported, Validator, listed};
 use crate::math::{Normal, all_three};
-use crate::scene::mesh::MeshRemarks;
-use crate::scene::{self, MeshFile, Problem, ShadowTerminator, Span, Spanned};
+use crate::scene::mesh::{MeshError, MeshRemarks};
+use crate::scene::{self, MeshFile, Problem, ShadowTerminator, Spanned};
 use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
 use crate::world::{Shape, World};
+
+/// What `scale` may be: the factors up to [`LARGEST`], and their inverses.
+const SCALES: &str = "factors that are not 0, each at least 1e-30 or at most -1e-30";
 
 impl Validator<'_> {
     /// An object's shape, put where its kind is kept, and its material.
@@ -60,7 +65,7 @@ impl Validator<'_> {
                     *smooth,
                     &placement,
                     id,
-                    file.span,
+                    file,
                     &mut world.triangles,
                 )?;
                 if let Some(mesh) = world.triangles.meshes.last_mut() {
@@ -116,6 +121,7 @@ impl Validator<'_> {
             normals: None,
             shadow_terminator: ShadowTerminator::default(),
             degenerate: 0,
+            vanished: 0,
             remarks: MeshRemarks::default(),
         });
         Ok(())
@@ -134,7 +140,7 @@ impl Validator<'_> {
         let smallest = factors.abs().min_element();
         if smallest < 1.0 / LARGEST {
             let value = listed(&scale.value);
-            self.out_of_range("scale", scale.span, value, "factors that are not 0");
+            self.out_of_range("scale", scale.span, value, SCALES);
             return Err(Reported);
         }
         let [x, y, z] = degrees.to_array().map(f64::to_radians);
@@ -153,7 +159,7 @@ impl Validator<'_> {
         smooth: bool,
         placement: &Placement,
         object: u32,
-        span: Span,
+        path: &Spanned<PathBuf>,
         triangles: &mut Triangles,
     ) -> Result<(), Reported> {
         let first_vertex = triangles.positions.len();
@@ -161,7 +167,19 @@ impl Validator<'_> {
         let fits = |count: usize| u32::try_from(count).is_ok();
         if !fits(first_vertex + file.positions.len()) || !fits(start + file.triangles.len()) {
             let conflict = "the meshes together have more than 4294967295 vertices or triangles";
-            self.report(span, Problem::Conflict(conflict.to_owned()));
+            self.report(path.span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        let mut has_area: Vec<bool> = Vec::new();
+        let room = triangles.positions.try_reserve(file.positions.len());
+        let room = room.and_then(|()| triangles.corners.try_reserve(file.triangles.len()));
+        let room = room.and_then(|()| has_area.try_reserve_exact(file.triangles.len()));
+        if let Err(error) = room {
+            let problem = Problem::Mesh {
+                path: path.value.clone(),
+                error: Box::new(MeshError::from(error)),
+            };
+            self.report(path.span, problem);
             return Err(Reported);
         }
         let positions = file
@@ -169,30 +187,57 @@ impl Validator<'_> {
             .par_iter()
             .map(|&position| placement.linear * DVec3::from_array(position) + placement.moved);
         triangles.positions.par_extend(positions);
-        let placed = &triangles.positions[first_vertex..];
+        let placed = &mut triangles.positions[first_vertex..];
         let is_beyond =
             |position: &DVec3| position.is_nan() || position.abs().max_element() > 2.0 * LARGEST;
         if placed.par_iter().any(is_beyond) {
-            let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
-            self.report(span, Problem::Conflict(conflict.to_owned()));
-            return Err(Reported);
+            let corners = || {
+                file.triangles
+                    .iter()
+                    .flatten()
+                    .map(|&corner| corner as usize)
+            };
+            if corners().any(|corner| is_beyond(&placed[corner])) {
+                let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
+                self.report(path.span, Problem::Conflict(conflict.to_owned()));
+                return Err(Reported);
+            }
+            // Those that no triangle uses may be anywhere; here they are where another one is.
+            let used = corners()
+                .next()
+                .map_or(DVec3::ZERO, |corner| placed[corner]);
+            for position in placed.iter_mut().filter(|position| is_beyond(position)) {
+                *position = used;
+            }
         }
+        let placed = &triangles.positions[first_vertex..];
 
-        let has_area = |corners: &[u32; 3]| {
+        has_area.par_extend((file.triangles.par_iter()).map(|corners| {
             triangle_normal(all_three(*corners, |corner| placed[corner as usize])).is_some()
-        };
-        let has_area: Vec<bool> = file.triangles.par_iter().map(has_area).collect();
+        }));
         let count = has_area.iter().filter(|&&has_area| has_area).count();
+        let without_area =
+            (file.triangles.iter().zip(&has_area)).filter(|(_, has_area)| !**has_area);
+        let vanished = without_area
+            .filter(|(corners, _)| {
+                let written = |corner| DVec3::from_array(file.positions[corner as usize]);
+                triangle_normal(corners.map(written)).is_some()
+            })
+            .count();
         if count == 0 {
-            let conflict = "every triangle of the mesh is degenerate: none has an area";
-            self.report(span, Problem::Conflict(conflict.to_owned()));
+            let conflict = if vanished == 0 {
+                "every triangle of the mesh is degenerate: none has an area"
+            } else {
+                "every triangle of the mesh is so small where it is placed that 64-bit floats cannot \
+                 tell its corners apart, expected a larger `scale`"
+            };
+            self.report(path.span, Problem::Conflict(conflict.to_owned()));
             return Err(Reported);
         }
         // Appends the corners of the triangles with area.
         let keep = |kept: &mut Vec<[u32; 3]>, corners: &[[u32; 3]], offset: u32| {
             let with_area = corners.iter().zip(&has_area);
             let with_area = with_area.filter(|&(_, &has_area)| has_area);
-            kept.reserve(count);
             kept.extend(
                 with_area.map(|(corners, _)| all_three(*corners, |corner| corner + offset)),
             );
@@ -206,7 +251,7 @@ impl Validator<'_> {
                     Normal::new(placement.normals * DVec3::from_array(normal))
                         .unwrap_or_else(any_normal)
                 });
-                let mut corners = Vec::new();
+                let mut corners = Vec::with_capacity(count);
                 let written = normals.triangles.as_ref().unwrap_or(&file.triangles);
                 keep(&mut corners, written, 0);
                 Some(MeshNormals {
@@ -221,8 +266,13 @@ impl Validator<'_> {
             triangles: start as u32..triangles.len() as u32,
             normals,
             shadow_terminator: ShadowTerminator::default(),
-            degenerate: file.triangles.len() - count,
-            remarks: file.remarks,
+            degenerate: file.triangles.len() - count - vanished,
+            vanished,
+            remarks: if smooth {
+                file.remarks.clone()
+            } else {
+                file.remarks.without_normals()
+            },
         });
         Ok(())
     }

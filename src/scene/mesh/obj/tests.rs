@@ -24,7 +24,18 @@ fn corners_of_every_form() {
         "f -4/-1 2/-1 -2/-9 4/0",
         "  f\t1   2 3 4  # a square",
         "f 1 2 \\\n 3 \\\r\n4",
+        "f 1 2 \\ \t\n 3 \\\r4\x1a",
+        "f 1 2 3\\\n4",
         "fo 1 2 3 4",
+        "f 1/ 2/ 3/ 4/",
+        "f 1// 2// 3// 4//",
+        "f 1/1/ 2/1/ 3/1/ 4/1/",
+        "f 1/ 2// 3/7/ 4",
+        "f 1/x 2/1.5/ 3/99999999999999999999 4/nan/",
+        "f 1 2 3 4#a square",
+        "f 1 2 3 4\r",
+        "f\x0b1\x0c2 3 4\0\0",
+        "f 1 2 3 4\n\x1a\x1a\x1a",
     ] {
         let mesh = mesh(&format!("{SQUARE}{face}\n"));
         assert_eq!(mesh.positions, POSITIONS, "{face}");
@@ -162,22 +173,6 @@ fn statements_that_are_not_rendered() {
 fn errors_say_the_line() {
     let line_5 = |statement: &str| error(&format!("{SQUARE}{statement}\nf 1 2 3\n"));
     for (statement, message) in [
-        ("v 1 2", "line 5: the line ends, expected a number for z"),
-        ("v 1 two 3", "line 5: found `two`, expected a number for y"),
-        (
-            "v 1 2 3 # 4\nv 1 2 inf",
-            "line 6: coordinate z is inf, expected a finite number",
-        ),
-        (
-            "v 1 2 3 4 5 6 7 8",
-            "line 5: found `8`, expected the end of the line",
-        ),
-        (
-            "vn 1 2 3 4",
-            "line 5: found `4`, expected the end of the line",
-        ),
-        ("f 1 2", "line 5: a face of 2 corners, expected at least 3"),
-        ("f", "line 5: a face of 0 corners, expected at least 3"),
         (
             "f 1 2 5",
             "line 5: vertex 5 does not exist, expected 1 to 4, or -4 to -1 counted backwards",
@@ -191,24 +186,12 @@ fn errors_say_the_line() {
             "line 5: vertex 0 does not exist, expected 1 to 4, or -4 to -1 counted backwards",
         ),
         (
-            "f 1//1 2//1 3//1",
-            "line 5: normal 1 does not exist, expected one that is defined before it, of which \
-            there are none",
-        ),
-        (
-            "vn 0 0 1\nf 1//1 2 3//1",
-            "line 6: a face of corners with and without a normal, expected all alike",
-        ),
-        (
-            "vn 0 0 1\nf 1 2//1 3//1",
-            "line 6: a face of corners with and without a normal, expected all alike",
-        ),
-        ("f 1/ 2 3", "line 5: the line ends, expected"),
-        ("f 1// 2 3", "line 5: "),
-        ("f 1/2/ 2 3", "line 5: "),
-        (
             "f 1.5 2 3",
             "line 5: found `.5`, expected a corner: v, v/vt, v//vn or v/vt/vn",
+        ),
+        (
+            "f 1/1/1/1 2 3",
+            "line 5: found `/1`, expected a corner: v, v/vt, v//vn or v/vt/vn",
         ),
         (
             "f 1 2 99999999999999999999",
@@ -222,16 +205,127 @@ fn errors_say_the_line() {
             "call other.obj",
             "line 5: `call` and `csh` statements are not supported; put everything in one file",
         ),
-        (
-            "w\u{1} 1",
-            "line 5: found `w\\x01`, expected an OBJ statement such as `v`, `vn`, `f`, `g`, `o`, \
-            `usemtl` or `#`",
-        ),
     ] {
         let found = line_5(statement);
         assert!(found.starts_with(message), "{statement}: {found}");
     }
-    assert!(error(SQUARE).contains("no faces"));
+    assert_eq!(
+        error("f -1 1 2\nv 0 0 0\nv 1 0 0"),
+        "line 1: vertex -1 does not exist, expected one of the file's, which has none there"
+    );
+}
+
+#[test]
+fn vertices_that_a_face_uses_must_be_finite() {
+    for (vertex, message) in [
+        ("v 1 2", "line 7: the line ends, expected a number for z"),
+        ("v 1 two 3", "line 7: found `two`, expected a number for y"),
+        (
+            "v 1 2 inf",
+            "line 7: coordinate z is inf, expected a finite number",
+        ),
+        (
+            "v -nan(ind) 2 3",
+            "line 7: coordinate x is NaN, expected a finite number",
+        ),
+    ] {
+        // The first one that is used counts, whatever the order of the faces.
+        let text = format!("{SQUARE}v a\n# six\n{vertex}\nv 1e999 0 0\nf 1 2 3");
+        assert_eq!(error(&format!("{text}\nf 1 2 7\nf 1 2 6\n")), message);
+        let mesh = mesh(&text);
+        assert_eq!(mesh.positions.len(), 7);
+        assert!(mesh.positions.iter().flatten().all(|x| x.is_finite()));
+        assert_eq!(mesh.positions[..4], POSITIONS);
+        assert_eq!(mesh.triangles, [[0, 1, 2]]);
+        assert_eq!(
+            mesh.remarks.list(),
+            ["3 vertices without a finite position, which no face uses"]
+        );
+    }
+}
+
+#[test]
+fn faces_above_their_vertices() {
+    let faces = "f 1//2 2//2 3//1\ng back\nl 1 2\nf 1 3 4\n# v 9 9 9 \\\n";
+    let normals = "vn 0 0 1\nvn 0 1 1\n";
+    let usual = mesh(&format!("{SQUARE}{normals}{faces}"));
+    assert_eq!(usual.triangles, [[0, 1, 2], [0, 2, 3]]);
+    for text in [
+        format!("{faces}{SQUARE}{normals}"),
+        format!("{normals}{faces}{SQUARE}"),
+        format!("{SQUARE}{faces}{normals}"),
+    ] {
+        assert_eq!(mesh(&text), usual, "{text}");
+    }
+    // Counted back from where they stand.
+    let mixed = "v 0 0 0\nv 1 0 0\nf -2 -1 3\nv 1 1 0\nv 0 1 0\nf -4 -2 -1\n";
+    assert_eq!(mesh(mixed).triangles, usual.triangles);
+    assert_eq!(
+        error(&format!("f 1 2 3\n{SQUARE}f 1 2 5\n")),
+        "line 6: vertex 5 does not exist, expected 1 to 4, or -4 to -1 counted backwards"
+    );
+}
+
+#[test]
+fn normals_that_are_not_there() {
+    for (faces, absent, partial) in [
+        ("f 1//0 2//0 3//0", 3, 0),
+        ("f 1//1 2//9 3//1", 1, 0),
+        ("f 1//-2 2//1 3//1", 1, 0),
+        ("f 1//1 2 3//1", 0, 1),
+        ("f 1 2//1 3//\nf 1 2 3//1", 0, 2),
+        ("f 1//7 2 3//1", 1, 0),
+        ("f 1//1 2//x 3/-/1", 1, 0),
+        ("f 1//1 2//1.5 3//99999999999999999999", 2, 0),
+    ] {
+        let mesh = mesh(&format!("{SQUARE}vn 0 1 0\n{faces}\nf 1//1 3//1 4//1\n"));
+        let expected = MeshRemarks {
+            absent_normals: absent,
+            partial_normals: partial,
+            ..MeshRemarks::default()
+        };
+        assert_eq!(mesh.remarks, expected, "{faces}");
+        let normals = mesh.normals.unwrap();
+        let triangles = normals.triangles.unwrap();
+        let of = |triangle: usize| triangles[triangle].map(|i| normals.vectors[i as usize]);
+        assert_eq!(of(0), [[0., 0., 1.]; 3], "{faces}");
+        assert_eq!(of(triangles.len() - 1), [[0., 1., 0.]; 3], "{faces}");
+    }
+    let without_any = mesh(&format!("{SQUARE}f 1//1 2//2 3//3"));
+    assert_eq!(without_any.normals, None);
+    assert_eq!(without_any.remarks.absent_normals, 3);
+}
+
+#[test]
+fn what_the_picture_does_not_use() {
+    let mesh = mesh(&format!(
+        "{SQUARE}v 1 2 3 4 5 6 7 8\nv 1 2 3 red\nv 1 2 3 -nan 1.#IND 0\nvn 1 two 3\nvn 1 2 3 4\n\
+        f 1 2\nf 3\nf\nf 1 2 3 4\nvw 0 0 1.0\nusemtl a\\b \\\nmtllib C:\\materials\\\n\
+        f 2 3 4\nmtllib a.mtl \\\nb.mtl\nVW\n"
+    ));
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [1, 2, 3]]);
+    assert_eq!(
+        mesh.remarks.list(),
+        [
+            "3 faces of fewer than 3 corners, which were skipped",
+            "2 unknown statements such as `vw`, which were skipped",
+            "3 lines with more or fewer values than belong there",
+        ]
+    );
+}
+
+#[test]
+fn files_without_faces_say_what_they_have() {
+    assert_eq!(
+        error(SQUARE),
+        "the mesh has no faces, expected at least one triangle or polygon"
+    );
+    assert_eq!(
+        error(&format!("{SQUARE}l 1 2\nf 1 2\nw\u{1} 1\n")),
+        "the mesh has no faces, expected at least one triangle or polygon; it has 1 face of fewer \
+        than 3 corners, which was skipped; 1 line, point or curve, which is not rendered; 1 unknown \
+        statement, `w\\x01`, which was skipped"
+    );
 }
 
 #[test]

@@ -3,8 +3,12 @@
 use super::super::error::{Fault, MeshError, Position};
 use super::super::source::Source;
 use super::super::surface::{Surface, corner_count};
+use super::super::text::whole;
 use super::{Body, Element, Endian, Kind, Property, Scalar, VertexLayout, VertexRecord, Vertices};
-use super::{LEAST_CORNERS, UNUSED, checked_index, list_length};
+use super::{LEAST_CORNERS, Strip, UNUSED};
+use super::{checked_index, end_strip, list_length, strip_corner};
+
+const INDEX: &str = "the index of a vertex";
 
 /// The bytes that are left.
 pub(super) struct Bytes<'r> {
@@ -59,10 +63,10 @@ impl<'a> Window<'a> {
     #[inline]
     fn list(&mut self, length: Scalar, item: Scalar) -> Result<List<'a>, Box<Fault>> {
         let start = self.position;
-        let length = length.integer(
-            self.take(length.size(), "the length of a list")?,
-            self.endian,
-        );
+        let bytes = self.take(length.size(), "the length of a list")?;
+        let length = length
+            .integer(bytes, self.endian, "the length of a list")
+            .inspect_err(|_| self.position = start)?;
         let bytes = usize::try_from(length)
             .unwrap_or(0)
             .saturating_mul(item.size());
@@ -269,6 +273,10 @@ impl Body for Bytes<'_> {
         self.source.position()
     }
 
+    fn ignore_lines(&mut self, _: usize) -> Result<bool, MeshError> {
+        Ok(false)
+    }
+
     fn return_to(&mut self, position: usize) -> Result<(), MeshError> {
         Ok(self.source.go_to(position)?)
     }
@@ -349,6 +357,18 @@ impl Body for Bytes<'_> {
         })
     }
 
+    fn strips(
+        &mut self,
+        element: &Element<'_>,
+        indices: usize,
+        surface: &mut Surface,
+    ) -> Result<(), MeshError> {
+        self.each(element, |window, _| {
+            window.strips(element, indices, surface)?;
+            Ok(1)
+        })
+    }
+
     fn skip(&mut self, element: &Element<'_>) -> Result<(), MeshError> {
         match element.stride() {
             Some(0) => Ok(()),
@@ -362,27 +382,8 @@ impl Body for Bytes<'_> {
         }
     }
 
-    fn finish(&mut self) -> Result<(), MeshError> {
-        /// More than a message shows.
-        const SHOWN: usize = 100;
-        let position = Position::Byte(self.source.position());
-        let mut rest = Vec::new();
-        loop {
-            let window = self.source.window();
-            rest.extend(window.iter().take(SHOWN.saturating_sub(rest.len())));
-            if !window.iter().all(u8::is_ascii_whitespace) {
-                let fault = Fault::unexpected(
-                    &rest,
-                    "the end of the file, after all elements that the header counts",
-                );
-                return Err(fault.at(position, None));
-            }
-            let length = window.len();
-            self.source.skip(length);
-            if !self.source.read_on()? {
-                return Ok(());
-            }
-        }
+    fn finish(&mut self) -> Result<u64, MeshError> {
+        Ok(self.source.count_rest()?)
     }
 }
 
@@ -405,7 +406,8 @@ impl Window<'_> {
             corner_count(list.length).inspect_err(|_| self.position = list.start)?;
             corners.clear();
             for (i, index) in list.items.chunks_exact(list.item.size()).enumerate() {
-                let vertex = checked_index(list.item.integer(index, self.endian), vertices)
+                let vertex = (list.item.integer(index, self.endian, INDEX))
+                    .and_then(|index| checked_index(index, vertices))
                     .inspect_err(|_| {
                         self.position = list.start + length.size() + i * item.size();
                     })?;
@@ -413,6 +415,38 @@ impl Window<'_> {
             }
         }
         Ok(start)
+    }
+
+    /// Reads an element of strips.
+    fn strips(
+        &mut self,
+        element: &Element<'_>,
+        indices: usize,
+        surface: &mut Surface,
+    ) -> Result<(), Box<Fault>> {
+        // The whole element must be there before its triangles are made.
+        let mut corners = None;
+        for (number, property) in element.properties.iter().enumerate() {
+            match property.kind {
+                Kind::List { length, item } if number == indices => {
+                    let list = self.list(length, item)?;
+                    list_length(list.length).inspect_err(|_| self.position = list.start)?;
+                    corners = Some((list.start + length.size(), list));
+                }
+                kind => self.skip_property(kind)?,
+            }
+        }
+        let mut strip = Strip::default();
+        if let Some((start, list)) = corners {
+            let size = list.item.size();
+            for (i, index) in list.items.chunks_exact(size).enumerate() {
+                (list.item.integer(index, self.endian, INDEX))
+                    .and_then(|index| strip_corner(index, &mut strip, surface))
+                    .inspect_err(|_| self.position = start + i * size)?;
+            }
+        }
+        end_strip(&mut strip, surface);
+        Ok(())
     }
 }
 
@@ -423,10 +457,15 @@ fn fixed<const N: usize>(bytes: &[u8]) -> [u8; N] {
 }
 
 impl Scalar {
-    /// The value of an integer type; a floating-point one is cut to an integer.
+    /// The value, if it is an integer.
     #[inline]
-    fn integer(self, bytes: &[u8], endian: Endian) -> i64 {
-        match (self, endian) {
+    fn integer(
+        self,
+        bytes: &[u8],
+        endian: Endian,
+        expected: &'static str,
+    ) -> Result<i64, Box<Fault>> {
+        Ok(match (self, endian) {
             (Self::I8, _) => i64::from(i8::from_le_bytes(fixed(bytes))),
             (Self::U8, _) => i64::from(u8::from_le_bytes(fixed(bytes))),
             (Self::I16, Endian::Little) => i64::from(i16::from_le_bytes(fixed(bytes))),
@@ -437,8 +476,12 @@ impl Scalar {
             (Self::I32, Endian::Big) => i64::from(i32::from_be_bytes(fixed(bytes))),
             (Self::U32, Endian::Little) => i64::from(u32::from_le_bytes(fixed(bytes))),
             (Self::U32, Endian::Big) => i64::from(u32::from_be_bytes(fixed(bytes))),
-            (Self::F32 | Self::F64, _) => self.float(bytes, endian) as i64,
-        }
+            (Self::F32 | Self::F64, _) => {
+                let value = self.float(bytes, endian);
+                return whole(value)
+                    .ok_or_else(|| Fault::unexpected(value.to_string().as_bytes(), expected));
+            }
+        })
     }
 
     /// The value, exactly.
@@ -449,10 +492,16 @@ impl Scalar {
             (Self::F32, Endian::Big) => f64::from(f32::from_be_bytes(fixed(bytes))),
             (Self::F64, Endian::Little) => f64::from_le_bytes(fixed(bytes)),
             (Self::F64, Endian::Big) => f64::from_be_bytes(fixed(bytes)),
-            // At most 32 bits, which f64 holds.
-            (Self::I8 | Self::U8 | Self::I16 | Self::U16 | Self::I32 | Self::U32, _) => {
-                self.integer(bytes, endian) as f64
-            }
+            (Self::I8, _) => f64::from(i8::from_le_bytes(fixed(bytes))),
+            (Self::U8, _) => f64::from(u8::from_le_bytes(fixed(bytes))),
+            (Self::I16, Endian::Little) => f64::from(i16::from_le_bytes(fixed(bytes))),
+            (Self::I16, Endian::Big) => f64::from(i16::from_be_bytes(fixed(bytes))),
+            (Self::U16, Endian::Little) => f64::from(u16::from_le_bytes(fixed(bytes))),
+            (Self::U16, Endian::Big) => f64::from(u16::from_be_bytes(fixed(bytes))),
+            (Self::I32, Endian::Little) => f64::from(i32::from_le_bytes(fixed(bytes))),
+            (Self::I32, Endian::Big) => f64::from(i32::from_be_bytes(fixed(bytes))),
+            (Self::U32, Endian::Little) => f64::from(u32::from_le_bytes(fixed(bytes))),
+            (Self::U32, Endian::Big) => f64::from(u32::from_be_bytes(fixed(bytes))),
         }
     }
 }

@@ -1,81 +1,30 @@
 //! PLY (Turk, "The PLY polygon file format", 1994): ASCII, binary little and big endian.
 //!
 //! Read are `x`, `y`, `z` and, if all three are there, `nx`, `ny`, `nz` of `element vertex`, and
-//! the list `vertex_indices` or `vertex_index` of `element face`; all other elements and
-//! properties are skipped. In ASCII every element stands on a line of its own.
+//! the list `vertex_indices` or `vertex_index` of `element face` and `element tristrips`, where -1
+//! begins a new strip; all other elements and properties are skipped. In ASCII every element stands on
+//! a line of its own.
 
 mod ascii;
 mod binary;
+mod header;
 
-use super::error::{ElementPlace, Fault, MeshError};
+use super::error::{Fault, MeshError};
 use super::memory::Memory;
 use super::normals;
 use super::source::Source;
+use super::strip::Strip;
 use super::surface::Surface;
-use super::text::{Dialect, Scanner};
+use super::text::Dialect;
 use super::{MeshFile, MeshNormals, MeshRemarks};
+pub(super) use header::LONGEST_HEADER;
+use header::{Element, Endian, Format, Header, Kind, Property, Scalar};
 
 /// Whether a file that starts like this is a PLY file.
 pub(super) fn has_signature(bytes: &[u8]) -> bool {
     bytes
         .strip_prefix(b"ply")
         .is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
-}
-
-/// What stands between `ply` and `end_header`.
-#[derive(Debug)]
-struct Header<'a> {
-    format: Format,
-    elements: Vec<Element<'a>>,
-    /// The first byte after it.
-    end: usize,
-    /// The line of `end_header`.
-    last_line: usize,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Ascii,
-    Binary(Endian),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Endian {
-    Little,
-    Big,
-}
-
-#[derive(Debug)]
-struct Element<'a> {
-    name: &'a [u8],
-    count: u64,
-    properties: Vec<Property<'a>>,
-    /// Its line in the header.
-    line: usize,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Property<'a> {
-    name: &'a [u8],
-    kind: Kind,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Scalar(Scalar),
-    List { length: Scalar, item: Scalar },
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
 }
 
 /// Where the values of a vertex go: for each property a place in a [`VertexRecord`].
@@ -91,11 +40,17 @@ type VertexRecord = [f64; 7];
 
 const VERTEX_PROPERTIES: [&[u8]; 6] = [b"x", b"y", b"z", b"nx", b"ny", b"nz"];
 const UNUSED: usize = VERTEX_PROPERTIES.len();
+/// Where a normal begins in a [`VertexRecord`].
+const NORMAL: usize = 3;
 
 /// What a body of either kind can do; it is read from the front.
 trait Body {
     /// The byte of the file that is next.
     fn position(&self) -> usize;
+
+    /// Goes back to a byte of the file, to read from there on regardless of lines; whether that
+    /// makes a difference.
+    fn ignore_lines(&mut self, position: usize) -> Result<bool, MeshError>;
 
     /// Goes back to a byte of the file.
     fn return_to(&mut self, position: usize) -> Result<(), MeshError>;
@@ -116,11 +71,27 @@ trait Body {
         surface: &mut Surface,
     ) -> Result<(), MeshError>;
 
+    /// Reads `element tristrips`, whose property `indices` is the list of corners.
+    fn strips(
+        &mut self,
+        element: &Element<'_>,
+        indices: usize,
+        surface: &mut Surface,
+    ) -> Result<(), MeshError>;
+
     /// Skips an element.
     fn skip(&mut self, element: &Element<'_>) -> Result<(), MeshError>;
 
-    /// Nothing may be left.
-    fn finish(&mut self) -> Result<(), MeshError>;
+    /// Reads to the end of the file; how many bytes are left but for blanks at the end.
+    fn finish(&mut self) -> Result<u64, MeshError>;
+}
+
+/// Which elements of a file make the mesh.
+struct Plan<'h, 'a> {
+    vertex: &'h Element<'a>,
+    layout: VertexLayout,
+    /// `face` and `tristrips`, each if it is there, with the property that is the list of corners.
+    surfaces: Vec<(&'h Element<'a>, usize)>,
 }
 
 /// The surface with its vertices' normals.
@@ -136,8 +107,10 @@ pub(super) fn read(mut source: Source<'_>) -> Result<MeshFile, MeshError> {
     let size = source.size();
     loop {
         // A copy, which stays while the source goes on.
-        let start = source.lines(Dialect::Ply)?.to_vec();
-        if let Some(header) = Header::parse(&start, source.has_ended())? {
+        let lines = source.lines(Dialect::Ply)?;
+        let is_cut = lines.len() > LONGEST_HEADER;
+        let start = lines[..lines.len().min(LONGEST_HEADER)].to_vec();
+        if let Some(header) = Header::parse(&start, source.has_ended() && !is_cut)? {
             source.skip(header.end);
             return match header.format {
                 Format::Ascii => read_body(ascii::Text::new(source), &header, size),
@@ -146,55 +119,125 @@ pub(super) fn read(mut source: Source<'_>) -> Result<MeshFile, MeshError> {
                 }
             };
         }
+        if is_cut {
+            return Err(Fault::LongHeader.at_line(1));
+        }
         source.read_on()?;
     }
 }
 
 fn read_body(mut body: impl Body, header: &Header<'_>, size: usize) -> Result<MeshFile, MeshError> {
-    let [vertex, face] = [header.element(b"vertex")?, header.element(b"face")?];
-    let missing =
-        |what, expected| Box::new(Fault::Missing { what, expected }).at_line(header.last_line);
-    let vertex = vertex.ok_or_else(|| missing("`element vertex`", "`element vertex COUNT`"))?;
-    let layout = vertex.vertex_layout()?;
-    let Some(face) = face.filter(|face| face.count > 0) else {
-        return Err(match header.element(b"tristrips")? {
-            Some(strips) => Box::new(Fault::Unsupported {
-                what: "triangle strips",
-                instead: "save the mesh with `element face`",
-            })
-            .at_line(strips.line),
-            None => MeshError::NoFaces,
-        });
-    };
-    let indices = face.corner_list()?;
-
-    let mut mesh = Vertices {
-        surface: Surface::for_file(size),
-        normals: Vec::new(),
-    };
-    let mut faces_before_vertices = None;
-    let mut vertices_read = false;
-    for element in &header.elements {
-        if std::ptr::eq(element, vertex) {
-            body.vertices(element, &layout, &mut mesh)?;
-            vertices_read = true;
-        } else if std::ptr::eq(element, face) {
-            if vertices_read {
-                body.faces(element, indices, &mut mesh.surface)?;
-            } else {
-                faces_before_vertices = Some(body.position());
-                body.skip(element)?;
-            }
+    let plan = header.plan()?;
+    let start = body.position();
+    let mut read = plan.read(&mut body, header, size);
+    if let Err(error @ MeshError::Invalid { .. }) = read {
+        // Unless every number fits, it is the lines that are right.
+        let unlined = if body.ignore_lines(start)? {
+            plan.read(&mut body, header, size).ok()
         } else {
+            None
+        };
+        read = match unlined {
+            Some(mut mesh) if mesh.surface.remarks.trailing_bytes == 0 => {
+                mesh.surface.remarks.unlined = true;
+                Ok(mesh)
+            }
+            Some(_) | None => Err(error),
+        };
+    }
+    let mut mesh = read?;
+    if mesh.surface.triangles.is_empty() {
+        let remarks = Box::new(mesh.surface.remarks);
+        return Err(MeshError::NoFaces { remarks });
+    }
+    if let Some(vertex) = mesh.surface.broken_vertex() {
+        // What is wrong with it, and where, is seen when it is read again.
+        mesh.surface = Surface::to_find(vertex, size);
+        mesh.normals = Vec::new();
+        body.return_to(start)?;
+        for element in &header.elements {
+            if std::ptr::eq(element, plan.vertex) {
+                body.vertices(element, &plan.layout, &mut mesh)?;
+                break;
+            }
             body.skip(element)?;
         }
+        return Err(MeshError::Changed);
     }
-    body.finish()?;
-    if let Some(position) = faces_before_vertices {
-        body.return_to(position)?;
-        body.faces(face, indices, &mut mesh.surface)?;
+    mesh.finish(plan.layout.has_normals)
+}
+
+impl Plan<'_, '_> {
+    /// Reads all elements from the start of the body on.
+    fn read(
+        &self,
+        body: &mut impl Body,
+        header: &Header<'_>,
+        size: usize,
+    ) -> Result<Vertices, MeshError> {
+        let mut mesh = Vertices {
+            surface: Surface::for_file(size),
+            normals: Vec::new(),
+        };
+        mesh.surface.remarks = header.remarks.clone();
+        let mut before_vertices = Vec::new();
+        let mut vertices_read = false;
+        for element in &header.elements {
+            let corners =
+                (self.surfaces.iter()).find(|(surface, _)| std::ptr::eq(element, *surface));
+            if std::ptr::eq(element, self.vertex) {
+                body.vertices(element, &self.layout, &mut mesh)?;
+                vertices_read = true;
+            } else if let Some(&(_, indices)) = corners
+                && vertices_read
+            {
+                element.surface(indices, body, &mut mesh.surface)?;
+            } else {
+                before_vertices.extend(corners.map(|corners| (body.position(), corners)));
+                body.skip(element)?;
+            }
+        }
+        mesh.surface.remarks.trailing_bytes = body.finish()?;
+        for (position, &(element, indices)) in before_vertices {
+            body.return_to(position)?;
+            element.surface(indices, body, &mut mesh.surface)?;
+        }
+        Ok(mesh)
     }
-    Ok(mesh.finish(layout.has_normals))
+}
+
+impl<'a> Header<'a> {
+    /// Which elements make the mesh.
+    fn plan(&self) -> Result<Plan<'_, 'a>, MeshError> {
+        let missing =
+            |what, expected| Box::new(Fault::Missing { what, expected }).at_line(self.last_line);
+        let vertex = self
+            .element(b"vertex")?
+            .ok_or_else(|| missing("`element vertex`", "`element vertex COUNT`"))?;
+        let layout = vertex.vertex_layout()?;
+        let mut surfaces = Vec::new();
+        for name in [&b"face"[..], b"tristrips"] {
+            if let Some(element) = self.element(name)?.filter(|element| element.count > 0) {
+                surfaces.push((element, element.corner_list()?));
+            }
+        }
+        if surfaces.is_empty() {
+            if let Some(grid) = self.element(b"range_grid")? {
+                return Err(Fault::Unsupported {
+                    what: "range grids",
+                    instead: "save the mesh with `element face`",
+                }
+                .at_line(grid.line));
+            }
+            let remarks = Box::new(self.remarks.clone());
+            return Err(MeshError::NoFaces { remarks });
+        }
+        Ok(Plan {
+            vertex,
+            layout,
+            surfaces,
+        })
+    }
 }
 
 impl Vertices {
@@ -220,13 +263,13 @@ impl Vertices {
         Ok(())
     }
 
-    fn finish(self, has_normals: bool) -> MeshFile {
+    fn finish(self, has_normals: bool) -> Result<MeshFile, MeshError> {
         let Self {
             surface,
             mut normals,
         } = self;
-        let mended_normals = normals::mend(&mut normals, &surface.positions, &surface.triangles);
-        MeshFile {
+        let mended_normals = normals::mend(&mut normals, &surface.positions, &surface.triangles)?;
+        Ok(MeshFile {
             positions: surface.positions,
             triangles: surface.triangles,
             normals: has_normals.then_some(MeshNormals {
@@ -236,234 +279,13 @@ impl Vertices {
             groups: Vec::new(),
             remarks: MeshRemarks {
                 mended_normals,
-                folded_polygons: surface.folded_polygons,
-                skipped_statements: 0,
+                ..surface.remarks
             },
-        }
-    }
-}
-
-impl<'a> Header<'a> {
-    /// Reads the header of a file that starts like this; `None` where it goes on beyond, unless
-    /// that is all of the file.
-    fn parse(bytes: &'a [u8], is_all: bool) -> Result<Option<Self>, MeshError> {
-        let mut scanner = Scanner::new(bytes, Dialect::Ply);
-        scanner.word();
-        scanner
-            .end_line("nothing but `ply` on the first line")
-            .map_err(|fault| fault.at_line(1))?;
-        let mut format = None;
-        let mut elements = Vec::new();
-        let mut line = 1;
-        loop {
-            line += 1;
-            let at_line = |fault: Box<Fault>| fault.at_line(line);
-            if scanner.rest().is_empty() {
-                if !is_all {
-                    return Ok(None);
-                }
-                return Err(at_line(Box::new(Fault::FileEnds {
-                    expected: "`end_header`",
-                })));
-            }
-            // Statements are short; binary data without line ends is found out early.
-            match scanner.word() {
-                b"comment" | b"obj_info" => {
-                    scanner.skip_line();
-                    continue;
-                }
-                b"end_header" => {
-                    scanner
-                        .end_line("nothing more on the line")
-                        .map_err(at_line)?;
-                    break;
-                }
-                b"format" => format = Some(parse_format(&mut scanner).map_err(at_line)?),
-                b"element" => {
-                    let element = parse_element(&mut scanner, line).map_err(at_line)?;
-                    elements.push(element);
-                }
-                b"property" => {
-                    let property = parse_property(&mut scanner).map_err(at_line)?;
-                    let Some(element) = elements.last_mut() else {
-                        return Err(at_line(Fault::unexpected(
-                            b"property",
-                            "an `element` before it",
-                        )));
-                    };
-                    element.properties.push(property);
-                }
-                b"" => {}
-                other => {
-                    return Err(at_line(Fault::unexpected(
-                        other,
-                        "`format`, `element`, `property`, `comment`, `obj_info` or `end_header`",
-                    )));
-                }
-            }
-            scanner
-                .end_line("nothing more on the line")
-                .map_err(at_line)?;
-        }
-        let format = format.ok_or_else(|| {
-            Box::new(Fault::Missing {
-                what: "format",
-                expected: "`format ascii 1.0`, `format binary_little_endian 1.0` or \
-                    `format binary_big_endian 1.0`",
-            })
-            .at_line(line)
-        })?;
-        Ok(Some(Self {
-            format,
-            elements,
-            end: scanner.position(),
-            last_line: line,
-        }))
-    }
-
-    /// The element of that name, if there is one.
-    fn element(&self, name: &[u8]) -> Result<Option<&Element<'a>>, MeshError> {
-        let mut named = self.elements.iter().filter(|element| element.name == name);
-        let first = named.next();
-        match named.next() {
-            Some(second) => Err(Fault::duplicate("element", name).at_line(second.line)),
-            None => Ok(first),
-        }
-    }
-}
-
-fn parse_format(scanner: &mut Scanner<'_>) -> Result<Format, Box<Fault>> {
-    let format = match scanner.word() {
-        b"ascii" => Format::Ascii,
-        b"binary_little_endian" => Format::Binary(Endian::Little),
-        b"binary_big_endian" => Format::Binary(Endian::Big),
-        other => {
-            return Err(Fault::unexpected(
-                other,
-                "`ascii`, `binary_little_endian` or `binary_big_endian`",
-            ));
-        }
-    };
-    match scanner.word() {
-        b"1.0" => Ok(format),
-        other => Err(Fault::unexpected(other, "version `1.0`")),
-    }
-}
-
-fn parse_element<'a>(scanner: &mut Scanner<'a>, line: usize) -> Result<Element<'a>, Box<Fault>> {
-    const COUNT: &str = "the number of elements";
-    let name = scanner.word();
-    if name.is_empty() {
-        return Err(Box::new(Fault::LineEnds {
-            expected: "the element's name",
-        }));
-    }
-    let count = scanner.integer(COUNT)?;
-    let count =
-        u64::try_from(count).map_err(|_| Fault::unexpected(count.to_string().as_bytes(), COUNT))?;
-    let what = match name {
-        b"vertex" => "vertices",
-        b"face" => "faces",
-        _ => "",
-    };
-    if !what.is_empty() && count > u64::from(u32::MAX) {
-        return Err(Box::new(Fault::TooMany { what }));
-    }
-    Ok(Element {
-        name,
-        count,
-        properties: Vec::new(),
-        line,
-    })
-}
-
-fn parse_property<'a>(scanner: &mut Scanner<'a>) -> Result<Property<'a>, Box<Fault>> {
-    let kind = match scanner.word() {
-        b"list" => {
-            let length = scanner.word();
-            let length = Scalar::named(length)
-                .filter(|scalar| scalar.is_integer())
-                .ok_or_else(|| {
-                    Fault::unexpected(length, "an integer type for the length of the list")
-                })?;
-            let item = parse_scalar(scanner.word())?;
-            Kind::List { length, item }
-        }
-        scalar => Kind::Scalar(parse_scalar(scalar)?),
-    };
-    match scanner.word() {
-        b"" => Err(Box::new(Fault::LineEnds {
-            expected: "the property's name",
-        })),
-        name => Ok(Property { name, kind }),
-    }
-}
-
-fn parse_scalar(name: &[u8]) -> Result<Scalar, Box<Fault>> {
-    Scalar::named(name).ok_or_else(|| {
-        Fault::unexpected(
-            name,
-            "a type: char, uchar, short, ushort, int, uint, float, double, int8, uint8, int16, \
-            uint16, int32, uint32, float32 or float64",
-        )
-    })
-}
-
-impl Scalar {
-    fn named(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
         })
-    }
-
-    const fn is_integer(self) -> bool {
-        match self {
-            Self::I8 | Self::U8 | Self::I16 | Self::U16 | Self::I32 | Self::U32 => true,
-            Self::F32 | Self::F64 => false,
-        }
-    }
-
-    /// Its size in binary files, in bytes.
-    const fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
     }
 }
 
 impl Element<'_> {
-    /// The place of this element's number `index`.
-    fn place(&self, index: u64) -> Option<ElementPlace> {
-        const READABLE: usize = 40;
-        let name = &self.name[..self.name.len().min(READABLE)];
-        Some(ElementPlace {
-            name: name.escape_ascii().to_string(),
-            index,
-            count: self.count,
-        })
-    }
-
-    /// The number of the property of that name, if there is one.
-    fn property(&self, name: &[u8]) -> Result<Option<usize>, MeshError> {
-        let mut named = (0..self.properties.len()).filter(|&i| self.properties[i].name == name);
-        let first = named.next();
-        match named.next() {
-            Some(_) => Err(Fault::duplicate("property", name).at_line(self.line)),
-            None => Ok(first),
-        }
-    }
-
     fn vertex_layout(&self) -> Result<VertexLayout, MeshError> {
         let mut places = vec![UNUSED; self.properties.len()];
         let mut found = [false; UNUSED];
@@ -475,7 +297,7 @@ impl Element<'_> {
                 found[place] = true;
             }
         }
-        if found[..3] != [true; 3] {
+        if found[..NORMAL] != [true; 3] {
             return Err(Box::new(Fault::Missing {
                 what: "position in `element vertex`",
                 expected: "`property float x`, `property float y` and `property float z` after it",
@@ -484,27 +306,48 @@ impl Element<'_> {
         }
         Ok(VertexLayout {
             places,
-            has_normals: found[3..] == [true; 3],
+            has_normals: found[NORMAL..] == [true; 3],
         })
     }
 
+    /// The list of corners: by its usual names, or else the only list of integers.
     fn corner_list(&self) -> Result<usize, MeshError> {
-        let property = match self.property(b"vertex_indices")? {
-            Some(property) => Some(property),
-            None => self.property(b"vertex_index")?,
+        let is_list = |&property: &usize| match self.properties[property].kind {
+            Kind::List { .. } => true,
+            Kind::Scalar(_) => false,
         };
-        property
-            .filter(|&property| match self.properties[property].kind {
-                Kind::List { item, .. } => item.is_integer(),
-                Kind::Scalar(_) => false,
+        for name in [&b"vertex_indices"[..], b"vertex_index"] {
+            if let Some(property) = self.property(name)?.filter(is_list) {
+                return Ok(property);
+            }
+        }
+        let is_integer_list = |&property: &usize| match self.properties[property].kind {
+            Kind::List { item, .. } => item.is_integer(),
+            Kind::Scalar(_) => false,
+        };
+        let mut lists = (0..self.properties.len()).filter(is_integer_list);
+        match (lists.next(), lists.next()) {
+            (Some(only), None) => Ok(only),
+            _ => Err(Box::new(Fault::Missing {
+                what: "corners in its `element face` or `element tristrips`",
+                expected: "`property list uchar int vertex_indices` after it",
             })
-            .ok_or_else(|| {
-                Box::new(Fault::Missing {
-                    what: "corners in `element face`",
-                    expected: "`property list uchar int vertex_indices` after it",
-                })
-                .at_line(self.line)
-            })
+            .at_line(self.line)),
+        }
+    }
+
+    /// Reads this element, faces or strips.
+    fn surface(
+        &self,
+        indices: usize,
+        body: &mut impl Body,
+        surface: &mut Surface,
+    ) -> Result<(), MeshError> {
+        if self.name == b"tristrips" {
+            body.strips(self, indices, surface)
+        } else {
+            body.faces(self, indices, surface)
+        }
     }
 
     /// How many of these `bytes` can hold at most, where one takes at least `least` of them.
@@ -514,15 +357,31 @@ impl Element<'_> {
     }
 }
 
-impl Fault {
-    fn duplicate(what: &'static str, name: &[u8]) -> Box<Self> {
-        let name = name.escape_ascii().to_string();
-        Box::new(Self::Duplicate { what, name })
+/// The corners that every face has, at least, that becomes a triangle.
+const LEAST_CORNERS: usize = 3;
+
+/// The next corner of a triangle strip, or the mark of its end.
+#[inline]
+fn strip_corner(index: i64, strip: &mut Strip, surface: &mut Surface) -> Result<(), Box<Fault>> {
+    /// -1, written as an unsigned integer.
+    const UNSIGNED_MARK: i64 = u32::MAX as i64;
+    if index == -1 || index == UNSIGNED_MARK {
+        end_strip(strip, surface);
+        return Ok(());
     }
+    let vertex = checked_index(index, surface.positions.len())?;
+    if let Some(triangle) = strip.corner(vertex) {
+        surface.room_for_triangles(1)?;
+        surface.triangles.push(triangle);
+    }
+    Ok(())
 }
 
-/// The corners that every face has, at least.
-const LEAST_CORNERS: usize = 3;
+fn end_strip(strip: &mut Strip, surface: &mut Surface) {
+    if strip.end() {
+        MeshRemarks::add(&mut surface.remarks.small_faces);
+    }
+}
 
 /// The index of a vertex that is among the first `count`.
 #[inline]

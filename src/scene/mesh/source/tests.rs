@@ -119,7 +119,7 @@ fn files_of_many_blocks() {
 fn faults_far_from_the_start() {
     let lines = |text: &str| text.lines().count();
     for text in [ascii(false), obj()] {
-        let wrong = text + "1 2 x\n";
+        let wrong = text.trim_end().to_owned() + "x\n";
         let place = place_of_error(wrong.as_bytes(), "strip.obj");
         assert_eq!(place.position, Position::Line(lines(&wrong)));
     }
@@ -139,10 +139,9 @@ fn faults_far_from_the_start() {
         let place = place_of_error(&bytes, "");
         assert_eq!(place.element.unwrap().index, u64::from(COUNT - 3));
         bytes = binary(plain);
-        let end = bytes.len();
-        bytes.extend(b" \nmore");
-        let place = place_of_error(&bytes, "");
-        assert_eq!(place.position, Position::Byte(end));
+        bytes.extend(b" \nmore\0\x1a");
+        let mesh = MeshFile::parse(&bytes, Path::new("")).unwrap();
+        assert_eq!(mesh.remarks.trailing_bytes, 6);
     }
 }
 
@@ -156,6 +155,14 @@ fn lines_are_whole() {
     assert_eq!(whole("a\nb \\ \t\r\nc", Dialect::Obj), Some(2));
     assert_eq!(whole("a\\\n\\\nb\n\nc", Dialect::Obj), Some(8));
     assert_eq!(whole("a\\\n  \nc", Dialect::Obj), Some(6));
+    for dialect in [Dialect::Obj, Dialect::Ply] {
+        assert_eq!(whole("a\rb\rc", dialect), Some(4));
+        // The LF may follow.
+        assert_eq!(whole("a\rb\r", dialect), Some(2));
+        assert_eq!(whole("a\r", dialect), None);
+    }
+    assert_eq!(whole("a\rb \\\rc", Dialect::Obj), Some(2));
+    assert_eq!(whole("a \\\r\n\rc", Dialect::Obj), Some(6));
 }
 
 #[test]
@@ -177,6 +184,61 @@ fn a_long_file_is_seen_once_and_in_order() {
     assert_eq!(seen, bytes);
     source.go_to(BLOCK + 7).unwrap();
     assert_eq!(source.window()[..100], bytes[BLOCK + 7..BLOCK + 107]);
+}
+
+/// A file of CR alone, so long that a block ends at any place of a line, and one whose line ends
+/// are of all kinds.
+#[test]
+fn line_ends_of_any_kind() {
+    let expected = strip();
+    for (text, name) in [(ascii(false), "strip.ply"), (obj(), "strip.obj")] {
+        let lone = text.replace('\n', "\r");
+        let mut kinds = ["\n", "\r\n", "\r"].into_iter().cycle();
+        let mixed: String = (text.lines())
+            .flat_map(|line| {
+                [
+                    line,
+                    if line.ends_with('\\') {
+                        "\r"
+                    } else {
+                        kinds.next().unwrap()
+                    },
+                ]
+            })
+            .collect();
+        for text in [lone, mixed] {
+            let mesh = MeshFile::parse(text.as_bytes(), Path::new(name)).unwrap();
+            assert!(mesh == expected, "{name}");
+            let wrong = text.trim_end().to_owned() + "x\r";
+            let lines = wrong
+                .replace("\r\n", "\n")
+                .replace('\r', "\n")
+                .lines()
+                .count();
+            let place = place_of_error(wrong.as_bytes(), name);
+            assert_eq!(place.position, Position::Line(lines));
+        }
+    }
+}
+
+#[test]
+fn a_file_that_becomes_shorter() {
+    let bytes = binary(true);
+    let mut cursor = Cursor::new(&bytes[..bytes.len() - 1]);
+    let source = Source::new(&mut cursor, bytes.len()).unwrap();
+    let error = MeshFile::read(source, Path::new("")).unwrap_err();
+    assert!(error.is_transient(), "{error}");
+    assert_eq!(
+        error.to_string(),
+        "the file became shorter while it was read"
+    );
+    // One that grows has more than its header counts.
+    let longer = [&bytes[..], b"more"].concat();
+    let mut cursor = Cursor::new(&longer);
+    let source = Source::new(&mut cursor, bytes.len()).unwrap();
+    let mesh = MeshFile::read(source, Path::new("")).unwrap();
+    assert_eq!(mesh.triangles, strip().triangles);
+    assert_eq!(mesh.remarks.trailing_bytes, 4);
 }
 
 #[test]

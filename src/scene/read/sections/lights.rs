@@ -9,6 +9,7 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
     key: "lights",
     entry: "light",
     an_entry: "a light",
+    names_channels: true,
     kind: "kind of light",
     example: "`[lights.NAME.point]` with a name of your choice",
     variants: Variants {

@@ -12,6 +12,7 @@ pub(in crate::scene::read) const MATERIALS: Section<Material> = Section {
     key: "materials",
     entry: "material",
     an_entry: "a material",
+    names_channels: false,
     kind: "kind of material",
     example: "`[materials.NAME.phong]` with a name of your choice",
     variants: Variants {

@@ -15,6 +15,7 @@ pub(in crate::scene::read) const OBJECTS: Section<Object> = Section {
     key: "objects",
     entry: "object",
     an_entry: "an object",
+    names_channels: false,
     kind: "kind of object",
     example: "`[objects.NAME.sphere]` with a name of your choice",
     variants: Variants {

@@ -1,0 +1,300 @@
+//! What rays that are known to meet shapes have of them: where they do so, and what that says about the
+//! points.
+
+use fearless_simd::Simd;
+
+use super::packet::{Nearest, Rays};
+use super::search::Search;
+use super::surface::unit;
+use super::triangle::{self, Facet, Lie};
+use super::{PLANES, Primitive, SPHERES, Visibility, outline, plane};
+use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
+use crate::math::{DVec3, all_three};
+use crate::world::geometry::{from_shorter_edges, triangle_normal};
+use crate::world::{Shape, World};
+
+/// What a primitive says about all its points.
+#[derive(Clone, Copy)]
+pub(super) struct Source {
+    /// The center of a curved shape, or the normal of a flat one.
+    pub(super) reference: DVec3,
+    /// A point of a flat shape.
+    pub(super) tangent: DVec3,
+    pub(super) is_curved: bool,
+    pub(super) material: u32,
+}
+
+/// A shape that rays are known to meet first.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<S: Simd> {
+    pub(super) slot: u32,
+    pub(super) primitive: Primitive,
+    pub(super) source: Source,
+    /// Of a triangle, as seen from where the rays start.
+    pub(super) lie: Option<Lie<S>>,
+}
+
+impl<S: Simd> Shown<S> {
+    #[inline(never)]
+    pub(super) fn new(simd: S, visibility: &Visibility<'_>, slot: u32, rays: &Rays<S>) -> Self {
+        simd.vectorize(
+            #[inline(always)]
+            || Self::at(simd, visibility, slot, rays),
+        )
+    }
+
+    #[inline(always)]
+    fn at(simd: S, visibility: &Visibility<'_>, slot: u32, rays: &Rays<S>) -> Self {
+        let mut lie = None;
+        let primitive = if slot >= PLANES {
+            let plane = &visibility.world.planes()[(slot - PLANES) as usize];
+            Primitive::whole(plane.object)
+        } else if slot >= SPHERES {
+            visibility.spheres.get(slot - SPHERES).primitive()
+        } else {
+            let facet = visibility.triangles.get(slot);
+            let [a, b, c] = facet.vertices();
+            let corners = [
+                Vectors::splat(simd, a),
+                Vectors::splat(simd, b),
+                Vectors::splat(simd, c),
+            ];
+            lie = Some(Lie::new(corners, rays.origin));
+            facet.primitive()
+        };
+        Self {
+            slot,
+            primitive,
+            source: source(visibility.world, primitive),
+            lie,
+        }
+    }
+
+    /// L2 in f64: where rays that are known to meet it do so.
+    #[inline(always)]
+    pub(super) fn met(
+        &self,
+        simd: S,
+        visibility: &Visibility<'_>,
+        rays: &Rays<S>,
+        bits: u32,
+    ) -> Lanes<S> {
+        let asked = Mask::from_bits(simd, bits);
+        if let Some(lie) = &self.lie {
+            let (_, t) = triangle::met(simd, lie, rays, asked);
+            t
+        } else if self.slot >= PLANES {
+            let plane = &visibility.world.planes()[(self.slot - PLANES) as usize];
+            plane::met(plane, rays)
+        } else {
+            let ball = visibility.spheres.get(self.slot - SPHERES);
+            let met = ball.first_met(simd, rays, asked);
+            let (_, t) = met.expect("a ray that surely meets a sphere meets it");
+            t
+        }
+    }
+}
+
+/// One bit for each slot of a packet below another.
+#[inline(always)]
+pub(super) fn below<S: Simd>(simd: S, slots: &[u32], end: u32) -> u32 {
+    Words::load(simd, slots)
+        .lt(Words::splat(simd, end))
+        .to_bits()
+}
+
+/// Where some rays meet triangles, each its own: t, the unit normal, and a corner.
+#[inline(never)]
+pub(super) fn meet_triangles<S: Simd>(
+    simd: S,
+    triangles: &Search<Facet>,
+    rays: &Rays<S>,
+    slots: &[u32],
+    bits: u32,
+) -> (Lanes<S>, Vectors<S>, Vectors<S>) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let corners = outline::side_by_side(
+                simd,
+                bits,
+                #[inline(always)]
+                |lane| triangles.get(slots[lane]).vertices(),
+            );
+            let lie = Lie::new(corners, rays.origin);
+            let (_, t) = triangle::met(simd, &lie, rays, Mask::from_bits(simd, bits));
+            let [a, ..] = corners;
+            let square = lie.normal.dot(lie.normal);
+            let inverse = square.inverse_root(simd);
+            (t, unit(simd, lie.normal, square, inverse, bits), a)
+        },
+    )
+}
+
+/// What the primitives of a packet's rays say about the points, ray by ray.
+pub(super) struct Sources {
+    pub(super) t: [f64; LANES],
+    pub(super) primitive: [u64; LANES],
+    pub(super) material: [u32; LANES],
+    pub(super) reference: [[f64; LANES]; 3],
+    pub(super) tangent: [[f64; LANES]; 3],
+    pub(super) curved: u32,
+}
+
+impl Sources {
+    /// Those of the nearest hits, as far as they are known.
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(nearest: &Nearest<S>) -> Self {
+        Self {
+            t: nearest.t.to_array(),
+            primitive: nearest.primitive.to_array(),
+            material: [0; LANES],
+            reference: [[0.0; LANES]; 3],
+            tangent: [[0.0; LANES]; 3],
+            curved: 0,
+        }
+    }
+
+    /// Takes what the world says of the primitives of some rays.
+    pub(super) fn take(&mut self, world: &World, bits: u32) {
+        let mut known = None;
+        for lane in ones(bits) {
+            let primitive = Primitive(self.primitive[lane]);
+            let source = match known {
+                Some((of, source)) if of == primitive => source,
+                _ => source(world, primitive),
+            };
+            known = Some((primitive, source));
+            self.put(lane, source);
+        }
+    }
+
+    fn put(&mut self, lane: usize, source: Source) {
+        for axis in 0..3 {
+            self.reference[axis][lane] = source.reference[axis];
+            self.tangent[axis][lane] = source.tangent[axis];
+        }
+        self.curved |= u32::from(source.is_curved) << lane;
+        self.material[lane] = source.material;
+    }
+
+    /// Where the rays that surely meet shapes do so, each its own.
+    #[inline(never)]
+    pub(super) fn ask<S: Simd>(
+        &mut self,
+        simd: S,
+        visibility: &Visibility<'_>,
+        rays: &Rays<S>,
+        slots: &[u32],
+        met: u32,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                self.ask_triangles(simd, visibility, rays, slots, met);
+                self.ask_others(simd, visibility, rays, slots, met);
+            },
+        );
+    }
+
+    /// Where the rays that meet triangles do so, each its own.
+    #[inline(always)]
+    fn ask_triangles<S: Simd>(
+        &mut self,
+        simd: S,
+        visibility: &Visibility<'_>,
+        rays: &Rays<S>,
+        slots: &[u32],
+        met: u32,
+    ) {
+        let bits = below(simd, slots, SPHERES) & met;
+        if bits == 0 {
+            return;
+        }
+        let (t, normal, _) = meet_triangles(simd, &visibility.triangles, rays, slots, bits);
+        let t = t.to_array();
+        let normal = [
+            normal.x.to_array(),
+            normal.y.to_array(),
+            normal.z.to_array(),
+        ];
+        for lane in ones(bits) {
+            let facet = visibility.triangles.get(slots[lane]);
+            let (object, _) = facet.primitive().parts();
+            self.t[lane] = t[lane];
+            self.primitive[lane] = facet.primitive().0;
+            self.put(
+                lane,
+                Source {
+                    reference: DVec3::from_array(all_three(normal, |column| column[lane])),
+                    tangent: facet.vertices()[0],
+                    is_curved: false,
+                    material: visibility.world.objects()[object as usize].material as u32,
+                },
+            );
+        }
+    }
+
+    /// Where the rays that meet other shapes do so, shape by shape.
+    #[inline(always)]
+    fn ask_others<S: Simd>(
+        &mut self,
+        simd: S,
+        visibility: &Visibility<'_>,
+        rays: &Rays<S>,
+        slots: &[u32],
+        met: u32,
+    ) {
+        let mut left = met & !below(simd, slots, SPHERES);
+        while left != 0 {
+            let slot = slots[left.trailing_zeros() as usize];
+            let mut bits = 0;
+            for (lane, &other) in slots.iter().enumerate() {
+                bits |= u32::from(other == slot) << lane;
+            }
+            bits &= left;
+            left &= !bits;
+            let shown = Shown::new(simd, visibility, slot, rays);
+            let t = shown.met(simd, visibility, rays, bits).to_array();
+            for lane in ones(bits) {
+                self.t[lane] = t[lane];
+                self.primitive[lane] = shown.primitive.0;
+                self.put(lane, shown.source);
+            }
+        }
+    }
+}
+
+#[inline]
+fn source(world: &World, primitive: Primitive) -> Source {
+    let (object, triangle) = primitive.parts();
+    let object = &world.objects()[object as usize];
+    let material = object.material as u32;
+    match object.shape {
+        Shape::Sphere(index) => Source {
+            reference: world.spheres()[index].center.0,
+            tangent: DVec3::ZERO,
+            is_curved: true,
+            material,
+        },
+        Shape::Plane(index) => {
+            let plane = &world.planes()[index];
+            Source {
+                reference: plane.normal.get(),
+                tangent: plane.point.0,
+                is_curved: false,
+                material,
+            }
+        }
+        Shape::Mesh(_) => {
+            let vertices = world.triangles().vertices(triangle);
+            let normal = triangle_normal(vertices).expect("no triangle is degenerate");
+            Source {
+                reference: normal.get(),
+                tangent: from_shorter_edges(vertices)[0],
+                is_curved: false,
+                material,
+            }
+        }
+    }
+}
