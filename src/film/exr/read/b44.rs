@@ -12,7 +12,7 @@ pub(super) struct Plane {
     /// Samples beside and below each other.
     pub(super) size: [usize; 2],
     pub(super) is_half: bool,
-    /// Whether the halves are logarithms.
+    /// Whether differences of the halves count, not ratios.
     pub(super) is_linear: bool,
 }
 
@@ -50,7 +50,7 @@ pub(super) fn decode(planes: &[Plane], mut bytes: &[u8]) -> Result<Vec<Vec<u8>>,
                     let (targets, _) = samples[start..end].as_chunks_mut::<2>();
                     for (target, &sample) in targets.iter_mut().zip(line) {
                         let sample = if plane.is_linear {
-                            from_logarithm(sample)
+                            logarithm(sample)
                         } else {
                             sample
                         };
@@ -105,16 +105,13 @@ const fn ordered(number: u16) -> u16 {
     }
 }
 
-/// e^(x/8) of the bits of a half, as bits; what is no number becomes 0.
-fn from_logarithm(bits: u16) -> u16 {
-    let logarithm = f16::from_bits(bits);
-    if !logarithm.is_finite() {
+/// 8 ln x of the bits of a half, as bits; of what is no number, or below 0, it is 0.
+///
+/// The squares keep ratios. Of a channel whose differences count, as chroma's do, e^(x/8) was packed.
+fn logarithm(bits: u16) -> u16 {
+    let value = f16::from_bits(bits);
+    if !value.is_finite() || value < f16::ZERO {
         return 0;
     }
-    let largest = f16::MAX;
-    let value = f64::from(logarithm.to_f32()) / 8.0;
-    if value >= f64::from(largest.to_f32()).ln() {
-        return largest.to_bits();
-    }
-    f16::from_f32(libm::exp(value) as f32).to_bits()
+    f16::from_f64(8.0 * libm::log(value.to_f64())).to_bits()
 }

@@ -81,7 +81,7 @@ pub(super) struct Channel {
     /// The whole name, UTF-8 by the rules.
     pub(super) name: Vec<u8>,
     pub(super) kind: SampleKind,
-    /// Whether B44 and DWA store the logarithm.
+    /// Whether differences count to the eye, not ratios: the attribute pLinear.
     pub(super) is_linear: bool,
     /// A sample for so many columns and rows.
     pub(super) sampling: [u32; 2],
@@ -189,6 +189,7 @@ impl Attributes {
             let size = usize::try_from(size).map_err(|_| wrong(&name))?;
             match (name.as_slice(), kind.as_slice()) {
                 (b"channels", b"chlist") => {
+                    cursor.check(size)?;
                     *room = room.checked_sub(size).ok_or_else(|| {
                         ExrProblem::Unsupported("it has hundreds of thousands of channels".into())
                     })?;

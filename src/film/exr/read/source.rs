@@ -161,6 +161,14 @@ impl<'s> Cursor<'s> {
         Ok(())
     }
 
+    /// Whether there are so many bytes left.
+    pub(super) fn check(&self, count: usize) -> Result<(), ExrProblem> {
+        if self.place.saturating_add(count as u64) > self.source.length {
+            return Err(ExrProblem::Damaged("it ends in the header".to_owned()));
+        }
+        Ok(())
+    }
+
     pub(super) fn byte(&mut self) -> Result<u8, ExrProblem> {
         let is_here = |cursor: &Self| {
             let offset = cursor.place.checked_sub(cursor.buffer_start)?;
