@@ -21,5 +21,6 @@ mod layering;
 mod layers;
 mod openimageio;
 mod oracle;
+mod reading;
 mod spectral_image;
 mod streaming;

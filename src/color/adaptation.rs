@@ -153,4 +153,12 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn xyz_is_not_adapted() {
+        let matrix = conversion(&Primaries::XYZ, &Primaries::REC709);
+        assert!(matrix.abs_diff_eq(Primaries::REC709.from_xyz(), ROUNDING));
+        let back = conversion(&Primaries::REC709, &Primaries::XYZ);
+        assert!(back.abs_diff_eq(Primaries::REC709.to_xyz(), ROUNDING));
+    }
 }

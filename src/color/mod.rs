@@ -138,7 +138,9 @@ impl Primaries {
 
     /// Whether a primary has no luminance, so that it cannot be scaled to Y = 1.
     fn has_dark_primary(&self) -> bool {
-        [self.red, self.green, self.blue].iter().any(|&[_, y]| y == 0.0)
+        [self.red, self.green, self.blue]
+            .iter()
+            .any(|&[_, y]| y == 0.0)
     }
 
     /// [`Self::to_xyz`] from primaries at X + Y + Z = 1.
@@ -175,8 +177,9 @@ mod tests {
     /// A few operations in f64 on values near 1.
     const ROUNDING: f64 = 1e-14;
 
-    pub(super) const SPACES: [Primaries; 5] = [
+    pub(super) const SPACES: [Primaries; 6] = [
         Primaries::REC709,
+        Primaries::ADOBE_RGB,
         Primaries::P3_D65,
         Primaries::REC2020,
         Primaries::AP1,
@@ -358,5 +361,27 @@ mod tests {
             let sum: f64 = primaries.luminance_weights().iter().sum();
             assert!((sum - 1.0).abs() < 1e-14, "{sum}");
         }
+    }
+
+    #[test]
+    fn xyz_is_itself() {
+        assert_eq!(Primaries::XYZ.to_xyz(), DMat3::IDENTITY);
+        assert_eq!(Primaries::XYZ.luminance_weights(), [0.0, 1.0, 0.0]);
+        assert!(Primaries::XYZ.is_xyz());
+        assert!(SPACES.iter().all(|space| !space.is_xyz()));
+    }
+
+    /// A primary without luminance does as one with hardly any.
+    #[test]
+    fn a_primary_may_have_no_luminance() {
+        let with_blue = |y: f64| Primaries {
+            blue: [0.1, y],
+            ..Primaries::REC709
+        };
+        let (dark, almost) = (with_blue(0.0), with_blue(1e-9));
+        assert!(dark.to_xyz().abs_diff_eq(almost.to_xyz(), 1e-7));
+        assert_eq!(dark.luminance_weights()[2], 0.0);
+        let white = dark.to_xyz() * DVec3::ONE;
+        assert!(white.abs_diff_eq(dark.white_xyz(), ROUNDING), "{white}");
     }
 }
