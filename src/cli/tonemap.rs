@@ -28,7 +28,7 @@ Examples:
   candela tonemap scene.exr --auto-exposure --view reinhard
       Bring any scene into view, without clipping
   candela tonemap scene.exr --layer light_key -o key.png
-      What one light adds, of an EXR rendered with --layers lights
+      What one light adds, of an EXR with a layer for each light
   candela tonemap scene.exr --bits 16 --alpha opaque
       16 bits, over black, without alpha
   candela render scene.toml -o - | candela tonemap - -o scene.png

@@ -77,6 +77,10 @@ impl Develop {
         let mut seen = Seen::default();
         let samples = row.chunks_exact_mut(self.pixel_bytes()).skip(left as usize);
         for ((&pixel, samples), x) in pixels.iter().zip(samples).zip(left..) {
+            // Backgrounds are large.
+            if pixel == [0.0; 4] {
+                continue;
+            }
             self.pixel(pixel, threshold(x, y), samples, &mut seen);
         }
         seen

@@ -315,7 +315,8 @@ fn headers_take_little_more_than_their_size() {
     let exr = folder.path().join("a.exr");
     let list = |count: u32| -> Vec<u8> {
         let channels = (0..count).flat_map(|number| {
-            let mut channel = format!("{number:x}").into_bytes();
+            // Each in a layer of its own.
+            let mut channel = format!("{number:x}.c").into_bytes();
             channel.extend_from_slice(&[0, 2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
             channel
         });

@@ -31,6 +31,9 @@ pub(super) struct Codec {
 /// The way out for what cannot be decoded.
 const WAY_OUT: &str = "convert it first, as by `oiiotool in.exr --compression zip -o out.exr`";
 
+/// The decoder of DWA compares the layers of all channels with each other, block by block.
+const MAX_DWA_CHANNELS: usize = 1 << 12;
+
 /// The compression with this number in the file.
 pub(super) fn compression(number: u8) -> Result<Compression, ExrProblem> {
     let unsupported = |name: &str| {
@@ -82,6 +85,12 @@ pub(super) fn largest_ratio(compression: Compression) -> u64 {
 impl Codec {
     pub(super) fn new(part: &Part, size: [u32; 2]) -> Result<Self, ExrProblem> {
         let compression = compression(part.compression)?;
+        let is_dwa = matches!(compression, Compression::DWAA(_) | Compression::DWAB(_));
+        if is_dwa && part.channels.len() > MAX_DWA_CHANNELS {
+            return Err(ExrProblem::Unsupported(format!(
+                "it has more than {MAX_DWA_CHANNELS} channels in DWA; {WAY_OUT}"
+            )));
+        }
         let list: Vec<ChannelDescription> = part.channels.iter().map(description).collect();
         let layer_size = Vec2(size[0] as usize, size[1] as usize);
         let mut header = Header::new(Text::from(""), layer_size, list.into());

@@ -4,10 +4,10 @@
 //! A channel's name is `layer.channel`, parted at the last dot, and layers may be within layers
 //! (`ViewLayer.Combined.R`). A part of a file is a layer, too, by its name.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::ExrProblem;
-use super::header::{Headers, Part};
+use super::header::{Channel, Headers, Part};
 use crate::printable::printable;
 
 /// What is shown of a part: places in its list of channels.
@@ -59,16 +59,37 @@ fn split(name: &[u8]) -> (&[u8], &[u8]) {
     }
 }
 
-/// What the channels of a layer show together; `None` where they are no color and no vector.
+/// The channels of each layer of a part, by their places; the empty layer is the part's own.
+fn layers(part: &Part) -> BTreeMap<&[u8], Vec<usize>> {
+    let mut layers: BTreeMap<&[u8], Vec<usize>> = BTreeMap::new();
+    for (place, channel) in part.channels.iter().enumerate() {
+        layers
+            .entry(split(&channel.name).0)
+            .or_default()
+            .push(place);
+    }
+    layers
+}
+
+/// What the channels of a layer show together; `None` where there is no such layer, or its channels are no
+/// color and no vector.
 fn shape(part: &Part, layer: &[u8]) -> Option<(Shape, Option<usize>)> {
+    let is_in = |channel: &Channel| split(&channel.name).0 == layer;
+    let channels = part.channels.iter().enumerate();
+    let places: Vec<usize> = channels
+        .filter_map(|(place, channel)| is_in(channel).then_some(place))
+        .collect();
+    shape_of(part, layer, &places)
+}
+
+/// What these channels, all that a layer has, show together.
+fn shape_of(part: &Part, layer: &[u8], places: &[usize]) -> Option<(Shape, Option<usize>)> {
     let find = |wanted: &str| {
-        let is_wanted = |name: &[u8]| {
-            let (found, channel) = split(name);
-            found == layer && channel.eq_ignore_ascii_case(wanted.as_bytes())
-        };
-        part.channels
-            .iter()
-            .position(|channel| is_wanted(&channel.name))
+        let mut places = places.iter().copied();
+        places.find(|&place| {
+            let channel = split(&part.channels[place].name).1;
+            channel.eq_ignore_ascii_case(wanted.as_bytes())
+        })
     };
     let all = |names: [&str; 3]| {
         let [a, b, c] = names.map(find);
@@ -86,13 +107,6 @@ fn shape(part: &Part, layer: &[u8]) -> Option<(Shape, Option<usize>)> {
         return Some((Shape::Vector(xyz), None));
     }
     find("Y").map(|y| (Shape::Gray(y), alpha))
-}
-
-/// The layers of a part in the order of its channels; the empty one is the part's own.
-fn layers(part: &Part) -> Vec<&[u8]> {
-    let mut seen = BTreeSet::new();
-    let names = part.channels.iter().map(|channel| split(&channel.name).0);
-    names.filter(|layer| seen.insert(*layer)).collect()
 }
 
 /// What is shown where the user names nothing: the first part with R, G, B, or else with luminance.
@@ -158,11 +172,10 @@ fn channel(part: &Part, wanted: &[u8]) -> Option<(Shape, Option<usize>)> {
 
 /// What a part shows that has one layer, or one channel, alone.
 fn only(part: &Part) -> Option<(Shape, Option<usize>)> {
-    match layers(part)[..] {
-        [layer] => shape(part, layer)
-            .or_else(|| (part.channels.len() == 1).then_some((Shape::Single(0), None))),
-        _ => None,
-    }
+    let layers = layers(part);
+    let (layer, places) = layers.first_key_value().filter(|_| layers.len() == 1)?;
+    shape_of(part, layer, places)
+        .or_else(|| (places.len() == 1).then_some((Shape::Single(0), None)))
 }
 
 /// What can be named: layers that show together, then channels that belong to none.
@@ -170,10 +183,8 @@ fn names(headers: &Headers) -> Vec<String> {
     let (mut together, mut single) = (Vec::new(), Vec::new());
     let mut seen = BTreeSet::new();
     for part in &headers.parts {
-        let shapes: Vec<_> = layers(part)
-            .into_iter()
-            .filter_map(|layer| Some((layer, shape(part, layer)?)))
-            .collect();
+        let mut shown = layers(part);
+        shown.retain(|layer, places| shape_of(part, layer, places).is_some());
         let mut add = |list: &mut Vec<String>, name: &[u8]| {
             let mut name = String::from_utf8_lossy(name).into_owned();
             if !seen.insert(name.clone()) && !part.name.is_empty() {
@@ -182,7 +193,7 @@ fn names(headers: &Headers) -> Vec<String> {
             }
             list.push(printable(&name));
         };
-        for (layer, _) in &shapes {
+        for layer in shown.keys() {
             match layer {
                 [] if part.name.is_empty() => {}
                 [] => add(&mut together, &part.name),
@@ -191,8 +202,7 @@ fn names(headers: &Headers) -> Vec<String> {
         }
         for channel in &part.channels {
             let layer = split(&channel.name).0;
-            let is_shown = shapes.iter().any(|(shown, _)| *shown == layer);
-            if !is_shown || layer.is_empty() && !is_of_color(&channel.name) {
+            if !shown.contains_key(layer) || layer.is_empty() && !is_of_color(&channel.name) {
                 add(&mut single, &channel.name);
             }
         }
