@@ -88,7 +88,7 @@ mod tests {
     fn thresholds_stay_inside() {
         for (x, y) in [(0, 0), (1, 0), (0, 1), (u32::MAX, u32::MAX)] {
             let t = threshold(x, y);
-            assert!(t >= 1.0 / 8192.0 && t <= 1.0 - 1.0 / 8192.0, "{t}");
+            assert!((1.0 / 8192.0..=8191.0 / 8192.0).contains(&t), "{t}");
         }
     }
 }

@@ -18,6 +18,9 @@ pub(super) struct Shown {
     pub(super) alpha: Option<usize>,
 }
 
+/// What channels show together, and their alpha.
+type Together = (Shape, Option<usize>);
+
 /// How channels make a color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shape {
@@ -73,7 +76,7 @@ fn layers(part: &Part) -> BTreeMap<&[u8], Vec<usize>> {
 
 /// What the channels of a layer show together; `None` where there is no such layer, or its channels are no
 /// color and no vector.
-fn shape(part: &Part, layer: &[u8]) -> Option<(Shape, Option<usize>)> {
+fn shape(part: &Part, layer: &[u8]) -> Option<Together> {
     let is_in = |channel: &Channel| split(&channel.name).0 == layer;
     let channels = part.channels.iter().enumerate();
     let places: Vec<usize> = channels
@@ -83,7 +86,7 @@ fn shape(part: &Part, layer: &[u8]) -> Option<(Shape, Option<usize>)> {
 }
 
 /// What these channels, all that a layer has, show together.
-fn shape_of(part: &Part, layer: &[u8], places: &[usize]) -> Option<(Shape, Option<usize>)> {
+fn shape_of(part: &Part, layer: &[u8], places: &[usize]) -> Option<Together> {
     let find = |wanted: &str| {
         let mut places = places.iter().copied();
         places.find(|&place| {
@@ -131,7 +134,7 @@ pub(super) fn unnamed(headers: &Headers) -> Result<Shown, ExrProblem> {
 /// What is shown of the layer or channel with this name.
 pub(super) fn named(headers: &Headers, wanted: &str) -> Result<Shown, ExrProblem> {
     // Colors go before single channels, and names without a part's before those with one.
-    let searches: [fn(&Part, &str) -> Option<(Shape, Option<usize>)>; 4] = [
+    let searches: [fn(&Part, &str) -> Option<Together>; 4] = [
         |part, wanted| (!wanted.is_empty()).then(|| shape(part, wanted.as_bytes()))?,
         |part, wanted| channel(part, wanted.as_bytes()),
         |part, wanted| {
@@ -164,14 +167,14 @@ pub(super) fn named(headers: &Headers, wanted: &str) -> Result<Shown, ExrProblem
 }
 
 /// A channel by its whole name.
-fn channel(part: &Part, wanted: &[u8]) -> Option<(Shape, Option<usize>)> {
+fn channel(part: &Part, wanted: &[u8]) -> Option<Together> {
     let mut names = part.channels.iter().map(|channel| channel.name.as_slice());
     let place = names.position(|name| name == wanted)?;
     Some((Shape::Single(place), None))
 }
 
 /// What a part shows that has one layer, or one channel, alone.
-fn only(part: &Part) -> Option<(Shape, Option<usize>)> {
+fn only(part: &Part) -> Option<Together> {
     let layers = layers(part);
     let (layer, places) = layers.first_key_value().filter(|_| layers.len() == 1)?;
     shape_of(part, layer, places)
