@@ -25,6 +25,7 @@ mod openimageio;
 mod oracle;
 mod package;
 mod schema;
+mod reading;
 mod spectral_image;
 mod streaming;
 mod terminator;
