@@ -32,7 +32,7 @@ pub use stream::{convert, convert_reader};
 pub use view::View;
 
 use crate::film::exr::ExrError;
-use crate::output::{OutputError, OutputProblem};
+use crate::output::OutputError;
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
