@@ -3,6 +3,7 @@
 mod check;
 mod completions;
 mod develop;
+mod new;
 mod probe;
 mod render;
 mod tonemap;
@@ -37,7 +38,9 @@ const INTERRUPTED: i32 = 130;
 Examples:
   candela render
       Render the built-in scene to lecture.exr
-  candela render scene.toml -o scene.exr --samples 16 --preview scene.png
+  candela new
+      Write a first scene, scene.toml, to start from
+  candela render scene.toml --preview scene.png
       Render a scene, and make a picture of it
   candela check scene.toml
       Is it legal, what will be computed, what will it cost
@@ -57,6 +60,7 @@ enum Command {
     Tonemap(tonemap::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
+    New(new::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -122,6 +126,7 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
                 &mut io::stdout().lock(),
             )?)
         }
+        Command::New(arguments) => new::run(arguments, unfinished, &mut io::stdout().lock()),
         Command::Completions(arguments) => completions::run(arguments, &mut io::stdout().lock()),
     }
 }

@@ -6,7 +6,7 @@ mod summary;
 mod values;
 
 use std::ffi::OsStr;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -168,9 +168,8 @@ struct Seconds {
 impl Arguments {
     /// What is wrong with the options as they stand together.
     pub(crate) fn misuse(&self) -> Option<String> {
-        let is_standard_output = |path: &Option<PathBuf>| {
-            path.as_ref().is_some_and(|path| path.as_os_str() == "-")
-        };
+        let is_standard_output =
+            |path: &Option<PathBuf>| path.as_ref().is_some_and(|path| path.as_os_str() == "-");
         if is_standard_output(&self.output) && is_standard_output(&self.preview) {
             return Some(
                 "standard output cannot be both the EXR and its preview; name one of the files"

@@ -7,7 +7,9 @@ use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
-use crate::lanes::{Door, Kernel, LANES, Lanes, SingleMask, Singles, Words, every_nth, side_by_side};
+use crate::lanes::{
+    Door, Kernel, LANES, Lanes, SingleMask, Singles, Words, every_nth, side_by_side,
+};
 use crate::shading::{self, Shaded, Terms};
 use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
@@ -17,6 +19,10 @@ pub const MAX_SAMPLES: u32 = 65_536;
 
 /// The radiance in cd/m² that a screen shows as its white, where no exposure is given.
 pub const SCREEN_WHITE: f32 = 1.0;
+
+/// From here on a pixel counts as brighter than the screen: what is closer to white is shown as white
+/// rightly, to within a code of 8 bits.
+const BEYOND_WHITE: f32 = 1.01 * SCREEN_WHITE;
 
 /// How to render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +57,7 @@ pub struct Counts {
     pub clamped: u64,
     /// The largest R, G or B of any pixel in cd/m², at least 0.
     pub brightest: f32,
-    /// Pixels with R, G or B above [`SCREEN_WHITE`].
+    /// Pixels with R, G or B above [`SCREEN_WHITE`] by more than 1 %.
     pub beyond_white: u64,
 }
 
@@ -391,9 +397,13 @@ impl PixelSums {
         let [r, g, b, _] = means;
         let is_counted = SingleMask::from_bits(simd, u32::MAX >> (u32::BITS - count as u32));
         let largest = is_counted.select(r.max(g).max(b), Singles::splat(simd, 0.0));
-        let is_beyond = largest.gt(Singles::splat(simd, SCREEN_WHITE));
+        let is_beyond = largest.gt(Singles::splat(simd, BEYOND_WHITE));
         let met = Counts {
-            hits: self.hits[first..][..count].iter().copied().map(u64::from).sum(),
+            hits: self.hits[first..][..count]
+                .iter()
+                .copied()
+                .map(u64::from)
+                .sum(),
             clamped,
             brightest: largest.largest().max(0.0),
             beyond_white: u64::from(is_beyond.to_bits().count_ones()),

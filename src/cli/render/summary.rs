@@ -19,7 +19,7 @@ const DARK: f64 = 0.01;
 
 /// A picture looks blown out where at least so many percent of its pixels are brighter than the screen;
 /// highlights and what is close to a lamp are less.
-const BLOWN_OUT: f64 = 2.0;
+const BLOWN_OUT: f64 = 5.0;
 
 /// All that there is to say.
 pub(super) struct Summary<'a> {
@@ -107,7 +107,11 @@ impl Summary<'_> {
         let Counts { hits, lit, .. } = self.counts;
         let is_part = self.window != Window::whole(self.resolution);
         if hits == 0 {
-            let place = if is_part { " in this part of the image" } else { "" };
+            let place = if is_part {
+                " in this part of the image"
+            } else {
+                ""
+            };
             return Some(format!(
                 "nothing is in view: no camera ray{place} hits an object; look at `eye`, `look_at` and \
                  where the objects are",
@@ -155,17 +159,21 @@ impl Summary<'_> {
             return Some(format!(
                 "the brightest pixel has {} cd/m²{seen}, where the screen's white is 1: {}",
                 digits(brightest),
-                self.advice("try --auto-exposure", "--auto-exposure"),
+                match &self.developed {
+                    Some(_) => "try --auto-exposure".to_owned(),
+                    None => format!("try `{} --auto-exposure`", self.tonemap()),
+                },
             ));
         }
         let percent = self.counts.beyond_white as f64 / pixels * 100.0;
         if clips && percent >= BLOWN_OUT {
             return Some(format!(
-                "{percent:.0} % of the picture is brighter than the screen, whose white is 1 cd/m²: {}",
-                self.advice(
-                    "try a lower --exposure, --auto-exposure or --view reinhard",
-                    "--auto-exposure --view reinhard",
-                ),
+                "{percent:.0} % of the picture is brighter than the screen, whose white is 1 cd/m²: try a \
+                 lower --exposure, --auto-exposure or --view reinhard{}",
+                match &self.developed {
+                    Some(_) => String::new(),
+                    None => format!(" of `{}`", self.tonemap()),
+                },
             ));
         }
         None
@@ -203,16 +211,9 @@ impl Summary<'_> {
         warnings.cloned().collect()
     }
 
-    /// The options of the preview to try, or, where there is none, of `tonemap`.
-    fn advice(&self, preview: &str, tonemap: &str) -> String {
-        if self.arguments.preview.is_some() {
-            preview.to_owned()
-        } else {
-            format!(
-                "`candela tonemap {} {tonemap}` makes a picture of it",
-                printable_path(self.output)
-            )
-        }
+    /// The command that makes a picture of the EXR.
+    fn tonemap(&self) -> String {
+        format!("candela tonemap {}", printable_path(self.output))
     }
 
     /// The command that explains the pixel in the middle.

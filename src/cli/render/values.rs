@@ -60,7 +60,9 @@ pub(super) fn named(extension: &'static str) -> impl TypedValueParser<Value = Pa
         if path.as_os_str() == "-" {
             return match extension {
                 "exr" | "png" => Ok(path),
-                _ => Err("expected the name of a file; only images go to standard output".to_owned()),
+                _ => {
+                    Err("expected the name of a file; only images go to standard output".to_owned())
+                }
             };
         }
         match path.extension() {
