@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use candela::display::{
-    Alpha, Bits, DisplayError, Exposure, Picture, Settings, View, convert, tonemap,
+    Alpha, Bits, DisplayError, Dither, Exposure, Picture, Settings, View, convert, tonemap,
 };
 use candela::film::exr::{Compression, ExrOptions, ExrProblem, read};
 use candela::film::{Film, Metadata, Window};
@@ -14,6 +14,15 @@ use candela::scene::{ColorSpace, Scene};
 
 use crate::images::{at_width, film_of};
 use crate::openimageio::{Decoded, decode, oiiotool};
+
+/// Without dither: every value becomes the nearest code.
+const NEAREST: Settings = Settings {
+    exposure: Exposure::Ev(0.0),
+    view: View::Srgb,
+    bits: Bits::Eight,
+    alpha: Alpha::Auto,
+    dither: Dither::None,
+};
 
 /// A PNG as the png crate decodes it: width, samples of a pixel, all samples.
 #[derive(Debug, PartialEq)]
@@ -147,10 +156,7 @@ fn foreign_files_are_shown_right() {
         oiiotool(folder.path(), &format!("{GRADIENT} {how}"));
         let exr = decode(&folder.path().join("a.exr"));
         for (bits, largest) in [(Bits::Eight, 255.0), (Bits::Sixteen, 65_535.0)] {
-            let settings = Settings {
-                bits,
-                ..Settings::default()
-            };
+            let settings = Settings { bits, ..NEAREST };
             println!("{case}"); // Printed where the test fails.
             assert_shows(&shown(folder.path(), "a.exr", &settings), &exr, largest);
         }
@@ -167,7 +173,7 @@ fn integers_are_the_numbers_that_they_are() {
     assert!(oiiotool(folder.path(), "--info a.exr").contains("uint openexr"));
     // 0 and two numbers far beyond the screen's white.
     assert_eq!(
-        shown(folder.path(), "a.exr", &Settings::default()).pixel(7, 7),
+        shown(folder.path(), "a.exr", &NEAREST).pixel(7, 7),
         [0, 255, 255]
     );
 }
@@ -184,7 +190,7 @@ fn the_first_part_with_rgb_is_shown() {
     );
     oiiotool(folder.path(), "rgb.exr -d half -o single.exr");
     assert_shows(
-        &shown(folder.path(), "parts.exr", &Settings::default()),
+        &shown(folder.path(), "parts.exr", &NEAREST),
         &decode(&folder.path().join("single.exr")),
         255.0,
     );
@@ -201,7 +207,7 @@ fn a_file_without_rgb_says_what_it_has() {
         );
         let exr = folder.path().join("a.exr");
         let png = folder.path().join("a.png");
-        let error = convert(&exr, &png, &Settings::default(), &Unfinished::new()).unwrap_err();
+        let error = convert(&exr, &png, &NEAREST, &Unfinished::new()).unwrap_err();
         let message = error.to_string();
         let expected = match listed {
             "" => "it has no channels R, G, B; it has light.B, light.G, light.R".to_string(),
@@ -225,7 +231,7 @@ fn openimageio_encodes_the_same_srgb() {
              --colorconvert lin_rec709_scene srgb_rec709_scene -d uint8 -o theirs.png"
         ),
     );
-    let ours = shown(folder.path(), "a.exr", &Settings::default());
+    let ours = shown(folder.path(), "a.exr", &NEAREST);
     let theirs = decode_png(&folder.path().join("theirs.png"));
     assert_eq!(ours.samples.len(), theirs.samples.len());
     for (&ours, &theirs) in ours.samples.iter().zip(&theirs.samples) {
@@ -244,7 +250,7 @@ fn exposure_and_views() {
     let settings = |exposure, view| Settings {
         exposure,
         view,
-        ..Settings::default()
+        ..NEAREST
     };
     let pixel = |settings| {
         shown(folder.path(), "a.exr", &settings)
@@ -277,7 +283,7 @@ fn warnings() {
         oiiotool(folder.path(), &format!("{GRADIENT} {how} -o a.exr"));
         let exr = folder.path().join("a.exr");
         let png = folder.path().join("a.png");
-        convert(&exr, &png, &Settings::default(), &Unfinished::new())
+        convert(&exr, &png, &NEAREST, &Unfinished::new())
             .unwrap()
             .warnings
     };
@@ -317,7 +323,7 @@ fn working_spaces_are_shown_alike() {
         let exr = folder.path().join("a.exr");
         film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
             .unwrap();
-        let settings = Settings::default();
+        let settings = NEAREST;
         let of_film = tonemap(&Picture::of_film(&film), &settings);
         let of_file = tonemap(&Picture::new(read(&exr).unwrap()), &settings);
         assert_eq!(of_film.samples(), of_file.samples(), "{}", space.name());
@@ -363,7 +369,7 @@ fn a_film_is_shown_as_its_file_is() {
     let exr = folder.path().join("film.exr");
     film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
         .unwrap();
-    let settings = Settings::default();
+    let settings = NEAREST;
     let from_file = tonemap(&Picture::new(read(&exr).unwrap()), &settings);
     assert_eq!(tonemap(&Picture::of_film(&film), &settings), from_file);
 }
@@ -382,7 +388,7 @@ fn values_that_are_no_numbers_are_counted() {
     let settings = Settings {
         exposure: Exposure::Auto,
         alpha: Alpha::Keep,
-        ..Settings::default()
+        ..NEAREST
     };
     let report = convert(&exr, &png, &settings, &Unfinished::new()).unwrap();
     assert_eq!(
@@ -414,11 +420,11 @@ fn opaque_drops_alpha() {
     oiiotool(folder.path(), "a.exr --ch R,G,B -o b.exr");
     let settings = Settings {
         alpha: Alpha::Opaque,
-        ..Settings::default()
+        ..NEAREST
     };
     assert_eq!(
         shown(folder.path(), "a.exr", &settings),
-        shown(folder.path(), "b.exr", &Settings::default())
+        shown(folder.path(), "b.exr", &NEAREST)
     );
 }
 
@@ -429,7 +435,7 @@ fn same_png_for_any_number_of_threads() {
     let settings = Settings {
         exposure: Exposure::Auto,
         view: View::Reinhard,
-        ..Settings::default()
+        ..NEAREST
     };
     let png = |threads| {
         let pool = rayon::ThreadPoolBuilder::new()
@@ -569,7 +575,7 @@ fn the_old_png_stays_if_there_is_no_new_one() {
     let (exr, png) = (folder.path().join("a.exr"), folder.path().join("a.png"));
     fs::write(&png, "old").unwrap();
     fs::write(&exr, "no EXR").unwrap();
-    let convert_to = |png: &Path| convert(&exr, png, &Settings::default(), &Unfinished::new());
+    let convert_to = |png: &Path| convert(&exr, png, &NEAREST, &Unfinished::new());
     assert!(matches!(convert_to(&png), Err(DisplayError::Read(_))));
 
     fs::write(&exr, exr_of(&[[0.5; 4]])).unwrap();
@@ -582,7 +588,7 @@ fn the_old_png_stays_if_there_is_no_new_one() {
     }
     let unfinished = Unfinished::new();
     unfinished.cancel();
-    assert!(convert(&exr, &png, &Settings::default(), &unfinished).is_err());
+    assert!(convert(&exr, &png, &NEAREST, &unfinished).is_err());
     assert_eq!(fs::read_to_string(&png).unwrap(), "old");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }

@@ -21,5 +21,6 @@ mod layering;
 mod layers;
 mod openimageio;
 mod oracle;
+mod schema;
 mod spectral_image;
 mod streaming;

@@ -1,6 +1,6 @@
 //! The options that say how radiance becomes a picture: of `tonemap`, and of `render` for its preview.
 
-use candela::display::{Exposure, View};
+use candela::display::{Dither, Exposure, View};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// From radiance to the screen's range.
@@ -31,6 +31,20 @@ pub(super) struct DevelopArguments {
             .try_map(|name| name.parse::<View>())
     )]
     pub(super) view: View,
+
+    /// How light between two codes of 8 bits is shown
+    ///
+    /// blue: by a fine pattern of both codes whose mean is right, without which slow gradients show
+    /// rings; what is a code exactly, black and white among them, stays that; none: by the nearest
+    /// code. 16 bits need none. The pattern depends on the place in the whole picture alone.
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = Dither::default().name(),
+        value_parser = PossibleValuesParser::new(Dither::ALL.map(Dither::name))
+            .map(|name| Dither::ALL.into_iter().find(|dither| dither.name() == name).unwrap_or_default())
+    )]
+    pub(super) dither: Dither,
 }
 
 impl DevelopArguments {

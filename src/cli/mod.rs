@@ -6,6 +6,7 @@ mod develop;
 mod new;
 mod probe;
 mod render;
+mod schema;
 mod tonemap;
 
 use std::error::Error;
@@ -62,6 +63,7 @@ enum Command {
     Probe(probe::Arguments),
     New(new::Arguments),
     Completions(completions::Arguments),
+    Schema(schema::Arguments),
 }
 
 /// What a command failed with; [`main`] alone prints it.
@@ -128,6 +130,7 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         }
         Command::New(arguments) => new::run(arguments, unfinished, &mut io::stdout().lock()),
         Command::Completions(arguments) => completions::run(arguments, &mut io::stdout().lock()),
+        Command::Schema(schema::Arguments {}) => schema::run(&mut io::stdout().lock()),
     }
 }
 

@@ -72,6 +72,7 @@ pub(crate) fn run(
         view: arguments.development.view,
         bits: arguments.bits,
         alpha: arguments.alpha,
+        dither: arguments.development.dither,
     };
     let default = default_output(&arguments.input);
     let output = arguments.output.as_deref().unwrap_or(&default);
@@ -79,7 +80,7 @@ pub(crate) fn run(
     let report = display::convert(&arguments.input, output, &settings, unfinished)?;
 
     // Nowhere is left to report that the messages themselves cannot be written.
-    for warning in report.warnings {
+    for warning in report.warnings.iter().chain(&report.remarks()) {
         let _ = writeln!(
             messages,
             "warning: {}: {warning}",
@@ -87,7 +88,7 @@ pub(crate) fn run(
         );
     }
     if matches!(settings.exposure, Exposure::Auto) {
-        let _ = writeln!(messages, "exposure: {:.3} EV", report.ev);
+        let _ = writeln!(messages, "exposure: {}", report.exposure());
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! EXR ─ picture ─ exposure ─ view ─ transfer ─ quantize ─ PNG
 //!         │          │         │        │          │
-//!         │          │         │        │          nearest of 2⁸ or 2¹⁶ codes
+//!         │          │         │        │          2⁸ codes, dithered, or 2¹⁶
 //!         │          │         │        light 0 to 1 → sRGB code value 0 to 1
 //!         │          │         radiance 0 to ∞ → light 0 to 1
 //!         │          × 2^EV, given or from the log-average luminance
@@ -14,6 +14,8 @@
 //! byte, for any number of threads.
 
 mod codes;
+mod develop;
+mod dither;
 pub mod exposure;
 mod picture;
 mod png;
@@ -23,13 +25,14 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use codes::Codes;
+use develop::{Develop, Seen};
+pub use dither::Dither;
 pub use exposure::Exposure;
 pub use picture::Picture;
 pub use view::View;
 
 use crate::film::exr::{self, ExrError};
-use crate::output::{OutputError, Unfinished};
+use crate::output::{OutputError, OutputProblem, Unfinished};
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,6 +45,8 @@ pub struct Settings {
     pub bits: Bits,
     /// What becomes of coverage.
     pub alpha: Alpha,
+    /// How light between two codes of 8 bits is shown.
+    pub dither: Dither,
 }
 
 /// Bits of each sample of the PNG.
@@ -145,8 +150,62 @@ impl Image {
 pub struct Report {
     /// The exposure in EV, which may have been chosen from the picture.
     pub ev: f64,
+    /// Width and height of the PNG.
+    pub resolution: [u32; 2],
+    /// The largest luminance Y of a pixel as the file has it, before the exposure, in Rec.709, RGB divided
+    /// by A where the PNG keeps alpha: cd/m² in candela's files. Infinite values do not count. 0
+    /// where there is no light.
+    pub brightest: f64,
+    /// The share of the picture's pixels, 0 to 1, of which a channel is brighter than the screen
+    /// and clips. 0 under a view that does not clip.
+    pub clipped: f64,
     /// What the user should know about the file, a sentence each.
     pub warnings: Vec<String>,
+}
+
+/// Exposed luminance below this is coded below 11 of 255, which looks black.
+const LOOKS_BLACK: f64 = 0.003;
+
+/// A larger share of clipped pixels is more than highlights.
+const MANY_CLIPPED: f64 = 0.05;
+
+impl Report {
+    /// Whether nothing can be seen in the picture: the brightest pixel, exposed, is below 0.3 % of the
+    /// screen's white.
+    pub fn looks_black(&self) -> bool {
+        self.brightest * exposure::scale(self.ev) < LOOKS_BLACK
+    }
+
+    /// The exposure as it is shown, such as `-1.250 EV`; what rounds to 0 has no sign.
+    pub fn exposure(&self) -> String {
+        let thousandths = (self.ev * 1000.0).round();
+        // −0 + 0 is 0.
+        format!("{:.3} EV", thousandths / 1000.0 + 0.0)
+    }
+
+    /// What there is to say of a picture that is black or blown out, with the way out; a sentence
+    /// each.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        if self.brightest == 0.0 {
+            remarks.push("the picture is black: no pixel has any light".to_owned());
+        } else if self.looks_black() {
+            remarks.push(format!(
+                "the picture is black: its brightest pixel has a luminance of {:.2e}, where the \
+                 screen's white is {:.2e}; try --auto-exposure",
+                self.brightest,
+                1.0 / exposure::scale(self.ev),
+            ));
+        }
+        if self.clipped >= MANY_CLIPPED {
+            remarks.push(format!(
+                "{:.0} % of the picture is brighter than the screen and clips; try \
+                 --auto-exposure, a lower --exposure, or --view reinhard",
+                100.0 * self.clipped,
+            ));
+        }
+        remarks
+    }
 }
 
 /// An EXR file could not be shown.
@@ -158,6 +217,19 @@ pub enum DisplayError {
     /// The PNG could not be written.
     #[error(transparent)]
     Write(#[from] OutputError),
+}
+
+impl DisplayError {
+    /// Whether another machine or a later try may do better: no memory, a full disk, a failing
+    /// one.
+    pub fn is_transient(&self) -> bool {
+        match self {
+            Self::Read(error) => error.is_transient(),
+            Self::Write(error) => {
+                matches!(error.problem, OutputProblem::Full(_) | OutputProblem::Io(_))
+            }
+        }
+    }
 }
 
 /// Makes a PNG of an EXR file, whole or not at all.
@@ -172,11 +244,8 @@ pub fn convert(
 ) -> Result<Report, DisplayError> {
     let picture = Picture::new(exr::read(exr)?);
     let ev = settings.exposure.ev(&picture);
-    let settings = Settings {
-        exposure: Exposure::Ev(ev),
-        ..*settings
-    };
-    tonemap(&picture, &settings).write_png(png, unfinished)?;
+    let (image, seen) = developed(&picture, &develop(&picture, settings, ev));
+    image.write_png(png, unfinished)?;
     let mut warnings = picture.warnings();
     if settings.alpha == Alpha::Auto && picture.has_alpha() && picture.has_uncovered_light() {
         warnings.push(
@@ -185,89 +254,49 @@ pub fn convert(
                 .to_owned(),
         );
     }
-    Ok(Report { ev, warnings })
+    let [width, height] = picture.resolution().map(f64::from);
+    Ok(Report {
+        ev,
+        resolution: picture.resolution(),
+        brightest: seen.brightest,
+        clipped: seen.clipped as f64 / (width * height),
+        warnings,
+    })
 }
 
 /// Exposes, views, encodes and quantizes a picture.
 pub fn tonemap(picture: &Picture<'_>, settings: &Settings) -> Image {
+    let ev = settings.exposure.ev(picture);
+    developed(picture, &develop(picture, settings, ev)).0
+}
+
+fn develop(picture: &Picture<'_>, settings: &Settings, ev: f64) -> Develop {
     let has_alpha = picture.has_alpha()
         && match settings.alpha {
             Alpha::Auto => !picture.has_uncovered_light(),
             Alpha::Keep => true,
             Alpha::Opaque => false,
         };
-    let develop = Develop {
-        scale: exposure::scale(settings.exposure.ev(picture)),
-        view: settings.view,
-        bits: settings.bits,
-        codes: Codes::new(settings.bits),
-        has_alpha,
-    };
-    let channels = if has_alpha { 4 } else { 3 };
+    Develop::new(settings, ev, has_alpha)
+}
+
+fn developed(picture: &Picture<'_>, develop: &Develop) -> (Image, Seen) {
     let [width, height] = picture.resolution().map(|side| side as usize);
-    let row_bytes = width * channels * settings.bits.bytes();
-
-    // What no data covers is black, and transparent where there is alpha.
-    let mut outside = vec![0; row_bytes];
-    for sample in outside.chunks_exact_mut(channels * settings.bits.bytes()) {
-        develop.pixel([0.0; 4], sample);
-    }
+    let row_bytes = width * develop.pixel_bytes();
     let mut samples = vec![0; row_bytes * height];
-    samples
-        .par_chunks_exact_mut(row_bytes)
-        .enumerate()
-        .for_each(|(y, row)| {
-            row.copy_from_slice(&outside);
-            let (left, pixels) = picture.row(y);
-            let samples = row.chunks_exact_mut(channels * settings.bits.bytes());
-            for (&pixel, sample) in pixels.iter().zip(samples.skip(left)) {
-                develop.pixel(pixel, sample);
-            }
-        });
-    Image {
+    let rows = samples.par_chunks_exact_mut(row_bytes).enumerate();
+    let seen = rows.map(|(y, row)| {
+        let (left, pixels) = picture.row(y);
+        develop.row(y as u32, left as u32, pixels, row)
+    });
+    let seen = seen.reduce(Seen::default, Seen::and);
+    let image = Image {
         resolution: picture.resolution(),
-        has_alpha,
-        bits: settings.bits,
+        has_alpha: develop.has_alpha(),
+        bits: develop.bits(),
         samples,
-    }
-}
-
-/// The settings, as far as one pixel needs them.
-struct Develop {
-    scale: f64,
-    view: View,
-    bits: Bits,
-    codes: Codes,
-    has_alpha: bool,
-}
-
-impl Develop {
-    /// One pixel from R, G, B, A to the samples of the image.
-    fn pixel(&self, pixel: [f32; 4], samples: &mut [u8]) {
-        let [r, g, b, alpha] = pixel.map(f64::from);
-        let per_coverage = if self.has_alpha && alpha > 0.0 && alpha.is_finite() {
-            1.0 / alpha
-        } else {
-            1.0
-        };
-        let light = self
-            .view
-            .apply([r, g, b].map(|radiance| radiance * per_coverage * self.scale));
-        let [r, g, b] = light.map(|light| self.codes.code(light));
-        let codes = [r, g, b, self.bits.quantize(alpha)];
-        match self.bits {
-            Bits::Eight => {
-                for (sample, code) in samples.iter_mut().zip(codes) {
-                    *sample = code as u8;
-                }
-            }
-            Bits::Sixteen => {
-                for (sample, code) in samples.chunks_exact_mut(2).zip(codes) {
-                    sample.copy_from_slice(&code.to_be_bytes());
-                }
-            }
-        }
-    }
+    };
+    (image, seen)
 }
 
 #[cfg(test)]
@@ -276,6 +305,15 @@ mod tests {
     use crate::color::transfer;
     use crate::film::Window;
     use crate::film::exr::{ColorTag, ExrImage};
+
+    /// Without dither: every value becomes the nearest code.
+    const NEAREST: Settings = Settings {
+        exposure: Exposure::Ev(0.0),
+        view: View::Srgb,
+        bits: Bits::Eight,
+        alpha: Alpha::Auto,
+        dither: Dither::None,
+    };
 
     /// A picture whose data window is the whole display window, one row.
     fn row(pixels: &[[f32; 4]], has_alpha: bool) -> Picture<'static> {
@@ -304,7 +342,7 @@ mod tests {
         for code in 0..255_u8 {
             let border = transfer::srgb_decode((f64::from(code) + 0.5) / 255.0) as f32;
             let (below, above) = (border * (1.0 - 1e-5), border * (1.0 + 1e-5));
-            let got = samples(&[[below, above, border, 1.0]], false, Settings::default());
+            let got = samples(&[[below, above, border, 1.0]], false, NEAREST);
             assert_eq!(got[..2], [code, code + 1]);
         }
     }
@@ -313,7 +351,7 @@ mod tests {
     fn sixteen_bits_are_stored_high_byte_first() {
         let settings = Settings {
             bits: Bits::Sixteen,
-            ..Settings::default()
+            ..NEAREST
         };
         // 0.18 is coded as 0.461356, × 65535 = 30234.99.
         let [high, low] = 30_235_u16.to_be_bytes();
@@ -326,7 +364,7 @@ mod tests {
         // A white of radiance 3, half covered: reinhard sees 3, not 1.5.
         let settings = Settings {
             view: View::Reinhard,
-            ..Settings::default()
+            ..NEAREST
         };
         let covered = samples(&[[3.0, 3.0, 3.0, 1.0]], true, settings);
         let half = samples(&[[1.5, 1.5, 1.5, 0.5]], true, settings);
@@ -338,7 +376,7 @@ mod tests {
     fn light_without_coverage_keeps_its_color() {
         let kept = Settings {
             alpha: Alpha::Keep,
-            ..Settings::default()
+            ..NEAREST
         };
         assert_eq!(
             samples(&[[1.0, 0.0, 0.5, 0.0]], true, kept),
@@ -349,7 +387,7 @@ mod tests {
     /// A PNG's alpha would make a background invisible.
     #[test]
     fn a_background_makes_the_picture_opaque() {
-        let settings = Settings::default();
+        let settings = NEAREST;
         let covered = [0.25, 0.25, 0.25, 0.5];
         assert_eq!(samples(&[covered, [0.0; 4]], true, settings).len(), 8);
         let lit = [0.0, 0.5, 0.0, 0.0];
@@ -361,7 +399,7 @@ mod tests {
     fn opaque_shows_the_premultiplied_light() {
         let settings = Settings {
             alpha: Alpha::Opaque,
-            ..Settings::default()
+            ..NEAREST
         };
         assert_eq!(
             samples(&[[0.5, 0.5, 0.5, 0.5]], true, settings),
@@ -373,17 +411,11 @@ mod tests {
     fn what_is_not_a_number_is_black_and_infinity_white() {
         let pixels = [[f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.0]];
         for view in View::ALL {
-            let settings = Settings {
-                view,
-                ..Settings::default()
-            };
+            let settings = Settings { view, ..NEAREST };
             assert_eq!(samples(&pixels, false, settings), [0, 255, 0], "{view:?}");
         }
         let infinite_alpha = [[f32::INFINITY, 1.0, f32::NAN, f32::INFINITY]];
-        assert_eq!(
-            samples(&infinite_alpha, true, Settings::default()),
-            [255, 255, 0, 255]
-        );
+        assert_eq!(samples(&infinite_alpha, true, NEAREST), [255, 255, 0, 255]);
     }
 
     #[test]
@@ -395,7 +427,7 @@ mod tests {
         ] {
             let settings = Settings {
                 exposure: Exposure::Ev(ev),
-                ..Settings::default()
+                ..NEAREST
             };
             assert_eq!(samples(&[[0.0, 0.5, 0.25, 1.0]], false, settings), expected);
         }
@@ -419,15 +451,9 @@ mod tests {
         };
         let mut expected = vec![0; 3 * 2 * 4];
         expected[(3 + 1) * 4..][..4].fill(255);
-        assert_eq!(
-            tonemap(&picture(true), &Settings::default()).samples,
-            expected
-        );
+        assert_eq!(tonemap(&picture(true), &NEAREST).samples, expected);
         let mut expected = vec![0; 3 * 2 * 3];
         expected[(3 + 1) * 3..][..3].fill(255);
-        assert_eq!(
-            tonemap(&picture(false), &Settings::default()).samples,
-            expected
-        );
+        assert_eq!(tonemap(&picture(false), &NEAREST).samples, expected);
     }
 }

@@ -8,6 +8,7 @@ mod curve;
 pub mod diagnostic;
 pub mod mesh;
 mod read;
+mod schema;
 mod value;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 pub use mesh::MeshFile;
 pub use read::{Broken, Reading};
+pub use schema::schema;
 pub use value::{ColorSpace, Transport, Unit, Value};
 
 use crate::spectrum::Observer;

@@ -30,6 +30,14 @@ impl View {
         }
     }
 
+    /// Whether light that is brighter than the screen is cut off.
+    pub const fn clips(self) -> bool {
+        match self {
+            Self::Srgb => true,
+            Self::Reinhard => false,
+        }
+    }
+
     /// Exposed linear Rec.709 radiance, infinities included, to linear light from 0 to 1, of the
     /// screen's white.
     pub fn apply(self, rgb: [f64; 3]) -> [f64; 3] {

@@ -60,6 +60,29 @@ pub struct ExrError {
     pub problem: ExrProblem,
 }
 
+impl ExrError {
+    /// Whether another machine or a later try may do better: no memory, a failing disk, a file that is
+    /// gone amid the reading.
+    pub fn is_transient(&self) -> bool {
+        match &self.problem {
+            ExrProblem::Io(error) => !matches!(
+                error.kind(),
+                io::ErrorKind::NotFound
+                    | io::ErrorKind::PermissionDenied
+                    | io::ErrorKind::IsADirectory
+                    | io::ErrorKind::NotADirectory
+                    | io::ErrorKind::InvalidInput
+                    | io::ErrorKind::InvalidFilename
+            ),
+            ExrProblem::NotExr
+            | ExrProblem::NoRgb(_)
+            | ExrProblem::Unsupported(_)
+            | ExrProblem::Damaged(_)
+            | ExrProblem::TooLarge(..) => false,
+        }
+    }
+}
+
 /// Why an OpenEXR file could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ExrProblem {

@@ -105,6 +105,28 @@ pub enum Problem {
         /// The nearest of these, if one is near.
         nearest: Option<String>,
     },
+    /// What other formats, or equations, call a key or a kind that is there under another name.
+    #[error("unknown {what} `{}`", shortened(name))]
+    OtherWord {
+        /// The kind of name: `key`, `kind of object`, …
+        what: &'static str,
+        /// As written.
+        name: String,
+        /// Its name here.
+        meant: &'static str,
+    },
+    /// A name for something that is said in another way, or not at all.
+    #[error("unknown {what} `{}`", shortened(name))]
+    Elsewhere {
+        /// The kind of name: `key`, `kind of object`, …
+        what: &'static str,
+        /// As written.
+        name: String,
+        /// The key that says it, if one does.
+        key: Option<&'static str>,
+        /// The way out.
+        advice: &'static str,
+    },
     /// A name that cannot be used.
     #[error("{} cannot be the name of {what}: {why}", quoted(name))]
     BadName {
@@ -222,9 +244,25 @@ impl Problem {
     pub fn nearest(&self) -> Option<&str> {
         if let Self::Unknown { nearest, .. } = self {
             nearest.as_deref()
+        } else if let Self::OtherWord { meant, .. } = self {
+            Some(meant)
+        } else if let Self::Elsewhere { key, .. } = self {
+            *key
         } else {
             None
         }
+    }
+
+    /// What stands under the caret, if anything.
+    fn label(&self) -> Option<String> {
+        if let Self::OtherWord { meant, .. } = self {
+            return Some(format!("write `{meant}`"));
+        }
+        if let Self::Unknown { nearest, .. } = self {
+            let nearest = nearest.as_ref()?;
+            return Some(format!("did you mean `{nearest}`?"));
+        }
+        None
     }
 
     /// The way out, where the message itself does not name it.
@@ -248,10 +286,12 @@ impl Problem {
             } else {
                 format!("expected {}", one_of(expected))
             }),
+            Self::Elsewhere { advice, .. } => Some((*advice).to_owned()),
             Self::NoVariant { expected, .. } => Some(format!("write {}", one_of(expected))),
             Self::Missing { expected, .. } => Some(format!("add {expected}")),
             Self::Unreadable(_)
             | Self::Syntax(_)
+            | Self::OtherWord { .. }
             | Self::BadName { .. }
             | Self::WrongType { .. }
             | Self::OutOfRange { .. }

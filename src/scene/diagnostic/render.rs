@@ -58,11 +58,9 @@ impl Diagnostic {
                     .line_start(line)
                     .path(path.clone())
                     .annotation(
-                        AnnotationKind::Primary.span(span.start..span.end).label(
-                            self.problem
-                                .nearest()
-                                .map(|nearest| format!("did you mean `{nearest}`?")),
-                        ),
+                        AnnotationKind::Primary
+                            .span(span.start..span.end)
+                            .label(self.problem.label()),
                     ),
             ),
         };

@@ -6,9 +6,26 @@ use super::super::Entry;
 use super::super::diagnostic::{Problem, Span};
 use super::Node;
 use super::fields::{Fields, Reader};
+use super::key::{Elsewhere, Form, unknown};
 
-/// The kinds of entry that a section can hold: the name of each and what reads it.
-pub(super) type Variants<T> = [(&'static str, fn(&mut Fields<'_, '_, '_>) -> Option<T>)];
+/// A kind of entry: its keys, and what reads them.
+pub(super) struct Variant<T> {
+    /// `sphere`
+    pub(super) name: &'static str,
+    /// A sentence or two for whoever edits a scene.
+    pub(super) about: &'static str,
+    /// What it is called elsewhere.
+    pub(super) also: &'static [&'static str],
+    pub(super) form: Form<'static>,
+    pub(super) read: fn(&mut Fields<'_, '_, '_>) -> Option<T>,
+}
+
+/// The kinds of entry that a section can hold.
+pub(super) struct Variants<T: 'static> {
+    pub(super) list: &'static [Variant<T>],
+    /// Kinds that there are elsewhere, but not here.
+    pub(super) elsewhere: &'static [Elsewhere],
+}
 
 /// A section of named entries.
 pub(super) struct Section<T: 'static> {
@@ -22,7 +39,7 @@ pub(super) struct Section<T: 'static> {
     pub(super) kind: &'static str,
     /// "`[materials.NAME.phong]` with a name of your choice"
     pub(super) example: &'static str,
-    pub(super) variants: &'static Variants<T>,
+    pub(super) variants: Variants<T>,
 }
 
 /// The entries of a section, and the names of those that were left out for an error.
@@ -33,7 +50,7 @@ pub(super) struct Entries<T> {
 
 /// The longest name in bytes: with `light_` and a channel it fits the 255 bytes of an EXR channel
 /// name.
-const LONGEST_NAME: usize = 200;
+pub(super) const LONGEST_NAME: usize = 200;
 
 impl<T> Section<T> {
     pub(super) fn read(&self, reader: &mut Reader<'_>, root: &DeTable<'_>) -> Entries<T> {
@@ -78,7 +95,7 @@ impl<T> Section<T> {
             reader.wrong_type(name, node, self.example);
             return None;
         };
-        let is_kind = |text: &str| self.variants.iter().any(|(kind, _)| *kind == text);
+        let is_kind = |text: &str| self.variants.find(text).is_some();
         let path = if is_kind(name) && !table.iter().any(|(_, node)| node.get_ref().is_table()) {
             // `[objects.sphere]`: it is the name that was forgotten.
             format!("{}.NAME", self.key)
@@ -96,7 +113,7 @@ impl<T> Section<T> {
                 header,
             },
             table,
-            self.variants,
+            &self.variants,
         );
         value.filter(|_| why.is_none())
     }
@@ -124,7 +141,7 @@ pub(super) fn one_variant<T>(
 ) -> Option<T> {
     let mut members: Vec<_> = table.iter().collect();
     members.sort_by_key(|(key, _)| key.span().start);
-    let is_known = |name: &str| variants.iter().any(|(variant, _)| *variant == name);
+    let is_known = |name: &str| variants.find(name).is_some();
     let any_kind = members
         .iter()
         .any(|(key, node)| is_known(key.get_ref()) || node.get_ref().is_table());
@@ -133,8 +150,9 @@ pub(super) fn one_variant<T>(
             what: choice.what,
             name: choice.name.to_owned(),
             expected: variants
+                .list
                 .iter()
-                .map(|(variant, _)| format!("[{}.{variant}]", choice.path))
+                .map(|variant| format!("[{}.{}]", choice.path, variant.name))
                 .collect(),
         };
         reader.report(choice.header, problem);
@@ -147,12 +165,8 @@ pub(super) fn one_variant<T>(
     for (key, node) in members {
         let name = key.get_ref().as_ref();
         let header = header(reader.text, key.span().into(), node);
-        let Some((_, read)) = variants.iter().find(|(variant, _)| *variant == name) else {
-            let names = variants.iter().map(|(variant, _)| *variant);
-            reader.report(
-                key.span().into(),
-                Problem::unknown(choice.kind, name, names),
-            );
+        let Some(variant) = variants.find(name) else {
+            reader.report(key.span().into(), variants.unknown(choice.kind, name));
             sound = false;
             continue;
         };
@@ -174,11 +188,32 @@ pub(super) fn one_variant<T>(
         };
         // An entry that a syntax error has touched may have lost keys or hold half a number.
         sound &= !reader.damage.reaches(header.start);
-        let mut fields = Fields::new(reader, fields, header);
-        value = read(&mut fields);
+        let mut fields = Fields::new(reader, variant.form, fields, header);
+        value = (variant.read)(&mut fields);
         sound &= fields.finish().is_some();
     }
     value.filter(|_| sound)
+}
+
+impl<T> Variants<T> {
+    fn find(&self, name: &str) -> Option<&Variant<T>> {
+        self.list.iter().find(|variant| variant.name == name)
+    }
+
+    /// What to say of a kind that is not here.
+    fn unknown(&self, what: &'static str, name: &str) -> Problem {
+        let word = name.to_lowercase().replace('-', "_");
+        let is_called = |variant: &&Variant<T>| variant.also.contains(&&*word);
+        if let Some(variant) = self.list.iter().find(is_called) {
+            return Problem::OtherWord {
+                what,
+                name: name.to_owned(),
+                meant: variant.name,
+            };
+        }
+        let names = self.list.iter().map(|variant| variant.name);
+        unknown(what, name, names, self.elsewhere)
+    }
 }
 
 /// The place of an entry: its `[header]`, or its key where it has none.
@@ -190,7 +225,7 @@ pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
 
 /// Why `name` cannot be used, if so. Names come back in EXR channels, where a dot separates layer
 /// and channel, and on command lines.
-fn objection(name: &str) -> Option<&'static str> {
+pub(super) fn objection(name: &str) -> Option<&'static str> {
     let is_allowed =
         |character: char| character.is_alphanumeric() || matches!(character, '_' | '-' | ' ');
     if name.is_empty() {

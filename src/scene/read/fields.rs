@@ -3,6 +3,7 @@
 use toml::de::{DeInteger, DeTable, DeValue};
 
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned, shortened};
+use super::key::{Form, Key};
 use super::syntax::Damage;
 use super::{Files, Node};
 
@@ -13,27 +14,6 @@ pub(super) struct Reader<'a> {
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) files: Files,
 }
-
-/// A key: its name, and its value as errors describe it.
-pub(super) struct Key {
-    pub(super) name: &'static str,
-    /// "a number of scene units, such as `0.5`"
-    pub(super) value: &'static str,
-    /// "a number of scene units, such as `radius = 0.5`"
-    pub(super) line: &'static str,
-}
-
-/// `key!("radius", "a number of scene units", "0.5")`: name, meaning, example.
-macro_rules! key {
-    ($name:literal, $meaning:literal, $example:literal) => {
-        $crate::scene::read::fields::Key {
-            name: $name,
-            value: concat!($meaning, ", such as `", $example, "`"),
-            line: concat!($meaning, ", such as `", $name, " = ", $example, "`"),
-        }
-    };
-}
-pub(super) use key;
 
 impl Reader<'_> {
     /// Reports `problem`, unless a syntax error at the same place explains it.
@@ -134,36 +114,36 @@ impl Reader<'_> {
     }
 }
 
-/// The keys of one entry. What is asked for is known; [`Fields::finish`] reports the rest.
+/// The keys of one table, of which [`Fields::finish`] reports those that its form does not have.
 pub(super) struct Fields<'r, 'a, 'i> {
     pub(super) reader: &'r mut Reader<'a>,
     table: &'r DeTable<'i>,
+    form: Form<'r>,
     /// Where errors and defaults point that have no key of their own.
     pub(super) header: Span,
-    known: Vec<&'static str>,
     missing: Vec<&'static Key>,
 }
 
 impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
     pub(super) const fn new(
         reader: &'r mut Reader<'a>,
+        form: Form<'r>,
         table: &'r DeTable<'i>,
         header: Span,
     ) -> Self {
         Self {
             reader,
             table,
+            form,
             header,
-            known: Vec::new(),
             missing: Vec::new(),
         }
     }
 
     /// The value of `key`, if it is there.
     pub(super) fn get(&mut self, key: &Key) -> Option<&'r Node<'i>> {
-        if !self.known.contains(&key.name) {
-            self.known.push(key.name);
-        }
+        // What the form does not have would be reported as unknown, and would not be in the schema.
+        assert!(self.form.has(key.name), "`{}` is in no table", key.name);
         self.table.get(key.name)
     }
 
@@ -232,15 +212,15 @@ impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
         value
     }
 
-    /// Reports the keys that nobody asked for and the ones that are missing; `None` if there are
-    /// any. A missing key that was only misspelt is one error, not two.
+    /// Reports the keys that the form does not have and the ones that are missing; `None` if there
+    /// are any. A missing key that is there under another name is one error, not two.
     pub(super) fn finish(self) -> Option<()> {
         let mut sound = self.missing.is_empty();
         let mut missing = self.missing;
         for key in self.table.keys() {
             let name = key.get_ref();
-            if !self.known.iter().any(|known| known == name) {
-                let problem = Problem::unknown("key", name, self.known.iter().copied());
+            if !self.form.has(name) {
+                let problem = self.form.unknown(name);
                 if let Some(meant) = problem.nearest() {
                     missing.retain(|missing| missing.name != meant);
                 }

@@ -6,11 +6,13 @@
 
 mod entries;
 mod fields;
+pub(super) mod key;
+pub(super) mod outline;
 mod sections;
 mod syntax;
 #[cfg(test)]
 mod tests;
-mod value;
+pub(super) mod value;
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -238,7 +240,7 @@ fn unknown_sections(reader: &mut Reader<'_>, root: &DeTable<'_>) -> Vec<String> 
     for key in root.keys() {
         let name = key.get_ref();
         if !sections::SECTIONS.contains(&name.as_ref()) {
-            let problem = Problem::unknown("section", name, sections::SECTIONS);
+            let problem = sections::unknown_section(name);
             misspelt.extend(problem.nearest().map(str::to_owned));
             reader.report(key.span().into(), problem);
         }

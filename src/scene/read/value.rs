@@ -1,5 +1,6 @@
 //! Values for light and color, in every notation.
 
+use std::ops::Bound;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,64 +9,106 @@ use toml::de::{DeTable, DeValue};
 use super::super::diagnostic::{Problem, Span, Spanned};
 use super::super::value::{ColorSpace, Unit, Value};
 use super::Node;
-use super::fields::{Fields, Key, Reader, key, spanned};
+use super::fields::{Fields, Reader, spanned};
+use super::key::{AMOUNT, BRIGHTEST, Form, Key, Kind, Purpose, Range, key};
 use crate::spectrum::{Curve, CurveProblem, Illuminant, Lines};
 
-const RGB: Key = key!("rgb", "three linear numbers", "[0.7, 0.3, 0.2]");
-const SPACE: Key = key!("space", "the name of a color space", "\"rec709\"");
-const ILLUMINANT: Key = key!("illuminant", "the name of an illuminant", "\"D65\"");
-const DAYLIGHT: Key = key!("daylight", "a color temperature in K", "5600");
-const BLACKBODY: Key = key!("blackbody", "a temperature in K", "3200");
+const RGB: Key = key!("rgb", "three linear numbers", "[0.7, 0.3, 0.2]")
+    .of(Kind::Channels)
+    .about("Red, green and blue, linear, of the primaries of `space`.");
+const SPACE: Key = key!("space", "the name of a color space", "\"rec709\"")
+    .of(Kind::Name(space_names))
+    .or("\"rec709\"")
+    .about("Whose primaries these are.")
+    .also(&["color_space", "colorspace"]);
+const ILLUMINANT: Key = key!("illuminant", "the name of an illuminant", "\"D65\"")
+    .of(Kind::Name(illuminant_names))
+    .about("An illuminant of the CIE.");
+const DAYLIGHT: Key = key!("daylight", "a color temperature in K", "5600")
+    .of(Kind::Number(DAYLIGHTS))
+    .about("Daylight by its correlated color temperature in K: 4000 to 25000.");
+const BLACKBODY: Key = key!("blackbody", "a temperature in K", "3200")
+    .of(Kind::Number(BLACKBODIES))
+    .about("A glowing body by its temperature in K: 500 to 1000000.")
+    .also(&["black_body", "temperature", "kelvin", "cct"]);
 const WAVELENGTHS: Key = key!(
     "wavelengths",
     "wavelengths in nm, ascending",
     "[400, 550, 700]"
-);
-const VALUES: Key = key!("values", "a number for each wavelength", "[0.1, 0.5, 0.4]");
-const FILE: Key = key!("file", "a CSV file beside the scene", "\"curve.csv\"");
+)
+.of(Kind::Wavelengths)
+.about("Two or more wavelengths in nm, ascending.")
+.also(&["nm", "lambda", "wavelength"]);
+const VALUES: Key = key!("values", "a number for each wavelength", "[0.1, 0.5, 0.4]")
+    .of(Kind::Amounts)
+    .about("A number from 0 for each wavelength; the curve is linear between them.");
+const FILE: Key = key!("file", "a CSV file beside the scene", "\"curve.csv\"")
+    .of(Kind::Text)
+    .about("A curve from a file of two columns, nm and value, relative to the scene's folder.")
+    .also(&["filename", "path", "csv", "spd"]);
 const LINES: Key = key!(
     "lines",
     "wavelengths in nm, each with its W/sr",
     "[[589.0, 0.5], [589.6, 0.5]]"
-);
-const CANDELA: Key = key!("candela", "a luminous intensity in cd", "120");
-const LUMENS: Key = key!("lumens", "a luminous flux in lm", "800");
-const WATTS_PER_STERADIAN: Key = key!("watts_per_steradian", "a radiant intensity in W/sr", "0.5");
-const WATTS: Key = key!("watts", "a radiant flux in W", "6");
+)
+.of(Kind::Lines)
+.about("Light of single wavelengths: pairs of nm, 360 to 830, and W/sr.");
+const CANDELA: Key = key!("candela", "a luminous intensity in cd", "120")
+    .of(Kind::Number(AMOUNT))
+    .about("Luminous intensity in cd.")
+    .also(&["cd", "candelas"]);
+const LUMENS: Key = key!("lumens", "a luminous flux in lm", "800")
+    .of(Kind::Number(AMOUNT))
+    .about("Luminous flux in lm: 4π times the intensity in cd.")
+    .also(&["lm", "lumen"]);
+const WATTS_PER_STERADIAN: Key = key!("watts_per_steradian", "a radiant intensity in W/sr", "0.5")
+    .of(Kind::Number(AMOUNT))
+    .about("Radiant intensity in W/sr, summed over 360 to 830 nm.");
+const WATTS: Key = key!("watts", "a radiant flux in W", "6")
+    .of(Kind::Number(AMOUNT))
+    .about("Radiant flux in W: the light that leaves the lamp, not the electricity that enters.")
+    .also(&["w", "watt"]);
 const DENSITY: Key = key!(
     "watts_per_steradian_nm",
     "a spectral intensity in W/(sr nm), a number or a curve",
     "0.002"
-);
+)
+.of(Kind::Density)
+.about("Spectral intensity in W/(sr nm): a number for every wavelength, or a curve.");
 const COLOR: Key = key!(
     "color",
     "the light's color (`[r, g, b]`, `\"#rrggbb\"`, `{ illuminant = \"A\" }`, …)",
     "{ blackbody = 3200 }"
-);
+)
+.of(Kind::Value(Purpose::Color, BRIGHTEST))
+.or("1")
+.about("The light's color, of any size: it is scaled to the size that is said beside it.")
+.also(&["colour", "tint", "rgb"]);
 /// The size that a light of a color alone lacks.
 const SIZE: Key = Key {
-    name: "candela",
-    value: "the light's size in a unit",
     line: "the light's size in a unit, such as `{ candela = 120, color = … }` \
            (or `lumens`, `watts_per_steradian`, `watts`)",
+    ..CANDELA
 };
 
-/// What a value is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Purpose {
-    /// The intensity of a light, which has a size.
-    Light,
-    /// The color of a light whose size is beside it.
-    Color,
-    /// Radiance without a lamp.
-    Background,
-    /// A reflectance.
-    Surface,
+/// The temperatures in K for which daylight is defined (CIE 15:2018).
+const DAYLIGHTS: Range = (Bound::Included(4000.0), Bound::Included(25_000.0));
+
+/// The temperatures in K of black bodies.
+const BLACKBODIES: Range = (Bound::Included(500.0), Bound::Included(1e6));
+
+/// The names of the color spaces.
+pub(super) fn space_names() -> Vec<&'static str> {
+    ColorSpace::ALL.map(ColorSpace::name).to_vec()
+}
+
+fn illuminant_names() -> Vec<&'static str> {
+    Illuminant::ALL.map(Illuminant::name).to_vec()
 }
 
 /// The notations that are tables, each known by the first of its keys that is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Notation {
+pub(in crate::scene) enum Notation {
     Rgb,
     Illuminant,
     Daylight,
@@ -78,7 +121,7 @@ enum Notation {
 }
 
 impl Notation {
-    const ALL: [Self; 12] = [
+    pub(in crate::scene) const ALL: [Self; 12] = [
         Self::Rgb,
         Self::Illuminant,
         Self::Daylight,
@@ -110,8 +153,26 @@ impl Notation {
         }
     }
 
+    /// The keys of its table.
+    pub(in crate::scene) const fn form(self) -> Form<'static> {
+        Form::new(match self {
+            Self::Rgb => &[&RGB, &SPACE],
+            Self::Illuminant => &[&ILLUMINANT],
+            Self::Daylight => &[&DAYLIGHT],
+            Self::Blackbody => &[&BLACKBODY],
+            Self::Curve => &[&WAVELENGTHS, &VALUES],
+            Self::File => &[&FILE],
+            Self::Lines => &[&LINES],
+            Self::Sized(Unit::Candela) => &[&CANDELA, &COLOR],
+            Self::Sized(Unit::Lumens) => &[&LUMENS, &COLOR],
+            Self::Sized(Unit::WattsPerSteradian) => &[&WATTS_PER_STERADIAN, &COLOR],
+            Self::Sized(Unit::Watts) => &[&WATTS, &COLOR],
+            Self::Density => &[&DENSITY],
+        })
+    }
+
     /// Whether it is light rather than a share of it, and whether its size is said.
-    const fn is_for(self, purpose: Purpose) -> Result<(), &'static str> {
+    pub(in crate::scene) const fn is_for(self, purpose: Purpose) -> Result<(), &'static str> {
         match (self, purpose) {
             (Self::Rgb | Self::Curve | Self::File, _)
             | (Self::Lines, Purpose::Light | Purpose::Color | Purpose::Background)
@@ -249,7 +310,7 @@ impl Reader<'_> {
             self.report(place, Problem::Conflict(format!("`{}` {why}", key.name)));
             return None;
         }
-        let mut fields = Fields::new(self, table, span);
+        let mut fields = Fields::new(self, notation.form(), table, span);
         let value = fields.notation(notation);
         fields.finish()?;
         value
@@ -257,22 +318,25 @@ impl Reader<'_> {
 
     /// Reports a table of which no key says what it is.
     fn no_notation(&mut self, table: &DeTable<'_>, span: Span, purpose: Purpose) {
-        let mut fields = Fields::new(self, table, span);
-        for notation in Notation::ALL {
-            if notation.is_for(purpose).is_ok() {
-                fields.get(notation.key());
-            }
-        }
+        let notations = Notation::ALL.into_iter();
+        let notations = notations.filter(|notation| notation.is_for(purpose).is_ok());
+        let mut keys: Vec<&'static Key> = notations.map(Notation::key).collect();
         // A second key of a notation tells which one was meant; of another, the first is missing.
-        if table.contains_key(COLOR.name) && purpose == Purpose::Light {
-            fields.get(&COLOR);
-            fields.require(&SIZE);
+        let missing = if table.contains_key(COLOR.name) && purpose == Purpose::Light {
+            keys.push(&COLOR);
+            Some(&SIZE)
         } else if table.contains_key(VALUES.name) {
-            fields.get(&VALUES);
-            fields.require(&WAVELENGTHS);
+            keys.push(&VALUES);
+            Some(&WAVELENGTHS)
         } else if table.is_empty() || table.contains_key(SPACE.name) {
-            fields.get(&SPACE);
-            fields.require(&RGB);
+            keys.push(&SPACE);
+            Some(&RGB)
+        } else {
+            None
+        };
+        let mut fields = Fields::new(self, Form::new(&keys), table, span);
+        if let Some(missing) = missing {
+            fields.require(missing);
         }
         fields.finish();
     }
@@ -394,12 +458,13 @@ impl Fields<'_, '_, '_> {
                         .report(other.span().into(), Problem::Conflict(conflict));
                     return None;
                 }
-                let mut fields = Fields::new(self.reader, table, node.span().into());
                 let notation = if table.contains_key(FILE.name) {
                     Notation::File
                 } else {
                     Notation::Curve
                 };
+                let span = node.span().into();
+                let mut fields = Fields::new(self.reader, notation.form(), table, span);
                 let value = fields.notation(notation);
                 fields.finish()?;
                 value
