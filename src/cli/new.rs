@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use candela::output::{self, Unfinished};
 use candela::printable::printable_path;
+use candela::scene::schema;
 
 use super::Failure;
 
@@ -15,9 +16,13 @@ const SCENE: &str = include_str!("../../scenes/first.toml");
 /// What the scene is called in the new folder.
 const SCENE_NAME: &str = "scene.toml";
 
+/// What the schema is called beside it.
+const SCHEMA_NAME: &str = "candela.schema.json";
+
 /// Start a scene of one's own: write a small one, with comments, to scene.toml
 ///
-/// Nothing that is there is written over.
+/// Beside it goes candela.schema.json, by which editors complete keys and explain them. Nothing that is
+/// there is written over.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -38,14 +43,22 @@ pub(crate) fn run(
     messages: &mut impl Write,
 ) -> Result<(), Failure> {
     let folder = arguments.folder.as_deref().unwrap_or(Path::new(""));
-    let files = [(
-        folder.join(SCENE_NAME),
-        SCENE.to_owned(),
-        "a scene to start from",
-    )];
-    for (path, ..) in &files {
+    let scene = format!("#:schema ./{SCHEMA_NAME}\n\n{SCENE}");
+    let files = [
+        (SCENE_NAME, scene, "a scene to start from"),
+        (SCHEMA_NAME, schema(), "what a scene may say, for editors"),
+    ];
+    let files = files.map(|(name, text, what)| (folder.join(name), text, what));
+    for (path, text, _) in &files {
         // A link that leads nowhere is something, too.
-        if path.symlink_metadata().is_ok() {
+        let Ok(there) = path.symlink_metadata() else {
+            continue;
+        };
+        // One schema serves many scenes.
+        let is_the_schema = path.ends_with(SCHEMA_NAME)
+            && there.is_file()
+            && fs::read(path).is_ok_and(|found| found == text.as_bytes());
+        if !is_the_schema {
             return Err(format!(
                 "{} is there already, and nothing is written over it; name another folder, such as \
                  `candela new my-scene`, or move the file away",

@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use candela::display;
+use candela::display::{self, Alpha, Frame};
 use candela::film::exr::{Compression, ExrOptions, Precision};
 use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
@@ -43,6 +43,7 @@ const MAX_THREADS: u32 = 1024;
 #[command(mut_arg("exposure", |option| option.requires("preview")))]
 #[command(mut_arg("auto_exposure", |option| option.requires("preview")))]
 #[command(mut_arg("view", |option| option.requires("preview")))]
+#[command(mut_arg("dither", |option| option.requires("preview")))]
 #[command(after_long_help = "\
 Examples:
   candela render
@@ -274,11 +275,21 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     });
     seconds.render = progress.finish();
     let (counts, report) = rendered?;
+    // A PNG with alpha cannot hold light where nothing covers a pixel.
+    let has_background = world.background().0.0 != [0.0; 3];
     let developed = match &arguments.preview {
         Some(preview) => {
             let settings = display::Settings {
                 exposure: arguments.development.exposure(),
                 view: arguments.development.view,
+                alpha: if has_background {
+                    Alpha::Opaque
+                } else {
+                    Alpha::default()
+                },
+                dither: arguments.development.dither,
+                // Of a part, the part; of the whole that is the whole.
+                frame: Frame::Data,
                 ..display::Settings::default()
             };
             Some(display::convert(&output, preview, &settings, unfinished)?)

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::develop::DevelopArguments;
-use candela::display::{self, Alpha, Bits, Exposure, Settings};
+use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
 use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
@@ -73,6 +73,7 @@ pub(crate) fn run(
         bits: arguments.bits,
         alpha: arguments.alpha,
         dither: arguments.development.dither,
+        frame: Frame::Display,
     };
     let default = default_output(&arguments.input);
     let output = arguments.output.as_deref().unwrap_or(&default);

@@ -18,6 +18,8 @@ const PIECE: usize = 1 << 14;
 pub struct Picture<'a> {
     resolution: [u32; 2],
     window: Option<Window>,
+    /// Where its top left is in the display window.
+    origin: [u32; 2],
     /// R, G, B, A row by row from the top of `window`. Infinities may be there.
     pixels: Cow<'a, [[f32; 4]]>,
     has_alpha: bool,
@@ -42,6 +44,7 @@ impl Picture<'static> {
         Self {
             resolution: image.resolution,
             window: image.window,
+            origin: [0, 0],
             pixels: Cow::Owned(image.pixels),
             has_alpha: image.has_alpha,
             unknown_space: space.err(),
@@ -62,6 +65,7 @@ impl<'a> Picture<'a> {
         Self {
             resolution: film.resolution(),
             window: Some(film.window()),
+            origin: [0, 0],
             pixels,
             has_alpha: true,
             unknown_space: None,
@@ -70,7 +74,32 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Width and height of the display window.
+    /// The part of it that there is data for, as a picture of its own; itself where there is none.
+    pub fn of_data(self) -> Self {
+        let Some(window) = self.window else {
+            return self;
+        };
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = window;
+        Self {
+            resolution: [width, height],
+            window: Some(Window::whole([width, height])),
+            origin: [self.origin[0] + x, self.origin[1] + y],
+            ..self
+        }
+    }
+
+    /// Where its top left is in the display window: not 0, 0 of [`Picture::of_data`].
+    pub(super) const fn origin(&self) -> [u32; 2] {
+        self.origin
+    }
+
+    /// Width and height of what is shown, which is the display window unless it is
+    /// [`Picture::of_data`].
     pub const fn resolution(&self) -> [u32; 2] {
         self.resolution
     }

@@ -20,9 +20,8 @@ pub const MAX_SAMPLES: u32 = 65_536;
 /// The radiance in cd/m² that a screen shows as its white, where no exposure is given.
 pub const SCREEN_WHITE: f32 = 1.0;
 
-/// From here on a pixel counts as brighter than the screen: what is closer to white is shown as white
-/// rightly, to within a code of 8 bits.
-const BEYOND_WHITE: f32 = 1.01 * SCREEN_WHITE;
+/// Above this a pixel is brighter than the screen: it would have a code of 256 or more of 255.
+const BEYOND_WHITE: f32 = 1.009 * SCREEN_WHITE;
 
 /// How to render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +56,8 @@ pub struct Counts {
     pub clamped: u64,
     /// The largest R, G or B of any pixel in cd/m², at least 0.
     pub brightest: f32,
-    /// Pixels with R, G or B above [`SCREEN_WHITE`] by more than 1 %.
+    /// Pixels with R, G or B above [`SCREEN_WHITE`] by so much that a code of 8 bits
+    /// cannot show it, 0.9 %.
     pub beyond_white: u64,
 }
 

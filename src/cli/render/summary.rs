@@ -3,9 +3,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use candela::display::{self, Exposure, View};
+use candela::display::exposure::scale;
+use candela::display::{self, Exposure, LOOKS_BLACK, MANY_CLIPPED};
 use candela::film::exr::ExrReport;
-use candela::film::{Counts, SCREEN_WHITE, Window};
+use candela::film::{Counts, Window};
 use candela::printable::printable_path;
 use candela::world::physics::Warning;
 
@@ -13,13 +14,6 @@ use super::Arguments;
 
 /// Warnings of `candela check` beyond so many are counted, not listed.
 const LISTED: usize = 5;
-
-/// A picture whose brightest pixel is below this part of the screen's white looks black.
-const DARK: f64 = 0.01;
-
-/// A picture looks blown out where at least so many percent of its pixels are brighter than the screen;
-/// highlights and what is close to a lamp are less.
-const BLOWN_OUT: f64 = 5.0;
 
 /// All that there is to say.
 pub(super) struct Summary<'a> {
@@ -76,7 +70,7 @@ impl Summary<'_> {
         if let (Some(preview), Some(developed)) = (&self.arguments.preview, &self.developed) {
             // What is chosen may be repeated with `tonemap`.
             let exposure = match self.arguments.development.exposure() {
-                Exposure::Auto => format!(", exposure {:.3} EV", developed.ev),
+                Exposure::Auto => format!(", exposure {}", developed.exposure()),
                 Exposure::Ev(_) => String::new(),
             };
             lines.push(format!("{}: its preview{exposure}", name(preview)));
@@ -131,49 +125,40 @@ impl Summary<'_> {
         self.of_brightness()
     }
 
-    /// Whether the picture is black, or blown out.
+    /// Whether the picture is black, or blown out: as the preview shows it, or else as `candela tonemap`
+    /// would without options.
     fn of_brightness(&self) -> Option<String> {
-        let pixels = self.window.count() as f64;
-        let brightest = f64::from(self.counts.brightest);
-        if brightest <= 0.0 {
+        let (brightest, clipped, ev, tonemap) = match &self.developed {
+            Some(report) => (report.brightest, report.clipped, report.ev, String::new()),
+            None => (
+                f64::from(self.counts.brightest),
+                self.counts.beyond_white as f64 / self.window.count() as f64,
+                0.0,
+                format!(" of `candela tonemap {}`", printable_path(self.output)),
+            ),
+        };
+        if self.counts.brightest == 0.0 {
             return Some(format!(
-                "the picture is black: light reaches surfaces in view, but these reflect none of it, or \
-                 its intensity is 0; {} shows both",
+                "the picture is black: light reaches what is in view, but its intensity is 0 or all of it \
+                 is absorbed; {} shows which",
                 self.probe(),
             ));
         }
-        let (scale, clips) = match &self.developed {
-            Some(developed) => (
-                developed.ev.exp2(),
-                self.arguments.development.view == View::Srgb,
-            ),
-            None => (1.0, true),
-        };
-        let white = f64::from(SCREEN_WHITE);
-        if brightest * scale < DARK * white {
-            let seen = if scale == 1.0 {
-                String::new()
-            } else {
-                format!(", which the exposure makes {}", digits(brightest * scale))
-            };
+        let white = 1.0 / scale(ev);
+        if brightest < LOOKS_BLACK * white {
             return Some(format!(
-                "the brightest pixel has {} cd/m²{seen}, where the screen's white is 1: {}",
+                "the brightest pixel has {} cd/m², where the screen's white is {}: try \
+                 --auto-exposure{tonemap}",
                 digits(brightest),
-                match &self.developed {
-                    Some(_) => "try --auto-exposure".to_owned(),
-                    None => format!("try `{} --auto-exposure`", self.tonemap()),
-                },
+                digits(white),
             ));
         }
-        let percent = self.counts.beyond_white as f64 / pixels * 100.0;
-        if clips && percent >= BLOWN_OUT {
+        if clipped >= MANY_CLIPPED {
             return Some(format!(
-                "{percent:.0} % of the picture is brighter than the screen, whose white is 1 cd/m²: try a \
-                 lower --exposure, --auto-exposure or --view reinhard{}",
-                match &self.developed {
-                    Some(_) => String::new(),
-                    None => format!(" of `{}`", self.tonemap()),
-                },
+                "{:.0} % of the picture is brighter than the screen, whose white is {} cd/m²: try a \
+                 lower --exposure, --auto-exposure or --view reinhard{tonemap}",
+                100.0 * clipped,
+                digits(white),
             ));
         }
         None
@@ -211,11 +196,6 @@ impl Summary<'_> {
         warnings.cloned().collect()
     }
 
-    /// The command that makes a picture of the EXR.
-    fn tonemap(&self) -> String {
-        format!("candela tonemap {}", printable_path(self.output))
-    }
-
     /// The command that explains the pixel in the middle.
     fn probe(&self) -> String {
         let Window {
@@ -240,12 +220,41 @@ fn name(path: &Path) -> String {
     }
 }
 
-/// Two significant digits, however small the number is.
+/// About two significant digits, without an exponent where that is short.
 fn digits(number: f64) -> String {
-    if number >= 1e-4 {
-        let decimals = (1.0 - number.log10().floor()).max(0.0) as usize;
-        format!("{number:.decimals$}")
-    } else {
-        format!("{number:.1e}")
+    let magnitude = number.log10().floor();
+    match magnitude {
+        -5.0..=1.0 => {
+            let decimals = (1.0 - magnitude) as usize;
+            let text = format!("{number:.decimals$}");
+            let text = text.trim_end_matches('0');
+            text.trim_end_matches('.').to_owned()
+        }
+        2.0..=6.0 => format!("{number:.0}"),
+        _ => format!("{number:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, expected) in [
+            (0.000_31, "0.00031"),
+            (0.000_3, "0.0003"),
+            (0.019, "0.019"),
+            (1.0, "1"),
+            (2.54, "2.5"),
+            (10.0, "10"),
+            (16.0, "16"),
+            (1024.0, "1024"),
+            (3.2e-9, "3.2e-9"),
+            (1e20, "1.0e20"),
+            (0.0, "0.0e0"),
+        ] {
+            assert_eq!(digits(number), expected);
+        }
     }
 }
