@@ -1,8 +1,8 @@
 //! `candela check`: is a scene legal, what will be modeled, what will it cost.
 
 use std::io::Write;
-use std::path::PathBuf;
 
+use candela::printable::{printable, printable_path};
 use candela::scene::{Scene, Transport};
 use candela::visibility::Visibility;
 use candela::world::difference::differences;
@@ -11,6 +11,7 @@ use candela::world::plan::{self, Acceleration};
 use candela::world::{Plan, Shape, World, physics};
 
 use super::Failure;
+use super::source::SceneArguments;
 
 /// Check a scene without rendering it: is it legal, what will be computed and what left out, what
 /// will it cost
@@ -19,21 +20,26 @@ use super::Failure;
 /// takes, and warnings about what is legal but physically odd.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
-Example:
-  candela check scenes/lecture.toml")]
+Examples:
+  candela check scenes/lecture.toml
+  generate | candela check - --base models
+      A scene from another program, whose files are in models")]
 pub(crate) struct Arguments {
-    /// The scene file
-    #[arg(value_name = "SCENE.toml")]
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), Failure> {
-    let (scene, world) = World::load(&arguments.scene)?;
+    let (scene, world) = arguments.scene.load(|_| {})?;
     let plan = Plan::new(&world);
     let visibility = Visibility::new(&world, &plan);
 
     let [width, height] = world.resolution();
-    writeln!(output, "{} is legal", arguments.scene.display())?;
+    writeln!(
+        output,
+        "{} is legal",
+        printable_path(arguments.scene.name())
+    )?;
     writeln!(
         output,
         "\nimage      {width} × {height}, {}",
@@ -85,7 +91,7 @@ fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> 
         objects.len()
     )?;
     for object in objects.iter().take(LISTED) {
-        let material = &world.materials()[object.material].name;
+        let material = printable(&world.materials()[object.material].name);
         let shape = match object.shape {
             Shape::Sphere(_) => "sphere".to_owned(),
             Shape::Plane(_) => "plane".to_owned(),
@@ -102,7 +108,8 @@ fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> 
                 }
             }
         };
-        writeln!(output, "  {:<20} {shape}, of {material}", object.name)?;
+        let name = printable(&object.name);
+        writeln!(output, "  {name:<20} {shape}, of {material}")?;
     }
     print_rest(objects.len(), output)
 }
@@ -127,7 +134,7 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
         writeln!(
             output,
             "  {:<20} {model}: {lobes}; reflects [{albedo}] of the light along its normal",
-            material.name,
+            printable(&material.name),
         )?;
     }
     print_rest(world.materials().len(), output)
@@ -137,7 +144,8 @@ fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     writeln!(output, "\nlights     {}", world.lights().len())?;
     for light in world.lights().iter().take(LISTED) {
         let [r, g, b] = light.value.intensity.0.0.map(rounded);
-        writeln!(output, "  {:<20} point, [{r} {g} {b}] cd", light.name)?;
+        let name = printable(&light.name);
+        writeln!(output, "  {name:<20} point, [{r} {g} {b}] cd")?;
     }
     print_rest(world.lights().len(), output)
 }
@@ -193,10 +201,10 @@ fn print_differences(
         writeln!(
             output,
             "  {:<20} mean {:.2}, worst {:.2} on {}",
-            world.lights()[difference.light].name,
+            printable(&world.lights()[difference.light].name),
             difference.mean,
             difference.worst,
-            world.materials()[difference.worst_material].name,
+            printable(&world.materials()[difference.worst_material].name),
         )?;
     }
     print_rest(differences.len(), output)?;

@@ -3,31 +3,28 @@
 mod check;
 mod completions;
 mod develop;
+mod failure;
 mod new;
 mod probe;
 mod render;
 mod schema;
+mod signals;
+mod source;
 mod tonemap;
+mod usage;
 
-use std::error::Error;
 use std::io::{self, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use candela::film::{self, Options, Window};
-use candela::output::Unfinished;
-use candela::scene::Diagnostics;
-use candela::world::World;
-use clap::error::ErrorKind;
-use clap::{CommandFactory, Parser, Subcommand};
+use candela::output::{OutputError, OutputProblem, Place, Unfinished};
+use candela::printable::printable_path;
+use clap::{Parser, Subcommand};
+use failure::{Failure, StandardOutput};
 
-/// What a shell adds to the number of the signal that ended a program.
-#[cfg(unix)]
-const SIGNALED: i32 = 128;
-
-/// What a shell reports of a program that Ctrl-C ended: 128 + SIGINT.
-#[cfg(not(unix))]
-const INTERRUPTED: i32 = 130;
+/// More threads than any machine makes use of.
+const MAX_THREADS: usize = 1024;
 
 /// A renderer for direct light: exact, fast, deterministic
 ///
@@ -48,8 +45,13 @@ Examples:
   candela probe scene.toml --pixel 640,360
       The sum at one pixel, term by term
 
-Exit codes: 0 done; 1 something is wrong with a file, a value or the machine; 2 wrong usage;
-128 + n ended by signal n, such as 130 by Ctrl-C.")]
+Exit codes:
+  0        done; also where the reader of a pipe has seen enough
+  1        something is wrong with a file or a value
+  2        wrong usage
+  75       what a later try or another machine may cure: no memory, a full disk, a quota or a limit,
+           an error of a disk or a server
+  128 + n  ended by signal n, such as 130 by Ctrl-C")]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -66,167 +68,165 @@ enum Command {
     Schema(schema::Arguments),
 }
 
-/// What a command failed with; [`main`] alone prints it.
-type Failure = Box<dyn Error + Send + Sync>;
-
 /// Runs the command that the arguments name.
 pub(crate) fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    if let Command::Render(render) = &arguments.command
-        && let Some(misuse) = render.misuse()
-    {
-        let mut command = Arguments::command();
-        command.build();
-        let render = command.find_subcommand_mut("render");
-        let render = render.expect("the command that was parsed is there");
-        render.error(ErrorKind::ArgumentConflict, misuse).exit();
-    }
+    let arguments = match usage::parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage::report(&error),
+    };
     let unfinished = Unfinished::new();
-    let result = at_interrupt(&unfinished).and_then(|()| run(&arguments.command, &unfinished));
-    match result {
+    let heeded = signals::heed(&unfinished).map_err(Failure::from);
+    match heeded.and_then(|()| run(&arguments.command, &unfinished)) {
         Ok(()) => ExitCode::SUCCESS,
-        // The handler below is about to end the process; what it interrupted is no failure.
+        // The handler is about to end the process; what it interrupted is no failure.
         Err(_) if unfinished.is_canceled() => loop {
             std::thread::park();
         },
-        // Whoever reads the output has stopped to, as `head` does.
-        Err(failure) if is_broken_pipe(&*failure) => ExitCode::SUCCESS,
-        Err(failure) => {
-            print(&*failure);
-            ExitCode::FAILURE
-        }
+        Err(failure) => failure::report(&failure),
     }
 }
 
 fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
+    let mut output = StandardOutput::new();
     match command {
         Command::Render(arguments) => render::run(arguments, unfinished),
-        Command::Tonemap(arguments) => tonemap::run(arguments, unfinished, &mut io::stderr()),
-        Command::Check(arguments) => check::run(arguments, &mut io::stdout().lock()),
-        Command::Probe(arguments) => {
-            let (scene, world) = World::load_with(&arguments.scene, |scene| {
-                probe::prepare(arguments, scene);
-            })?;
-            let renderer = |[x, y]: [u32; 2]| {
-                let pixel = Window {
-                    x,
-                    y,
-                    width: 1,
-                    height: 1,
-                };
-                let options = Options {
-                    window: Some(pixel),
-                    ..Options::default()
-                };
-                let [r, g, b, _] = film::render(&world, &options).pixels()[0];
-                [r, g, b]
-            };
-            Ok(probe::run(
-                arguments,
-                &scene,
-                renderer,
-                &mut io::stdout().lock(),
-            )?)
-        }
-        Command::New(arguments) => new::run(arguments, unfinished, &mut io::stdout().lock()),
-        Command::Completions(arguments) => completions::run(arguments, &mut io::stdout().lock()),
-        Command::Schema(schema::Arguments {}) => schema::run(&mut io::stdout().lock()),
-    }
+        Command::Tonemap(arguments) => with_threads(None, || {
+            tonemap::run(arguments, unfinished, &mut io::stderr())
+        }),
+        Command::Check(arguments) => with_threads(None, || check::run(arguments, &mut output)),
+        Command::Probe(arguments) => with_threads(None, || probe(arguments, &mut output)),
+        Command::New(arguments) => new::run(arguments, unfinished, &mut output),
+        Command::Completions(arguments) => completions::run(arguments, &mut output),
+        Command::Schema(schema::Arguments {}) => schema::run(&mut output),
+    }?;
+    Ok(output.flush()?)
 }
 
-/// Makes Ctrl-C, SIGTERM and SIGHUP end the run at once, without a file half-written. What whoever
-/// started the run wants ignored, as `nohup` does, stays so.
-#[cfg(unix)]
-fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let ignored = ignored_signals();
-    let heeded = [SIGINT, SIGTERM, SIGHUP];
-    let heeded = heeded
-        .iter()
-        .filter(|&&signal| ignored & (1 << (signal - 1)) == 0);
-    let mut signals = signal_hook::iterator::Signals::new(heeded)?;
-    let unfinished = unfinished.clone();
-    std::thread::spawn(move || {
-        if let Some(signal) = signals.forever().next() {
-            unfinished.cancel();
-            std::process::exit(SIGNALED + signal);
-        }
-    });
-    Ok(())
+fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Failure> {
+    let (scene, world) = arguments
+        .scene
+        .load(|scene| probe::prepare(arguments, scene))?;
+    let renderer = |[x, y]: [u32; 2]| {
+        let pixel = Window {
+            x,
+            y,
+            width: 1,
+            height: 1,
+        };
+        let options = Options {
+            window: Some(pixel),
+            ..Options::default()
+        };
+        let [r, g, b, _] = film::render(&world, &options).pixels()[0];
+        [r, g, b]
+    };
+    Ok(probe::run(arguments, &scene, renderer, output)?)
 }
 
-/// One bit for each signal that the process was started to ignore, as Linux tells; elsewhere none.
-#[cfg(unix)]
-fn ignored_signals() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
-        .unwrap_or(0)
+/// Works with as many threads as asked; without that, as many as `RAYON_NUM_THREADS` says, or one for
+/// each logical processor.
+fn with_threads<T: Send>(
+    asked: Option<u32>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let variable = std::env::var("RAYON_NUM_THREADS").ok();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads(asked, variable.as_deref()))
+        .build()
+        .map_err(NoThreads)?;
+    pool.install(work)
 }
 
-/// Makes Ctrl-C end the run at once, without a file half-written.
-#[cfg(not(unix))]
-fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
-    let unfinished = unfinished.clone();
-    ctrlc::set_handler(move || {
-        unfinished.cancel();
-        std::process::exit(INTERRUPTED);
-    })?;
-    Ok(())
+/// The system gives no more threads.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "cannot start the threads to work with: {0}; choose fewer by RAYON_NUM_THREADS or --threads"
+)]
+struct NoThreads(#[source] rayon::ThreadPoolBuildError);
+
+/// How many threads work, from 1 to [`MAX_THREADS`]. What the variable says is taken only if it is a
+/// number of threads, be it too large.
+fn threads(asked: Option<u32>, variable: Option<&str>) -> usize {
+    let asked = asked.map(|threads| threads as usize);
+    let said = || {
+        let digits = variable.map(str::trim).filter(|text| !text.is_empty())?;
+        let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
+        // More digits than a number has are a large number.
+        let number = is_number.then(|| digits.parse().unwrap_or(usize::MAX));
+        number.filter(|&number| number > 0)
+    };
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    asked
+        .or_else(said)
+        .unwrap_or_else(processors)
+        .clamp(1, MAX_THREADS)
 }
 
 /// Refuses to write over a file that is read, or two files to one place.
 fn refuse_same_files(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
-    for (number, output) in outputs.iter().enumerate() {
-        let Some(place) = place(output) else { continue };
-        let is_there = |other: &&&Path| self::place(other).as_ref() == Some(&place);
-        if let Some(input) = inputs.iter().find(is_there) {
+    let read: Vec<Place> = inputs
+        .iter()
+        .map(|input| Place::of_input(source::unshown(input)))
+        .collect();
+    let mut written: Vec<Place> = Vec::new();
+    for output in outputs {
+        let place = Place::of_output(output);
+        if let Some(index) = read.iter().position(|input| input.is(&place)) {
             return Err(format!(
                 "{} would be written over {}, which is read; give another name",
-                output.display(),
-                input.display(),
+                printable_path(output),
+                printable_path(inputs[index]),
             )
             .into());
         }
-        if let Some(other) = outputs[..number].iter().find(is_there) {
+        if let Some(index) = written.iter().position(|other| other.is(&place)) {
+            if place.is_standard_output() {
+                let message = "two outputs would go to standard output; give one of them a file";
+                return Err(message.into());
+            }
             return Err(format!(
                 "{} and {} would be one file; give another name",
-                other.display(),
-                output.display(),
+                printable_path(outputs[index]),
+                printable_path(output),
             )
             .into());
         }
+        written.push(place);
     }
     Ok(())
 }
 
-/// Where a file is or would be, whatever links lead there; `None` for what is no place for a file,
-/// such as a device, which may be written to twice.
-fn place(path: &Path) -> Option<PathBuf> {
-    if let Ok(metadata) = path.metadata() {
-        return path.canonicalize().ok().filter(|_| metadata.is_file());
+/// Refuses to send what is no text to a terminal, before there is work done for it.
+fn refuse_terminal(output: &Path) -> Result<(), Failure> {
+    if io::stdout().is_terminal() && Place::of_output(output).is_standard_output() {
+        let path = output.to_path_buf();
+        let problem = OutputProblem::Terminal;
+        return Err(OutputError { path, problem }.into());
     }
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
-    Some(folder.join(path.file_name()?))
+    Ok(())
 }
 
-fn is_broken_pipe(failure: &(dyn Error + 'static)) -> bool {
-    std::iter::successors(Some(failure), |&failure| failure.source())
-        .filter_map(|failure| failure.downcast_ref::<io::Error>())
-        .any(|error| error.kind() == io::ErrorKind::BrokenPipe)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Prints a failure, with lines of the scene file where it is about one.
-fn print(failure: &(dyn Error + 'static)) {
-    let stderr = io::stderr();
-    let color = stderr.is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let message = match failure.downcast_ref::<Diagnostics>() {
-        Some(diagnostics) => diagnostics.render(color),
-        None => format!("error: {failure}"),
-    };
-    // Nowhere is left to report that the message itself cannot be written.
-    let _ = writeln!(stderr.lock(), "{message}");
+    #[test]
+    fn threads_are_as_many_as_asked_or_said_or_there() {
+        let there = std::thread::available_parallelism().map_or(1, usize::from);
+        for (asked, variable, expected) in [
+            (Some(3), Some("5"), 3),
+            (None, Some("5"), 5),
+            (None, Some(" 7 "), 7),
+            (None, Some("1025"), 1024),
+            (None, Some("100000"), 1024),
+            (None, Some("99999999999999999999999999"), 1024),
+            (None, Some("0"), there.min(1024)),
+            (None, Some(""), there.min(1024)),
+            (None, Some("-1"), there.min(1024)),
+            (None, Some("many"), there.min(1024)),
+            (None, None, there.min(1024)),
+        ] {
+            assert_eq!(threads(asked, variable), expected, "{asked:?} {variable:?}");
+        }
+    }
 }

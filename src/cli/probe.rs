@@ -4,13 +4,13 @@ mod range;
 mod table;
 
 use std::io::{self, Write};
-use std::path::PathBuf;
 
 use candela::oracle::{Explanation, Oracle};
 use candela::scene::{Scene, Transport};
 use candela::spectrum;
 use serde::Serialize;
 
+use super::source::SceneArguments;
 use range::Range;
 use table::table;
 
@@ -30,9 +30,8 @@ Examples:
   candela probe scene.toml --pixel 0,0 --json
       The pixel at the top left, as JSON")]
 pub(crate) struct Arguments {
-    /// The scene file
-    #[arg(value_name = "SCENE.toml")]
-    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(super) scene: SceneArguments,
 
     /// The pixel's column and row; 0,0 is at the top left
     #[arg(long, value_name = "X,Y", value_parser = pixel, allow_hyphen_values = true)]
@@ -75,7 +74,7 @@ pub(crate) enum ProbeError {
     )]
     NoSpectrum,
     /// The output cannot be written.
-    #[error("cannot write the explanation: {0}")]
+    #[error("{0}")]
     Output(#[from] io::Error),
 }
 

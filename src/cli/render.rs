@@ -6,6 +6,7 @@ mod summary;
 mod values;
 
 use std::ffi::OsStr;
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -14,7 +15,7 @@ use candela::display::{self, Alpha, Frame};
 use candela::film::exr::{Compression, ExrOptions, Precision};
 use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
-use candela::output::{self, Unfinished};
+use candela::output::{self, Place, Unfinished};
 use candela::scene::Scene;
 use candela::visibility::Visibility;
 use candela::world::{Bands, Plan, World, physics};
@@ -23,6 +24,7 @@ use serde::Serialize;
 
 use super::Failure;
 use super::develop::DevelopArguments;
+use super::source::{BaseArguments, is_standard_input};
 use layers::LayerArguments;
 use progress::Progress;
 use summary::Summary;
@@ -65,9 +67,12 @@ Examples:
   candela render scene.toml --layers spectral --wavelengths 400:700:10
       A spectral image: R, G, B, A and 31 bands")]
 pub(crate) struct Arguments {
-    /// The scene file [default: the built-in lecture scene]
+    /// The scene file; `-` is standard input [default: the built-in lecture scene]
     #[arg(value_name = "SCENE.toml")]
     scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    base: BaseArguments,
 
     /// The EXR file, or - for standard output [default: SCENE.exr in the current folder]
     #[arg(short, long, value_name = "OUT.exr", value_parser = named("exr"))]
@@ -169,23 +174,12 @@ struct Seconds {
 impl Arguments {
     /// What is wrong with the options as they stand together.
     pub(crate) fn misuse(&self) -> Option<String> {
-        let is_standard_output =
-            |path: &Option<PathBuf>| path.as_ref().is_some_and(|path| path.as_os_str() == "-");
-        if is_standard_output(&self.output) && is_standard_output(&self.preview) {
-            return Some(
-                "standard output cannot be both the EXR and its preview; name one of the files"
-                    .to_owned(),
-            );
-        }
         self.layers.misuse()
     }
 }
 
 pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, |threads| threads as usize))
-        .build()?;
-    pool.install(|| render(arguments, unfinished))
+    super::with_threads(arguments.threads, || render(arguments, unfinished))
 }
 
 fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
@@ -197,7 +191,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let start = Instant::now();
 
     let (scene, world) = match &arguments.scene {
-        Some(path) => World::load_with(path, |scene| arguments.layers.apply(scene))?,
+        Some(path) => {
+            let change = |scene: &mut Scene| arguments.layers.apply(scene);
+            arguments.base.load(path, change)?
+        }
         None => {
             let mut scene = Scene::builtin();
             arguments.layers.apply(&mut scene);
@@ -224,6 +221,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let inputs = scene.files();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     super::refuse_same_files(&inputs, &outputs)?;
+    super::refuse_terminal(&output)?;
+    if let Some(preview) = &arguments.preview {
+        super::refuse_terminal(preview)?;
+    }
     for output in &outputs {
         output::check(output)?;
     }
@@ -247,7 +248,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     });
     let threads = rayon::current_num_threads();
     let pixels = film::memory(whole, &channels, &exr_options, threads);
-    fits_in_memory(pixels, table, layers, &channels)?;
+    fits_in_memory(pixels, table, layers, &channels).map_err(super::failure::transient)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
@@ -262,7 +263,15 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     };
     let progress = Progress::new(whole, !arguments.quiet);
     let advance = |pixels| progress.advance(pixels);
-    let rendered = output::write(&output, unfinished, |mut sink| {
+    // A preview is made of the file, which a stream does not keep.
+    let kept = match &arguments.preview {
+        Some(_) if !keeps(&output) => Some(tempfile::tempdir()?),
+        _ => None,
+    };
+    let exr = kept
+        .as_ref()
+        .map_or_else(|| output.clone(), |folder| folder.path().join("kept.exr"));
+    let rendered = output::write(&exr, unfinished, |mut sink| {
         film::render_exr(
             &world,
             &plan,
@@ -292,10 +301,15 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
                 frame: Frame::Data,
                 ..display::Settings::default()
             };
-            Some(display::convert(&output, preview, &settings, unfinished)?)
+            Some(display::convert(&exr, preview, &settings, unfinished)?)
         }
         None => None,
     };
+    if kept.is_some() {
+        output::write(&output, unfinished, |sink| {
+            io::copy(&mut File::open(&exr)?, sink)
+        })?;
+    }
     seconds.total = start.elapsed().as_secs_f64();
     seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
 
@@ -389,14 +403,22 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64())
 }
 
+/// Whether what is written to an output can be read from there: not from a pipe or a device.
+fn keeps(output: &Path) -> bool {
+    let is_file = output
+        .metadata()
+        .map_or(true, |metadata| metadata.is_file());
+    is_file && !Place::of_output(output).is_standard_output()
+}
+
 /// SCENE.exr in the current folder; scene.exr for a scene from standard input.
 fn default_output(arguments: &Arguments) -> PathBuf {
-    let scene = arguments
-        .scene
-        .as_deref()
-        .unwrap_or(Path::new("lecture.toml"));
-    let name = scene.file_name().filter(|&name| name != "-");
-    PathBuf::from(name.unwrap_or(OsStr::new("scene"))).with_extension("exr")
+    let scene = match arguments.scene.as_deref() {
+        None => Path::new("lecture.toml"),
+        Some(scene) if is_standard_input(scene) => Path::new("scene.toml"),
+        Some(scene) => scene,
+    };
+    PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
 }
 
 #[cfg(test)]

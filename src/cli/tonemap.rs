@@ -8,6 +8,7 @@ use super::Failure;
 use super::develop::DevelopArguments;
 use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
 use candela::output::Unfinished;
+use candela::printable::printable_path;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
 /// Make a PNG of an EXR: expose, map to the screen's range, encode as sRGB
@@ -78,6 +79,7 @@ pub(crate) fn run(
     let default = default_output(&arguments.input);
     let output = arguments.output.as_deref().unwrap_or(&default);
     super::refuse_same_files(&[&arguments.input], &[output])?;
+    super::refuse_terminal(output)?;
     let report = display::convert(&arguments.input, output, &settings, unfinished)?;
 
     // Nowhere is left to report that the messages themselves cannot be written.
@@ -85,7 +87,7 @@ pub(crate) fn run(
         let _ = writeln!(
             messages,
             "warning: {}: {warning}",
-            arguments.input.display()
+            printable_path(&arguments.input)
         );
     }
     if matches!(settings.exposure, Exposure::Auto) {
@@ -106,7 +108,7 @@ fn png_path() -> impl TypedValueParser<Value = PathBuf> {
         match path.extension() {
             Some(extension) if !extension.eq_ignore_ascii_case(OsStr::new("png")) => Err(format!(
                 "candela tonemap writes PNG; name the file {}",
-                path.with_extension("png").display()
+                printable_path(&path.with_extension("png"))
             )),
             _ => Ok(path),
         }

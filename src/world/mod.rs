@@ -131,7 +131,17 @@ impl World {
         path: impl AsRef<Path>,
         change: impl FnOnce(&mut Scene),
     ) -> Result<(Scene, Self), Diagnostics> {
-        let mut reading = Reading::of_file(path.as_ref());
+        Self::of_reading(Reading::of_file(path.as_ref()), change)
+    }
+
+    /// The legal scene of what was read, in which something is changed before it is validated.
+    ///
+    /// # Errors
+    /// As [`World::load`].
+    pub fn of_reading(
+        mut reading: Reading,
+        change: impl FnOnce(&mut Scene),
+    ) -> Result<(Scene, Self), Diagnostics> {
         if let Some(scene) = &mut reading.scene {
             change(scene);
         }

@@ -269,7 +269,7 @@ fn limited(folder: &std::path::Path, arguments: &str) -> String {
         .arg(candela(folder, "").get_program());
     let output = command.output().unwrap();
     let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert_eq!(output.status.code(), Some(75), "{message}");
     message
 }
 

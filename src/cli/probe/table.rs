@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use candela::oracle::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, TransportUsed};
+use candela::printable::printable;
 
 use super::{Report, SpectralRadiance};
 
@@ -75,15 +76,16 @@ pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
 
 /// What is hit: object `ball`, material `clay`, t = 5.8 m
 fn place(hit: &HitTerms) -> String {
-    let mut text = format!("object `{}`", hit.object);
+    let mut text = format!("object `{}`", printable(&hit.object));
     if let Some(group) = &hit.group {
-        let _ = write!(text, ", group `{group}`");
+        let _ = write!(text, ", group `{}`", printable(group));
     }
     if let Some(triangle) = hit.triangle {
         let _ = write!(text, ", triangle {triangle}");
     }
     let distance = number(hit.distance);
-    let _ = write!(text, ", material `{}`, t = {distance} m", hit.material);
+    let material = printable(&hit.material);
+    let _ = write!(text, ", material `{material}`, t = {distance} m");
     text
 }
 
@@ -121,7 +123,7 @@ fn obstacle(light: &LightTerms) -> Option<String> {
 
 fn stands_between(light: &LightTerms) -> String {
     match &light.occluder {
-        Some(occluder) => format!("`{occluder}` stands between"),
+        Some(occluder) => format!("`{}` stands between", printable(occluder)),
         None => "nothing stands between".to_owned(),
     }
 }
@@ -185,18 +187,21 @@ impl Table {
             Outcome::AtPoint => {
                 self.text(format!(
                     "Light `{}` is at p itself, d = 0: it adds nothing",
-                    light.name
+                    printable(&light.name)
                 ));
                 return;
             }
             Outcome::Below => {
                 self.text(format!(
                     "Light `{}`, d = {distance} m, is below the surface: it adds nothing",
-                    light.name
+                    printable(&light.name)
                 ));
             }
             Outcome::Lit | Outcome::Occluded => {
-                self.text(format!("Light `{}`, d = {distance} m", light.name));
+                self.text(format!(
+                    "Light `{}`, d = {distance} m",
+                    printable(&light.name)
+                ));
             }
         }
         let (to_light, reflected) = (vector(light.to_light), vector(light.reflected));
@@ -248,7 +253,11 @@ impl Table {
         self.text("Sum over the lights");
         for light in &explanation.lights {
             let remark = obstacle(light).unwrap_or_default();
-            self.row(format!("    {}", light.name), light.radiance, remark);
+            self.row(
+                format!("    {}", printable(&light.name)),
+                light.radiance,
+                remark,
+            );
         }
         self.row("L9  L_o = Σ L_i r V", explanation.radiance, "cd/m²");
     }

@@ -52,19 +52,10 @@ pub(super) fn crop(text: &str) -> Result<Crop, String> {
     })
 }
 
-/// A path whose extension is `extension`, so that a file never belies its name; `-`, standard output,
-/// for the formats of images.
+/// A path whose extension is `extension`, so that a file never belies its name.
 pub(super) fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(move |path| {
         let path = PathBuf::from(path);
-        if path.as_os_str() == "-" {
-            return match extension {
-                "exr" | "png" => Ok(path),
-                _ => {
-                    Err("expected the name of a file; only images go to standard output".to_owned())
-                }
-            };
-        }
         match path.extension() {
             Some(found) if !found.eq_ignore_ascii_case(extension) => Err(format!(
                 "this option writes {}; name the file {}",

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::Source;
 use super::curve::CurveError;
 use super::mesh::MeshError;
+use crate::printable::{printable, printable_path};
 
 /// A range of bytes in the scene file; empty at 0 for what has no place in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -188,7 +189,7 @@ pub enum Problem {
         first: Option<Span>,
     },
     /// A mesh file that cannot be used.
-    #[error("cannot use the mesh file {}: {error}", path.display())]
+    #[error("cannot use the mesh file {}: {error}", printable_path(path))]
     Mesh {
         /// The file, joined to the scene's folder.
         path: PathBuf,
@@ -196,7 +197,7 @@ pub enum Problem {
         error: Box<MeshError>,
     },
     /// A curve file that cannot be used.
-    #[error("cannot use the curve file {}: {error}", path.display())]
+    #[error("cannot use the curve file {}: {error}", printable_path(path))]
     Curve {
         /// The file, joined to the scene's folder.
         path: PathBuf,
@@ -328,24 +329,12 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// `text` for a message: without control characters, and cut where it is very long.
+/// `text` for a message: [`printable`], and without its end where it is a long one.
 pub(super) fn shortened(text: &str) -> String {
-    let mut short: String = text
-        .chars()
-        .take(QUOTED_LENGTH)
-        .flat_map(|character| {
-            let control = character.is_control();
-            let escaped = control.then(|| character.escape_default());
-            escaped
-                .into_iter()
-                .flatten()
-                .chain((!control).then_some(character))
-        })
-        .collect();
-    if text.chars().nth(QUOTED_LENGTH).is_some() {
-        short.push('…');
+    match text.char_indices().nth(QUOTED_LENGTH) {
+        Some((end, _)) => printable(&text[..end]) + "…",
+        None => printable(text),
     }
-    short
 }
 
 /// `name` in backquotes, or what it is where there is nothing to quote.

@@ -4,6 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 
 use super::super::Source;
 use super::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span};
+use crate::printable::printable_path;
 
 /// How many errors are printed; whoever has more mends these first.
 const PRINTED: usize = 20;
@@ -46,7 +47,7 @@ impl Diagnostics {
 
 impl Diagnostic {
     fn render(&self, renderer: &Renderer, source: &Source) -> String {
-        let path = source.path.display().to_string();
+        let path = printable_path(&source.path);
         let mut group = Group::with_title(Level::ERROR.primary_title(self.problem.to_string()));
         group = match place(source, self.span) {
             Place::None => group.element(Origin::path(path.clone())),

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::printable::printable;
+
 /// Why a mesh file cannot be used. The message says where in the file and what was expected.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
@@ -151,7 +153,7 @@ pub enum Fault {
         expected: &'static str,
     },
     /// A name of the header that is there twice.
-    #[error("{what} `{name}` is there twice")]
+    #[error("{what} `{}` is there twice", printable(name))]
     Duplicate {
         /// `element` or `property`.
         what: &'static str,
@@ -187,6 +189,7 @@ impl fmt::Display for Indices {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(ElementPlace { name, index, count }) = &self.element {
+            let name = printable(name);
             write!(f, "{name} {index} of {count} at ")?;
         }
         match self.position {

@@ -16,7 +16,7 @@ pub(super) mod value;
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -65,25 +65,33 @@ pub struct Broken {
 }
 
 impl Reading {
-    /// Reads a scene file and the meshes that it names.
+    /// Reads a scene file and the files that it names, which are relative to its folder.
     pub fn of_file(path: &Path) -> Self {
-        match read_bytes(path) {
-            Ok(bytes) => Self::of_bytes(bytes, path),
-            Err(problem) => Self::failed(
-                path,
-                String::new(),
-                Diagnostic::new(Span::default(), problem),
-            ),
-        }
+        Self::of_file_in(path, folder_of(path))
+    }
+
+    /// Reads a scene file and the files that it names, which are relative to `folder`.
+    pub fn of_file_in(path: &Path, folder: &Path) -> Self {
+        Self::of_read(read_bytes(path), path, folder)
+    }
+
+    /// Reads a scene from a stream, such as standard input, to its end. Errors call it `name`, and
+    /// files that it names are relative to `folder`.
+    pub fn of_stream(stream: impl io::Read, name: &Path, folder: &Path) -> Self {
+        Self::of_read(read_stream(stream), name, folder)
     }
 
     /// Reads a scene from text; mesh files are relative to the folder of `path`.
     pub fn of_text(text: String, path: &Path) -> Self {
+        Self::of_text_in(text, path, folder_of(path))
+    }
+
+    fn of_text_in(text: String, path: &Path, folder: &Path) -> Self {
         if text.len() as u64 > LARGEST_FILE {
             let diagnostic = Diagnostic::new(Span::default(), too_large());
             return Self::failed(path, String::new(), diagnostic);
         }
-        let (scene, diagnostics, broken) = read(&text, path);
+        let (scene, diagnostics, broken) = read(&text, folder);
         let source = Arc::new(Source {
             path: path.to_owned(),
             text,
@@ -96,9 +104,20 @@ impl Reading {
         }
     }
 
-    fn of_bytes(bytes: Vec<u8>, path: &Path) -> Self {
+    fn of_read(read: Result<Vec<u8>, Problem>, path: &Path, folder: &Path) -> Self {
+        match read {
+            Ok(bytes) => Self::of_bytes(bytes, path, folder),
+            Err(problem) => Self::failed(
+                path,
+                String::new(),
+                Diagnostic::new(Span::default(), problem),
+            ),
+        }
+    }
+
+    fn of_bytes(bytes: Vec<u8>, path: &Path, folder: &Path) -> Self {
         match String::from_utf8(bytes) {
-            Ok(text) => Self::of_text(text, path),
+            Ok(text) => Self::of_text_in(text, path, folder),
             Err(error) => {
                 let start = error.utf8_error().valid_up_to();
                 let byte = error.as_bytes()[start];
@@ -179,10 +198,15 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     if file.metadata().map_err(Problem::Unreadable)?.len() > LARGEST_FILE {
         return Err(too_large());
     }
+    read_stream(file)
+}
+
+fn read_stream(stream: impl io::Read) -> Result<Vec<u8>, Problem> {
     let mut bytes = Vec::new();
     // One byte more than allowed tells a file that is too large, also where it is a pipe
     // or a device without a known size.
-    file.take(LARGEST_FILE + 1)
+    stream
+        .take(LARGEST_FILE + 1)
         .read_to_end(&mut bytes)
         .map_err(Problem::Unreadable)?;
     if bytes.len() as u64 > LARGEST_FILE {
@@ -191,13 +215,18 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Problem> {
     Ok(bytes)
 }
 
+/// The folder of a scene file.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
 const fn too_large() -> Problem {
     Problem::TooLarge {
         limit: LARGEST_FILE / 1_000_000,
     }
 }
 
-fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+fn read(text: &str, folder: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
     let (root, damage, diagnostics) = syntax::parse(text);
     if root.is_empty() && diagnostics.is_empty() {
         let diagnostic = Diagnostic::new(Span::default(), Problem::Empty);
@@ -207,7 +236,7 @@ fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
         text,
         damage,
         diagnostics,
-        files: Files::beside(path),
+        files: Files::in_folder(folder),
     };
     let misspelt = unknown_sections(&mut reader, &root);
     let image = sections::image(&mut reader, &root, &misspelt);
@@ -258,9 +287,9 @@ struct Files {
 }
 
 impl Files {
-    fn beside(scene: &Path) -> Self {
+    fn in_folder(folder: &Path) -> Self {
         Self {
-            folder: scene.parent().unwrap_or(Path::new("")).to_owned(),
+            folder: folder.to_owned(),
             meshes: HashMap::new(),
             curves: HashMap::new(),
         }

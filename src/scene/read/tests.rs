@@ -370,7 +370,11 @@ fn many_errors_are_collected_only_so_far() {
 
 #[test]
 fn a_file_that_is_not_text_shows_the_byte() {
-    let reading = Reading::of_bytes(b"# ok\r\nab\xff = 1\n".to_vec(), Path::new("x.toml"));
+    let reading = Reading::of_stream(
+        &b"# ok\r\nab\xff = 1\n"[..],
+        Path::new("x.toml"),
+        Path::new(""),
+    );
     let span = reading.diagnostics[0].span;
     assert_eq!(reading.source.line_column(span.start), (2, 3));
     assert!(reading.complete().unwrap_err().to_string().contains("0xFF"));

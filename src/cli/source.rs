@@ -1,0 +1,92 @@
+//! Where a scene comes from: a file, or standard input.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use candela::scene::{Diagnostics, Reading, Scene};
+use candela::world::World;
+
+/// The name of standard input on the command line; a file of that name is `./-`.
+const STANDARD_INPUT: &str = "-";
+
+/// What messages call a scene from there.
+const STANDARD_INPUT_SHOWN: &str = "<stdin>";
+
+/// The scene that a command is about.
+#[derive(Debug, clap::Args)]
+pub(crate) struct SceneArguments {
+    /// The scene file; `-` is standard input
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+
+    #[command(flatten)]
+    base: BaseArguments,
+}
+
+/// What the files that a scene names are relative to.
+#[derive(Debug, clap::Args)]
+pub(crate) struct BaseArguments {
+    /// The folder of the meshes and curves that the scene names [default: the scene's own, or the
+    /// current one for a scene from standard input]
+    #[arg(long, value_name = "DIR")]
+    base: Option<PathBuf>,
+}
+
+impl SceneArguments {
+    /// The scene's name in messages.
+    pub(super) fn name(&self) -> &Path {
+        shown(&self.scene)
+    }
+
+    /// Reads and validates the scene, changed in between.
+    pub(super) fn load(
+        &self,
+        change: impl FnOnce(&mut Scene),
+    ) -> Result<(Scene, World), Diagnostics> {
+        self.base.load(&self.scene, change)
+    }
+}
+
+impl BaseArguments {
+    /// Reads and validates the scene at `path`, changed in between.
+    pub(super) fn load(
+        &self,
+        path: &Path,
+        change: impl FnOnce(&mut Scene),
+    ) -> Result<(Scene, World), Diagnostics> {
+        let folder = self.base.as_deref();
+        let reading = if is_standard_input(path) {
+            let folder = folder.unwrap_or(Path::new(""));
+            Reading::of_stream(io::stdin().lock(), shown(path), folder)
+        } else {
+            match folder {
+                Some(folder) => Reading::of_file_in(path, folder),
+                None => Reading::of_file(path),
+            }
+        };
+        World::of_reading(reading, change)
+    }
+}
+
+/// Whether an input is standard input, by its name on the command line.
+pub(super) fn is_standard_input(path: &Path) -> bool {
+    path.as_os_str() == STANDARD_INPUT
+}
+
+/// An input as messages name it.
+fn shown(path: &Path) -> &Path {
+    if is_standard_input(path) {
+        Path::new(STANDARD_INPUT_SHOWN)
+    } else {
+        path
+    }
+}
+
+/// An input as the command line names it, from how messages do.
+pub(super) fn unshown(path: &Path) -> &Path {
+    if path.as_os_str() == STANDARD_INPUT_SHOWN {
+        Path::new(STANDARD_INPUT)
+    } else {
+        path
+    }
+}

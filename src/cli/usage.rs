@@ -1,0 +1,83 @@
+//! From words to arguments; what is wrong with them is said without a character that would steer the
+//! terminal.
+
+use std::ffi::{OsStr, OsString};
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use candela::printable::printable;
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
+
+use super::failure::{self, Failure};
+use super::{Arguments, Command};
+
+/// A word of more bytes is cut in messages; the longest sensible lists are shorter.
+const LONGEST_WORD: usize = 2000;
+
+/// The arguments of the program.
+///
+/// # Errors
+/// What is wrong with them, or the help that they ask for.
+pub(super) fn parse() -> Result<Arguments, clap::Error> {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    parsed(&words).map_err(|error| printable_error(error, &words))
+}
+
+fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
+    let arguments = Arguments::try_parse_from(words)?;
+    if let Command::Render(render) = &arguments.command
+        && let Some(misuse) = render.misuse()
+    {
+        let mut command = Arguments::command();
+        command.build();
+        let render = command.find_subcommand_mut("render");
+        let render = render.expect("the command that was parsed is there");
+        return Err(render.error(ErrorKind::ArgumentConflict, misuse));
+    }
+    Ok(arguments)
+}
+
+/// The error again, of words that can be printed: it repeats those that are wrong.
+fn printable_error(error: clap::Error, words: &[OsString]) -> clap::Error {
+    let shown: Vec<OsString> = words.iter().map(|word| printable_word(word)).collect();
+    if shown == words {
+        return error;
+    }
+    match parsed(&shown) {
+        Err(shown) if shown.kind() == error.kind() => shown,
+        // The error is about the very characters.
+        Ok(_) | Err(_) => {
+            let text = error.to_string();
+            let first = text.lines().next().unwrap_or_default();
+            let message = first.strip_prefix("error: ").unwrap_or(first);
+            Arguments::command().error(error.kind(), printable(message))
+        }
+    }
+}
+
+fn printable_word(word: &OsStr) -> OsString {
+    let text = word.to_string_lossy();
+    let prints = |character: char| {
+        printable(character.encode_utf8(&mut [0; 4]))
+            .chars()
+            .count()
+            == 1
+    };
+    if text.len() <= LONGEST_WORD && text.chars().all(prints) {
+        return text.into_owned().into();
+    }
+    printable(&text).into()
+}
+
+/// Prints what is wrong with the arguments, or the help; the exit code that belongs to it.
+pub(super) fn report(error: &clap::Error) -> ExitCode {
+    let printed = error.print().and_then(|()| io::stdout().flush());
+    match printed {
+        Err(unprinted) if !error.use_stderr() => {
+            failure::report(&Failure::from(failure::named(unprinted)))
+        }
+        // Nowhere is left to report that the message itself cannot be written.
+        Ok(()) | Err(_) => ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2)),
+    }
+}

@@ -1,0 +1,218 @@
+//! `-`: scenes from standard input, files to standard output.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::Output;
+
+use super::{SCENE, candela, fails, files, folder, succeeds, text};
+
+/// A tetrahedron for scenes that name a mesh.
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+    property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+    0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+/// Runs candela with a file as its standard input.
+fn fed(folder: &Path, arguments: &str, file: &str) -> Output {
+    candela(folder, arguments)
+        .stdin(File::open(folder.join(file)).unwrap())
+        .output()
+        .unwrap()
+}
+
+fn read(folder: &Path, name: &str) -> Vec<u8> {
+    fs::read(folder.join(name)).unwrap()
+}
+
+/// A scene with a mesh beside it, `models/scene.toml`.
+fn with_mesh(folder: &Path) {
+    let mesh = "[objects.leaf.mesh]\nmaterial = \"clay\"\nfile = \"leaf.ply\"\n\
+        [materials.tin.phong]\ndiffuse = { file = \"tin.csv\" }\n";
+    fs::create_dir(folder.join("models")).unwrap();
+    fs::write(folder.join("models/scene.toml"), SCENE.to_owned() + mesh).unwrap();
+    fs::write(folder.join("models/leaf.ply"), PLY).unwrap();
+    fs::write(folder.join("models/tin.csv"), "400,0.5\n700,0.5\n").unwrap();
+}
+
+#[test]
+fn a_scene_from_standard_input_is_as_from_its_file() {
+    let folder = folder();
+    let folder = folder.path();
+    with_mesh(folder);
+    succeeds(folder, "render models/scene.toml -q -o file.exr");
+    for (arguments, name) in [
+        ("render - --base models -q -o piped.exr", "piped.exr"),
+        // The name that a scene without one leaves to the EXR.
+        ("render - --base models/../models/ -q", "scene.exr"),
+    ] {
+        let output = fed(folder, arguments, "models/scene.toml");
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(
+            read(folder, name) == read(folder, "file.exr"),
+            "{arguments}"
+        );
+    }
+    let output = fed(folder, "check - --base models", "models/scene.toml");
+    let report = text(&output.stdout);
+    assert!(report.starts_with("<stdin> is legal\n"), "{report}");
+    let as_file = succeeds(folder, "check models/scene.toml");
+    assert_eq!(
+        report.split_once('\n').unwrap().1,
+        as_file.split_once('\n').unwrap().1
+    );
+
+    let output = fed(
+        folder,
+        "probe - --base models --pixel 30,20",
+        "models/scene.toml",
+    );
+    let as_file = succeeds(folder, "probe models/scene.toml --pixel 30,20");
+    assert_eq!(text(&output.stdout), as_file);
+}
+
+#[test]
+fn files_of_a_scene_are_found_where_the_base_says() {
+    let folder = folder();
+    let folder = folder.path();
+    with_mesh(folder);
+    // Without it, beside where the command runs.
+    let output = fed(folder, "check -", "models/scene.toml");
+    assert_eq!(output.status.code(), Some(1));
+    let message = text(&output.stderr);
+    assert!(
+        message.contains("cannot use the mesh file leaf.ply: "),
+        "{message}"
+    );
+    assert!(message.contains("--> <stdin>:"), "{message}");
+    // For a file as well, in place of its folder.
+    fs::rename(folder.join("models/leaf.ply"), folder.join("leaf.ply")).unwrap();
+    fs::rename(folder.join("models/tin.csv"), folder.join("tin.csv")).unwrap();
+    succeeds(folder, "check models/scene.toml --base .");
+    for elsewhere in ["", "--base absent"] {
+        let output = candela(folder, &format!("check models/scene.toml {elsewhere}")).output();
+        let output = output.unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        let message = text(&output.stderr);
+        assert!(message.contains("leaf.ply: No such file"), "{message}");
+    }
+    let output = fed(folder, "check -", "models/scene.toml");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn what_is_wrong_with_standard_input_is_said() {
+    let folder = folder();
+    fs::write(
+        folder.path().join("key.toml"),
+        SCENE.replace("radius", "radios"),
+    )
+    .unwrap();
+    fs::write(folder.path().join("empty.toml"), "").unwrap();
+    fs::write(folder.path().join("bytes.toml"), b"a = \"\xff\"").unwrap();
+    for (file, part) in [
+        ("key.toml", "--> <stdin>:"),
+        ("empty.toml", "the scene file is empty"),
+        ("bytes.toml", "is not UTF-8"),
+    ] {
+        let output = fed(folder.path(), "render -", file);
+        assert_eq!(output.status.code(), Some(1));
+        let message = text(&output.stderr);
+        assert!(message.contains(part), "{message}");
+    }
+    // A file of that name has another one as well.
+    let message = fails(folder.path(), "check ./-", 1);
+    assert!(message.contains("No such file"), "{message}");
+    fs::write(folder.path().join("-"), SCENE).unwrap();
+    assert!(succeeds(folder.path(), "check ./-").starts_with("./- is legal"));
+}
+
+#[test]
+fn standard_output_gets_the_file_and_nothing_else() {
+    let folder = folder();
+    let folder = folder.path();
+    succeeds(folder, "render ball.toml -o file.exr --preview file.png");
+    for (arguments, file) in [
+        ("render ball.toml -o -", "file.exr"),
+        ("render ball.toml -o piped.exr --preview -", "file.png"),
+        ("tonemap file.exr -o -", "file.png"),
+    ] {
+        let output = candela(folder, arguments).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        assert!(output.stdout == read(folder, file), "{arguments}");
+        // A file that is open already gets it where it is open.
+        let mut command = candela(folder, arguments);
+        let status = command
+            .stdout(File::create(folder.join("out")).unwrap())
+            .stderr(std::process::Stdio::null())
+            .status();
+        assert!(status.unwrap().success());
+        assert!(read(folder, "out") == read(folder, file), "{arguments}");
+    }
+    let output = candela(folder, "render ball.toml -q -o a.exr --stats -").output();
+    let stats: serde_json::Value = serde_json::from_slice(&output.unwrap().stdout).unwrap();
+    assert_eq!(stats["image"], serde_json::json!([60, 40]));
+    assert!(!files(folder).contains(&"-".to_owned()));
+    // What is not whole is not sent.
+    let output = candela(folder, "render absent.toml -o -").output().unwrap();
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
+}
+
+/// More than is kept in memory until it is whole.
+#[test]
+fn standard_output_gets_large_files_too() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = SCENE.replace("[60, 40]", "[1600, 800]");
+    fs::write(folder.join("ball.toml"), scene).unwrap();
+    let render = "render ball.toml -q --samples 1 --compression none -o";
+    succeeds(folder, &format!("{render} file.exr"));
+    let output = candela(folder, &format!("{render} -")).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(output.stdout.len() > 20_000_000);
+    assert!(output.stdout == read(folder, "file.exr"));
+}
+
+#[test]
+fn two_outputs_do_not_share_standard_output() {
+    let folder = folder();
+    let folder = folder.path();
+    let mut cases = vec![
+        "-o - --preview -",
+        "-o - --stats -",
+        "-o a.exr --preview - --stats -",
+    ];
+    if cfg!(target_os = "linux") {
+        cases.extend([
+            "-o - --preview /dev/stdout",
+            "-o /dev/fd/1 --stats /proc/self/fd/1",
+        ]);
+    }
+    for outputs in cases {
+        let message = fails(folder, &format!("render ball.toml {outputs}"), 1);
+        assert!(message.contains("would go to standard output"), "{message}");
+    }
+    assert_eq!(files(folder), ["ball.toml"]);
+}
+
+/// Standard output and input may be files that the command names, too.
+#[cfg(unix)]
+#[test]
+fn redirected_files_are_places() {
+    let folder = folder();
+    let folder = folder.path();
+    let path = folder.join("p.png");
+    let mut command = candela(folder, "render ball.toml -o - --preview p.png");
+    let output = command
+        .stdout(File::create(&path).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let message = text(&output.stderr);
+    assert!(message.contains("would be one file"), "{message}");
+
+    fs::write(folder.join("scene"), SCENE).unwrap();
+    let output = fed(folder, "render - -o scene", "scene");
+    assert_eq!(output.status.code(), Some(1));
+    let message = text(&output.stderr);
+    assert!(message.contains("which is read"), "{message}");
+    assert_eq!(fs::read_to_string(folder.join("scene")).unwrap(), SCENE);
+}
