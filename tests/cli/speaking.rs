@@ -5,7 +5,20 @@ use std::path::Path;
 
 use candela::film::exr::read;
 
-use super::{RESOLUTION, SCENE, candela, fails, files, folder, json, succeeds, text};
+use tempfile::TempDir;
+
+use super::{RESOLUTION, SCENE, candela, fails, files, json, succeeds, text};
+
+/// The ball on its floor, with nothing to be warned of.
+fn scene() -> String {
+    SCENE.replace("[0.7, 0.3, 0.2]", "[0.2, 0.09, 0.06]")
+}
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("ball.toml"), scene()).unwrap();
+    folder
+}
 
 /// What a render that works says, line by line.
 fn said(folder: &Path, arguments: &str) -> Vec<String> {
@@ -26,7 +39,7 @@ fn warnings(folder: &Path, arguments: &str) -> Vec<String> {
 
 /// Writes the scene with some of its text replaced.
 fn write(folder: &Path, name: &str, changes: &[(&str, &str)]) {
-    let mut scene = SCENE.to_owned();
+    let mut scene = scene();
     for (from, to) in changes {
         assert!(scene.contains(from), "{from}");
         scene = scene.replace(from, to);
@@ -204,7 +217,7 @@ fn lights_that_reach_nothing_are_said() {
     // One is below the floor, one is behind a wall that it does not light on the side that is seen.
     let wall =
         "\n[objects.wall.plane]\nmaterial = \"clay\"\npoint = [0, 0, 6]\nnormal = [0, 0, 1]\n";
-    let hidden = SCENE
+    let hidden = scene()
         .replace(key, "position = [3, 4, 7]")
         .replace(fill, "position = [-3, -2, 1]");
     fs::write(folder.join("hidden.toml"), hidden + wall).unwrap();
@@ -228,9 +241,10 @@ fn lights_that_reach_nothing_are_said() {
         }
     }
     // No light at all is what `check` says, and said once.
-    let dark: String = SCENE.split("[lights").next().unwrap().to_owned()
-        + "[objects"
-        + SCENE.split_once("[objects").unwrap().1;
+    let scene = scene();
+    let (before, lights) = scene.split_once("[lights").unwrap();
+    let (_, objects) = lights.split_once("[objects").unwrap();
+    let dark = format!("{before}[objects{objects}");
     fs::write(folder.join("dark.toml"), dark).unwrap();
     let warnings = warnings(folder, "render dark.toml");
     let expected = "the scene has no light, so every surface is black";
@@ -241,7 +255,7 @@ fn lights_that_reach_nothing_are_said() {
 fn a_picture_that_looks_black_is_said() {
     let folder = folder();
     let folder = folder.path();
-    lights(folder, "dim.toml", "0.03", "0.004");
+    lights(folder, "dim.toml", "0.1", "0.01");
     let dim = fs::read_to_string(folder.join("dim.toml")).unwrap();
     fs::write(
         folder.join("dim.toml"),
@@ -280,7 +294,7 @@ fn a_picture_that_looks_black_is_said() {
     // Light that is none, and surfaces that reflect none.
     lights(folder, "off.toml", "0", "0");
     let black = [
-        ("diffuse = [0.7, 0.3, 0.2]", ""),
+        ("diffuse = [0.2, 0.09, 0.06]", ""),
         ("specular = 0.3", ""),
         ("background = [0.1, 0.2, 0.4]", ""),
     ];
@@ -355,7 +369,7 @@ fn warnings_of_check_are_those_of_render() {
     let more: String = (0..15)
         .map(|i| format!("[lights.l{i}.point]\nposition = [0, 0.5, 0.{i}]\nintensity = 1\n"))
         .collect();
-    fs::write(folder.join("many.toml"), SCENE.to_owned() + &more).unwrap();
+    fs::write(folder.join("many.toml"), scene() + &more).unwrap();
     let check = succeeds(folder, "check many.toml");
     let count = check.matches("is inside of object `ball`").count();
     assert!(count > 6);
