@@ -7,15 +7,17 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::develop::DevelopArguments;
 use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
+use candela::film::exr::ExrReader;
 use candela::output::Unfinished;
 use candela::printable::printable_path;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
 /// Make a PNG of an EXR: expose, map to the screen's range, encode as sRGB
 ///
-/// Reads any OpenEXR file with channels R, G, B, from candela or elsewhere, in the linear color
-/// space that it names (Rec.709 where it names none), and shows its display window. 1.0 in the file
-/// becomes the screen's white, unless an exposure is given.
+/// Reads any OpenEXR file, from candela or elsewhere: R, G, B, A, or luminance Y with or without
+/// chroma, or a layer of it, in the linear color space that it names (Rec.709 where it names none), and
+/// shows its display window. 1.0 in the file becomes the screen's white, unless an exposure is given.
+/// Deep pixels and HTJ2K compression are not read; the message says how to convert such a file.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -25,16 +27,28 @@ Examples:
       Four times as bright
   candela tonemap scene.exr --auto-exposure --view reinhard
       Bring any scene into view, without clipping
+  candela tonemap scene.exr --layer light_key -o key.png
+      What one light adds, of an EXR rendered with --layers lights
   candela tonemap scene.exr --bits 16 --alpha opaque
-      16 bits, over black, without alpha")]
+      16 bits, over black, without alpha
+  candela render scene.toml -o - | candela tonemap - -o scene.png
+      Through a pipe")]
 pub(crate) struct Arguments {
-    /// The EXR file
+    /// The EXR file; - is standard input
     #[arg(value_name = "IN.exr")]
     input: PathBuf,
 
-    /// The PNG file [default: IN.png in the current folder]
+    /// The PNG file, or - for standard output [default: IN.png in the current folder]
     #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
     output: Option<PathBuf>,
+
+    /// The layer, channel or part to show [default: the channels R, G, B, A outside of layers]
+    ///
+    /// light_key shows light_key.R, .G and .B; N shows the vector N.X, .Y, .Z as R, G, B; Z, or any
+    /// other whole name of a channel, is shown as a gray. A part of a file of many parts goes by its
+    /// name. A name that is not there makes an error that lists those that are.
+    #[arg(long, value_name = "NAME")]
+    layer: Option<String>,
 
     #[command(flatten)]
     development: DevelopArguments,
@@ -76,18 +90,34 @@ pub(crate) fn run(
         dither: arguments.development.dither,
         frame: Frame::Display,
     };
-    let default = default_output(&arguments.input);
-    let output = arguments.output.as_deref().unwrap_or(&default);
-    super::refuse_same_files(&[&arguments.input], &[output])?;
+    let default;
+    let output = match &arguments.output {
+        Some(output) => output.as_path(),
+        None => {
+            default = default_output(&arguments.input)?;
+            &default
+        }
+    };
+    let is_file = |path: &Path| path != Path::new("-");
+    if is_file(&arguments.input) && is_file(output) {
+        super::refuse_same_files(&[&arguments.input], &[output])?;
+    }
     super::refuse_terminal(output)?;
-    let report = display::convert(&arguments.input, output, &settings, unfinished)?;
+    let reader = ExrReader::open(&arguments.input, arguments.layer.as_deref())?;
+    let report = display::convert_reader(&reader, output, &settings, unfinished)?;
 
     // Nowhere is left to report that the messages themselves cannot be written.
-    for warning in report.warnings.iter().chain(&report.remarks()) {
+    let remarks = if reader.window().is_some() {
+        report.remarks()
+    } else {
+        // That nothing is shown has been said.
+        Vec::new()
+    };
+    for warning in report.warnings.iter().chain(&remarks) {
         let _ = writeln!(
             messages,
             "warning: {}: {warning}",
-            printable_path(&arguments.input)
+            named(&arguments.input)
         );
     }
     if matches!(settings.exposure, Exposure::Auto) {
@@ -96,9 +126,22 @@ pub(crate) fn run(
     Ok(())
 }
 
+/// How a message names an input.
+fn named(input: &Path) -> String {
+    if input == Path::new("-") {
+        "standard input".to_owned()
+    } else {
+        printable_path(input)
+    }
+}
+
 /// IN.png in the current folder. An input without a name cannot be read, which is found later.
-fn default_output(input: &Path) -> PathBuf {
-    Path::new(input.file_name().unwrap_or_default()).with_extension("png")
+fn default_output(input: &Path) -> Result<PathBuf, Failure> {
+    if input == Path::new("-") || input.starts_with("/dev") || input.starts_with("/proc") {
+        let input = named(input);
+        return Err(format!("{input} gives the PNG no name; give it one with -o OUT.png").into());
+    }
+    Ok(Path::new(input.file_name().unwrap_or_default()).with_extension("png"))
 }
 
 /// A path whose name does not promise another format, such as the input's.
@@ -118,7 +161,7 @@ fn png_path() -> impl TypedValueParser<Value = PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use candela::display::View;
+    use candela::display::{Dither, View};
     use clap::Parser;
 
     #[derive(Debug, Parser)]
@@ -140,7 +183,10 @@ mod tests {
             (arguments.development.view, arguments.bits, arguments.alpha),
             (View::Srgb, Bits::Eight, Alpha::Auto)
         );
-        assert_eq!(default_output(&arguments.input), Path::new("b.c.png"));
+        let default = |input| default_output(Path::new(input)).ok();
+        assert_eq!(default("a/b.c.exr"), Some(PathBuf::from("b.c.png")));
+        assert_eq!(default("-"), None);
+        assert_eq!(default("/dev/stdin"), None);
     }
 
     #[test]
@@ -154,6 +200,10 @@ mod tests {
             (arguments.development.view, arguments.bits, arguments.alpha),
             (View::Reinhard, Bits::Sixteen, Alpha::Opaque)
         );
+        let piped = parse("- -o - --layer light_key --dither none").unwrap();
+        assert_eq!(piped.output.as_deref(), Some(Path::new("-")));
+        assert_eq!(piped.layer.as_deref(), Some("light_key"));
+        assert_eq!(piped.development.dither, Dither::None);
         let chosen = parse("a.exr --auto-exposure").unwrap();
         assert_eq!(chosen.development.exposure(), Exposure::Auto);
     }
@@ -169,6 +219,7 @@ mod tests {
             "a.exr --view film",
             "a.exr --bits 12",
             "a.exr --alpha drop",
+            "a.exr --dither noise",
             "a.exr -o a.exr",
         ] {
             assert_eq!(parse(line).unwrap_err().exit_code(), 2, "{line}");

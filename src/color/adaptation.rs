@@ -29,12 +29,16 @@ pub fn bradford(from: DVec3, to: DVec3) -> DMat3 {
 
 /// Linear RGB of one space to linear RGB of another.
 ///
-/// Where the whites differ, colors are adapted with [`bradford`], so that R = G = B stays so.
+/// Where the whites differ, colors are adapted with [`bradford`], so that R = G = B stays so. XYZ itself
+/// is not adapted: its white is that of equal numbers, no light's.
 /// Colors outside the gamut of `to` get negative components. The same space gives exactly the
 /// identity.
 pub fn conversion(from: &Primaries, to: &Primaries) -> DMat3 {
     if from == to {
         return DMat3::IDENTITY;
+    }
+    if from.is_xyz() || to.is_xyz() {
+        return to.from_xyz() * from.to_xyz();
     }
     to.from_xyz() * bradford(from.white_xyz(), to.white_xyz()) * from.to_xyz()
 }

@@ -50,6 +50,23 @@ impl Primaries {
         white: D65,
     };
 
+    /// Adobe RGB (1998), section 4.3.1.1.
+    pub const ADOBE_RGB: Self = Self {
+        red: [0.640, 0.330],
+        green: [0.210, 0.710],
+        blue: [0.150, 0.060],
+        white: D65,
+    };
+
+    /// CIE XYZ itself as a space of R, G, B. The white is that of equal numbers, which is no
+    /// light's: colors are not adapted from it.
+    pub const XYZ: Self = Self {
+        red: [1.0, 0.0],
+        green: [0.0, 1.0],
+        blue: [0.0, 0.0],
+        white: [1.0 / 3.0, 1.0 / 3.0],
+    };
+
     /// AP1, the primaries of ACEScg (S-2014-004).
     pub const AP1: Self = Self {
         red: [0.713, 0.293],
@@ -71,6 +88,10 @@ impl Primaries {
     /// They are the middle row of the matrix from RGB to XYZ (SMPTE RP 177): the columns are the
     /// primaries' XYZ, scaled so that R = G = B = 1 is the white at Y = 1.
     pub fn luminance_weights(&self) -> [f64; 3] {
+        if self.has_dark_primary() {
+            let matrix = self.by_sums();
+            return [0, 1, 2].map(|column| matrix.col(column).y);
+        }
         let columns = self.columns();
         let white = xyz(self.white);
         // Cramer's rule for columns · weights = white; Y is 1 in every column, so that the
@@ -86,8 +107,11 @@ impl Primaries {
     /// Linear RGB to XYZ, with R = G = B = 1 at the white's XYZ, Y = 1 (SMPTE RP 177).
     ///
     /// The middle row is [`Self::luminance_weights`], to the bit. Primaries that lie on one line,
-    /// or a y of zero, give components that are not finite.
+    /// or a white with a y of zero, give components that are not finite.
     pub fn to_xyz(&self) -> DMat3 {
+        if self.has_dark_primary() {
+            return self.by_sums();
+        }
         let columns = DMat3::from_cols_array_2d(&self.columns());
         columns * DMat3::from_diagonal(DVec3::from_array(self.luminance_weights()))
     }
@@ -102,6 +126,27 @@ impl Primaries {
     /// The XYZ of the white, at Y = 1.
     pub fn white_xyz(&self) -> DVec3 {
         DVec3::from_array(xyz(self.white))
+    }
+
+    /// Whether these are the primaries of XYZ itself, as far as files are exact.
+    pub fn is_xyz(&self) -> bool {
+        let list = |p: &Self| [p.red, p.green, p.blue].into_iter().flatten();
+        list(self)
+            .zip(list(&Self::XYZ))
+            .all(|(found, expected)| (found - expected).abs() <= 1e-3)
+    }
+
+    /// Whether a primary has no luminance, so that it cannot be scaled to Y = 1.
+    fn has_dark_primary(&self) -> bool {
+        [self.red, self.green, self.blue].iter().any(|&[_, y]| y == 0.0)
+    }
+
+    /// [`Self::to_xyz`] from primaries at X + Y + Z = 1.
+    fn by_sums(&self) -> DMat3 {
+        let column = |[x, y]: [f64; 2]| DVec3::new(x, y, 1.0 - x - y);
+        let columns = [self.red, self.green, self.blue].map(column);
+        let columns = DMat3::from_cols(columns[0], columns[1], columns[2]);
+        columns * DMat3::from_diagonal(columns.inverse() * self.white_xyz())
     }
 
     /// The XYZ of red, green and blue, each at Y = 1.

@@ -55,9 +55,27 @@ pub fn scale(ev: f64) -> f64 {
 /// window count, by their coverage, that are covered at all, whose values are finite, and whose
 /// luminance is above δ = [`DELTA`]. A background seen past all objects has no coverage.
 pub fn auto_ev(picture: &Picture<'_>) -> f64 {
-    let weights = Primaries::REC709.luminance_weights();
-    let sum_up = |pixels: &[[f32; 4]]| {
-        let mut sum = Sum::default();
+    let width = picture.width();
+    let rows = picture.pixels().par_chunks(width.max(1)).map(LogSum::of_row);
+    // Rows added in order: the same sum for any number of threads, from a film and from a file.
+    let rows: Vec<LogSum> = rows.collect();
+    rows.into_iter().fold(LogSum::default(), LogSum::and).ev()
+}
+
+/// Sums over some pixels, for the log-average luminance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LogSum {
+    /// Of ln(δ + L), by coverage.
+    logarithms: f64,
+    /// Of the coverage.
+    coverage: f64,
+}
+
+impl LogSum {
+    /// Over a row, in its order.
+    pub(super) fn of_row(pixels: &[[f32; 4]]) -> Self {
+        let weights = Primaries::REC709.luminance_weights();
+        let mut sum = Self::default();
         for pixel in pixels {
             let [r, g, b, alpha] = pixel.map(f64::from);
             // An infinity or a negative alpha makes the luminance infinite, NaN or negative.
@@ -69,26 +87,22 @@ pub fn auto_ev(picture: &Picture<'_>) -> f64 {
             }
         }
         sum
-    };
-    // Pieces of a fixed size, added in order: the same sum for any number of threads.
-    const PIECE: usize = 1 << 14;
-    let pieces: Vec<Sum> = picture.pixels().par_chunks(PIECE).map(sum_up).collect();
-    let (logarithms, coverage) = pieces.iter().fold((0.0, 0.0), |(l, c), piece| {
-        (l + piece.logarithms, c + piece.coverage)
-    });
-    if coverage == 0.0 {
-        return 0.0;
     }
-    KEY.log2() - logarithms / coverage * std::f64::consts::LOG2_E
-}
 
-/// Sums over some pixels.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    /// Of ln(δ + L), by coverage.
-    logarithms: f64,
-    /// Of the coverage.
-    coverage: f64,
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            logarithms: self.logarithms + other.logarithms,
+            coverage: self.coverage + other.coverage,
+        }
+    }
+
+    /// The exposure that makes the average a middle gray.
+    pub(super) fn ev(self) -> f64 {
+        if self.coverage == 0.0 {
+            return 0.0;
+        }
+        KEY.log2() - self.logarithms / self.coverage * std::f64::consts::LOG2_E
+    }
 }
 
 #[cfg(test)]

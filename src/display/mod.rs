@@ -19,20 +19,20 @@ mod dither;
 pub mod exposure;
 mod picture;
 mod png;
+mod stream;
 pub mod view;
-
-use std::path::Path;
 
 use rayon::prelude::*;
 
-use develop::{Develop, Seen};
+use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
 pub use picture::Picture;
+pub use stream::{convert, convert_reader};
 pub use view::View;
 
-use crate::film::exr::{self, ExrError};
-use crate::output::{OutputError, OutputProblem, Unfinished};
+use crate::film::exr::ExrError;
+use crate::output::{OutputError, OutputProblem};
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,7 +47,7 @@ pub struct Settings {
     pub alpha: Alpha,
     /// How light between two codes of 8 bits is shown.
     pub dither: Dither,
-    /// What of the file's windows is shown.
+    /// What of a file's windows is shown; pictures in memory are their display window.
     pub frame: Frame,
 }
 
@@ -246,46 +246,10 @@ impl DisplayError {
     }
 }
 
-/// Makes a PNG of an EXR file, whole or not at all.
-///
-/// # Errors
-/// If the EXR cannot be read or the PNG cannot be written; the target is then as it was.
-pub fn convert(
-    exr: &Path,
-    png: &Path,
-    settings: &Settings,
-    unfinished: &Unfinished,
-) -> Result<Report, DisplayError> {
-    let picture = Picture::new(exr::read(exr)?);
-    let picture = match settings.frame {
-        Frame::Display => picture,
-        Frame::Data => picture.of_data(),
-    };
-    let ev = settings.exposure.ev(&picture);
-    let (image, seen) = developed(&picture, &develop(&picture, settings, ev));
-    image.write_png(png, unfinished)?;
-    let mut warnings = picture.warnings();
-    if settings.alpha == Alpha::Auto && picture.has_alpha() && picture.has_uncovered_light() {
-        warnings.push(
-            "there is light where coverage is 0, a background: the PNG has no alpha, \
-             unless it is asked for"
-                .to_owned(),
-        );
-    }
-    let [width, height] = picture.resolution().map(f64::from);
-    Ok(Report {
-        ev,
-        resolution: picture.resolution(),
-        brightest: seen.brightest,
-        clipped: seen.clipped as f64 / (width * height),
-        warnings,
-    })
-}
-
 /// Exposes, views, encodes and quantizes a picture.
 pub fn tonemap(picture: &Picture<'_>, settings: &Settings) -> Image {
     let ev = settings.exposure.ev(picture);
-    developed(picture, &develop(picture, settings, ev)).0
+    developed(picture, &develop(picture, settings, ev))
 }
 
 fn develop(picture: &Picture<'_>, settings: &Settings, ev: f64) -> Develop {
@@ -295,26 +259,24 @@ fn develop(picture: &Picture<'_>, settings: &Settings, ev: f64) -> Develop {
             Alpha::Keep => true,
             Alpha::Opaque => false,
         };
-    Develop::new(settings, ev, has_alpha, picture.origin())
+    Develop::new(settings, ev, has_alpha, [0, 0])
 }
 
-fn developed(picture: &Picture<'_>, develop: &Develop) -> (Image, Seen) {
+fn developed(picture: &Picture<'_>, develop: &Develop) -> Image {
     let [width, height] = picture.resolution().map(|side| side as usize);
     let row_bytes = width * develop.pixel_bytes();
     let mut samples = vec![0; row_bytes * height];
     let rows = samples.par_chunks_exact_mut(row_bytes).enumerate();
-    let seen = rows.map(|(y, row)| {
+    rows.for_each(|(y, row)| {
         let (left, pixels) = picture.row(y);
-        develop.row(y as u32, left as u32, pixels, row)
+        develop.row(y as u32, left as u32, pixels, row);
     });
-    let seen = seen.reduce(Seen::default, Seen::and);
-    let image = Image {
+    Image {
         resolution: picture.resolution(),
         has_alpha: develop.has_alpha(),
         bits: develop.bits(),
         samples,
-    };
-    (image, seen)
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, SrgbRenderingIntent};
+use png::{
+    BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions,
+    SrgbRenderingIntent, Unit,
+};
 
 use super::{Bits, Image};
 use crate::output::{self, OutputError, Unfinished};
@@ -22,26 +25,54 @@ impl Image {
     /// # Errors
     /// What the sink reports.
     pub fn write_png_to(&self, sink: impl Write) -> io::Result<()> {
-        let [width, height] = self.resolution;
-        let mut encoder = Encoder::new(sink, width, height);
-        encoder.set_color(if self.has_alpha {
-            ColorType::Rgba
-        } else {
-            ColorType::Rgb
-        });
-        encoder.set_depth(match self.bits {
-            Bits::Eight => BitDepth::Eight,
-            Bits::Sixteen => BitDepth::Sixteen,
-        });
-        encoder.set_compression(Compression::Fast);
-        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+        let encoder = encoder(sink, self.resolution, self.has_alpha, self.bits);
         let mut writer = encoder.write_header().map_err(into_io)?;
         writer.write_image_data(&self.samples).map_err(into_io)?;
         writer.finish().map_err(into_io)
     }
 }
 
-fn into_io(error: EncodingError) -> io::Error {
+/// A PNG of these properties.
+pub(super) fn encoder<'a, W: Write>(
+    sink: W,
+    [width, height]: [u32; 2],
+    has_alpha: bool,
+    bits: Bits,
+) -> Encoder<'a, W> {
+    let mut encoder = Encoder::new(sink, width, height);
+    encoder.set_color(if has_alpha {
+        ColorType::Rgba
+    } else {
+        ColorType::Rgb
+    });
+    encoder.set_depth(match bits {
+        Bits::Eight => BitDepth::Eight,
+        Bits::Sixteen => BitDepth::Sixteen,
+    });
+    encoder.set_compression(Compression::Fast);
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder
+}
+
+/// The chunk pHYs for pixels that are so much wider than high; `None` for square ones, and where it says
+/// nothing that can be.
+pub(super) fn pixel_dimensions(aspect: f32) -> Option<PixelDimensions> {
+    /// More digits than cameras and their formats have.
+    const UNIT: f64 = 1e6;
+    let aspect = f64::from(aspect);
+    // As a range, which holds no NaN.
+    if !(1e-3..=1e3).contains(&aspect) || (aspect - 1.0).abs() < 1e-4 {
+        return None;
+    }
+    // The more of them there are to a length, the narrower they are.
+    Some(PixelDimensions {
+        xppu: UNIT as u32,
+        yppu: (aspect * UNIT).round() as u32,
+        unit: Unit::Unspecified,
+    })
+}
+
+pub(super) fn into_io(error: EncodingError) -> io::Error {
     match error {
         EncodingError::IoError(error) => error,
         error => io::Error::new(io::ErrorKind::InvalidInput, error),

@@ -9,7 +9,7 @@ use std::fmt;
 use std::str::FromStr;
 
 pub(super) use file::{ExrFile, Packer};
-pub use read::{ColorTag, ExrError, ExrImage, ExrProblem, read};
+pub use read::{ColorMeaning, ColorTag, ExrError, ExrImage, ExrProblem, ExrReader, read};
 
 use super::{ChannelKind, Channels, Window};
 use crate::color::Primaries;
@@ -197,14 +197,17 @@ pub const fn color_interop_id(space: ColorSpace) -> &'static str {
     }
 }
 
-/// The primaries of a linear, scene-referred space by its identifier.
+/// The primaries of a linear space by its identifier: all of those of the ASWF Color Interop Forum, of
+/// scenes and of displays.
 pub fn primaries_of(interop_id: &str) -> Option<Primaries> {
     match interop_id {
-        "lin_rec709_scene" => Some(Primaries::REC709),
-        "lin_p3d65_scene" => Some(Primaries::P3_D65),
-        "lin_rec2020_scene" => Some(Primaries::REC2020),
+        "lin_rec709_scene" | "lin_rec709_display" => Some(Primaries::REC709),
+        "lin_p3d65_scene" | "lin_p3d65_display" => Some(Primaries::P3_D65),
+        "lin_rec2020_scene" | "lin_rec2020_display" => Some(Primaries::REC2020),
+        "lin_adobergb_scene" => Some(Primaries::ADOBE_RGB),
         "lin_ap1_scene" => Some(Primaries::AP1),
         "lin_ap0_scene" => Some(Primaries::AP0),
+        "lin_ciexyzd65_scene" | "lin_ciexyzd65_display" => Some(Primaries::XYZ),
         _ => None,
     }
 }

@@ -1,0 +1,326 @@
+//! From an EXR file to a PNG, row by row: neither picture is ever in memory as a whole.
+//!
+//! One part of the threads decodes the next rows while the last ones are developed and encoded.
+
+use std::io::{self, Write};
+use std::ops::Range;
+use std::path::Path;
+
+use png::StreamWriter;
+use rayon::prelude::*;
+
+use super::develop::{Develop, Seen};
+use super::exposure::LogSum;
+use super::picture::{Prepare, Repaired, has_uncovered_light};
+use super::png::{encoder, into_io, pixel_dimensions};
+use super::{Alpha, DisplayError, Exposure, Frame, Report, Settings};
+use crate::film::Window;
+use crate::film::exr::{ExrError, ExrReader};
+use crate::output::{self, Sink, Unfinished};
+
+/// Bytes of the PNG that are encoded at a time, before compression.
+const ENCODED: usize = 1 << 22;
+
+/// Makes a PNG of an EXR file, whole or not at all.
+///
+/// # Errors
+/// If the EXR cannot be read or the PNG cannot be written; the target is then as it was.
+pub fn convert(
+    exr: &Path,
+    png: &Path,
+    settings: &Settings,
+    unfinished: &Unfinished,
+) -> Result<Report, DisplayError> {
+    convert_reader(&ExrReader::open(exr, None)?, png, settings, unfinished)
+}
+
+/// Makes a PNG of what an EXR file that is open shows, whole or not at all.
+///
+/// # Errors
+/// As [`convert`].
+pub fn convert_reader(
+    exr: &ExrReader,
+    png: &Path,
+    settings: &Settings,
+    unfinished: &Unfinished,
+) -> Result<Report, DisplayError> {
+    let color = exr.color().meaning();
+    let prepare = Prepare::from(&color.primaries);
+    let may_have_alpha = exr.has_alpha() && settings.alpha != Alpha::Opaque;
+    let (ev, mut is_uncovered) = match settings.exposure {
+        Exposure::Ev(ev) => (ev, false),
+        Exposure::Auto => measured(exr, prepare)?,
+    };
+    let shown = Shown::new(exr, settings.frame);
+    let conversion = |has_alpha| Conversion {
+        exr,
+        shown,
+        prepare,
+        develop: Develop::new(settings, ev, has_alpha, shown.origin),
+        stops_at_uncovered: settings.alpha == Alpha::Auto && has_alpha,
+    };
+    let is_auto = settings.alpha == Alpha::Auto && exr.has_alpha();
+    let has_alpha = may_have_alpha && !(is_auto && is_uncovered);
+    let done = match conversion(has_alpha).write(png, unfinished) {
+        // The PNG is begun again, without alpha.
+        Err(Stop::Uncovered) => {
+            is_uncovered = true;
+            conversion(false).write(png, unfinished)
+        }
+        done => done,
+    };
+    let noticed = match done {
+        Ok(noticed) => noticed,
+        Err(Stop::Failed(error)) => return Err(error),
+        Err(Stop::Uncovered) => unreachable!("only a PNG with alpha stops there"),
+    };
+
+    let mut warnings = exr.warnings();
+    warnings.extend(color.warning);
+    warnings.extend(noticed.repaired.warnings());
+    if is_auto && is_uncovered {
+        warnings.push(
+            "there is light where coverage is 0, a background: the PNG has no alpha, \
+             unless it is asked for"
+                .to_owned(),
+        );
+    }
+    if pixel_dimensions(exr.pixel_aspect()).is_some() {
+        warnings.push(format!(
+            "its pixels are not square, but {} times as wide as high; the PNG says so, in a \
+             chunk that many programs pass over",
+            exr.pixel_aspect()
+        ));
+    }
+    let [width, height] = shown.resolution.map(f64::from);
+    Ok(Report {
+        ev,
+        resolution: shown.resolution,
+        brightest: noticed.seen.brightest,
+        clipped: noticed.seen.clipped as f64 / (width * height),
+        warnings,
+    })
+}
+
+/// The exposure for the log-average luminance of a file, and whether there is light without coverage.
+fn measured(exr: &ExrReader, prepare: Prepare) -> Result<(f64, bool), ExrError> {
+    let mut sum = LogSum::default();
+    let mut is_uncovered = false;
+    let width = exr.window().map_or(1, |window| window.width as usize);
+    for band in exr.bands() {
+        let mut pixels = exr.new_rows(band)?;
+        let rows = pixels.par_chunks_mut(width).map(|row| {
+            prepare.apply(row);
+            (LogSum::of_row(row), has_uncovered_light(row))
+        });
+        for (row, uncovered) in rows.collect::<Vec<_>>() {
+            sum = sum.and(row);
+            is_uncovered |= uncovered;
+        }
+    }
+    Ok((sum.ev(), is_uncovered && exr.has_alpha()))
+}
+
+/// Why a conversion came to no end.
+enum Stop {
+    /// A PNG with alpha cannot hold what there is.
+    Uncovered,
+    Failed(DisplayError),
+}
+
+/// What was noticed on the way.
+#[derive(Clone, Copy, Default)]
+struct Noticed {
+    seen: Seen,
+    repaired: Repaired,
+    is_uncovered: bool,
+}
+
+impl Noticed {
+    fn and(self, other: Self) -> Self {
+        Self {
+            seen: self.seen.and(other.seen),
+            repaired: self.repaired.and(other.repaired),
+            is_uncovered: self.is_uncovered || other.is_uncovered,
+        }
+    }
+}
+
+/// What of a file's windows is shown.
+#[derive(Clone, Copy)]
+struct Shown {
+    /// Width and height of the PNG.
+    resolution: [u32; 2],
+    /// Where there is data.
+    window: Option<Window>,
+    /// Where its top left is in the display window.
+    origin: [u32; 2],
+}
+
+impl Shown {
+    fn new(exr: &ExrReader, frame: Frame) -> Self {
+        match (frame, exr.window()) {
+            (Frame::Display, window) | (Frame::Data, window @ None) => Self {
+                resolution: exr.resolution(),
+                window,
+                origin: [0, 0],
+            },
+            (Frame::Data, Some(window)) => Self {
+                resolution: [window.width, window.height],
+                window: Some(Window::whole([window.width, window.height])),
+                origin: [window.x, window.y],
+            },
+        }
+    }
+}
+
+/// A PNG that is being made.
+struct Conversion<'a> {
+    exr: &'a ExrReader,
+    shown: Shown,
+    prepare: Prepare,
+    develop: Develop,
+    /// Whether light without coverage is not to be written.
+    stops_at_uncovered: bool,
+}
+
+impl Conversion<'_> {
+    fn write(&self, png: &Path, unfinished: &Unfinished) -> Result<Noticed, Stop> {
+        let mut stop = None;
+        let written = output::write(png, unfinished, |sink| {
+            self.write_to(sink).map_err(|error| match error {
+                Halt::Stop(why) => {
+                    stop = Some(why);
+                    io::Error::other("stopped")
+                }
+                Halt::Write(error) => error,
+            })
+        });
+        match (written, stop) {
+            (_, Some(stop)) => Err(stop),
+            (Ok(noticed), None) => Ok(noticed),
+            (Err(error), None) => Err(Stop::Failed(error.into())),
+        }
+    }
+
+    fn write_to(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
+        let resolution @ [_, height] = self.shown.resolution;
+        let (bits, has_alpha) = (self.develop.bits(), self.develop.has_alpha());
+        let mut encoder = encoder(sink, resolution, has_alpha, bits);
+        encoder.set_pixel_dims(pixel_dimensions(self.exr.pixel_aspect()));
+        let mut writer = encoder.write_header().map_err(into_io)?;
+        let mut rows = writer.stream_writer().map_err(into_io)?;
+        let noticed = match self.shown.window {
+            None => {
+                self.blank(&mut rows, height)?;
+                Noticed::default()
+            }
+            Some(window) => {
+                self.blank(&mut rows, window.y)?;
+                let noticed = self.window(&mut rows, window)?;
+                self.blank(&mut rows, height - window.y - window.height)?;
+                noticed
+            }
+        };
+        rows.finish().map_err(into_io)?;
+        writer.finish().map_err(into_io)?;
+        Ok(noticed)
+    }
+
+    fn row_bytes(&self) -> usize {
+        self.shown.resolution[0] as usize * self.develop.pixel_bytes()
+    }
+
+    /// Rows that no data covers.
+    fn blank(&self, rows: &mut StreamWriter<'_, &mut dyn Sink>, count: u32) -> Result<(), Halt> {
+        let mut row = vec![0; self.row_bytes()];
+        self.develop.row(0, 0, &[], &mut row);
+        for _ in 0..count {
+            rows.write_all(&row)?;
+        }
+        Ok(())
+    }
+
+    /// Rows with data.
+    fn window(
+        &self,
+        rows: &mut StreamWriter<'_, &mut dyn Sink>,
+        window: Window,
+    ) -> Result<Noticed, Halt> {
+        let mut noticed = Noticed::default();
+        let mut bands = self.exr.bands();
+        let mut samples = Vec::new();
+        let read = |band: Option<Range<u32>>| {
+            let band = band?;
+            Some(self.exr.new_rows(band.clone()).map(|pixels| (band, pixels)))
+        };
+        let mut current = read(bands.next());
+        while let Some(band) = current {
+            let (band, pixels) = band?;
+            let following = bands.next();
+            let (written, next) = rayon::join(
+                || self.band(rows, window, band, pixels, &mut samples),
+                || read(following),
+            );
+            noticed = noticed.and(written?);
+            current = next;
+        }
+        Ok(noticed)
+    }
+
+    /// Develops and encodes some rows of the window.
+    fn band(
+        &self,
+        rows: &mut StreamWriter<'_, &mut dyn Sink>,
+        window: Window,
+        band: Range<u32>,
+        mut pixels: Vec<[f32; 4]>,
+        samples: &mut Vec<u8>,
+    ) -> Result<Noticed, Halt> {
+        let (width, row_bytes) = (window.width as usize, self.row_bytes());
+        let together = (ENCODED / row_bytes).clamp(1, band.len());
+        samples.resize(together * row_bytes, 0);
+        let mut noticed = Noticed::default();
+        for (pixels, top) in pixels
+            .chunks_mut(together * width)
+            .zip((window.y + band.start..).step_by(together))
+        {
+            let pixels = pixels.par_chunks_exact_mut(width);
+            let samples = &mut samples[..pixels.len() * row_bytes];
+            let lines = samples.par_chunks_exact_mut(row_bytes).zip(pixels);
+            let here = lines.enumerate().map(|(line, (samples, pixels))| {
+                let repaired = self.prepare.apply(pixels);
+                let y = top + line as u32;
+                Noticed {
+                    seen: self.develop.row(y, window.x, pixels, samples),
+                    repaired,
+                    is_uncovered: self.stops_at_uncovered && has_uncovered_light(pixels),
+                }
+            });
+            noticed = noticed.and(here.reduce(Noticed::default, Noticed::and));
+            if noticed.is_uncovered {
+                return Err(Halt::Stop(Stop::Uncovered));
+            }
+            rows.write_all(samples)?;
+        }
+        Ok(noticed)
+    }
+}
+
+/// What ends the writing of a file.
+enum Halt {
+    Stop(Stop),
+    Write(io::Error),
+}
+
+impl From<io::Error> for Halt {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+impl From<ExrError> for Halt {
+    fn from(error: ExrError) -> Self {
+        Self::Stop(Stop::Failed(error.into()))
+    }
+}

@@ -1,0 +1,206 @@
+//! Which channels of a file are shown: those without a layer's name, or those of a layer that the user
+//! names.
+//!
+//! A channel's name is `layer.channel`, parted at the last dot, and layers may be within layers
+//! (`ViewLayer.Combined.R`). A part of a file is a layer, too, by its name.
+
+use std::collections::BTreeSet;
+
+use super::ExrProblem;
+use super::header::{Headers, Part};
+use crate::printable::printable;
+
+/// What is shown of a part: places in its list of channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shown {
+    pub(super) part: usize,
+    pub(super) channels: Shape,
+    pub(super) alpha: Option<usize>,
+}
+
+/// How channels make a color.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shape {
+    /// R, G and B.
+    Rgb([usize; 3]),
+    /// X, Y and Z of a vector, shown as R, G and B: no color.
+    Vector([usize; 3]),
+    /// Luminance alone: a gray.
+    Gray(usize),
+    /// Another channel by itself, shown as a gray: no color.
+    Single(usize),
+    /// Luminance, and chroma that may have fewer samples: Y, RY, BY.
+    LumaChroma([usize; 3]),
+}
+
+impl Shape {
+    /// Whether it is light, and its color space counts.
+    pub(super) const fn is_color(self) -> bool {
+        match self {
+            Self::Rgb(_) | Self::Gray(_) | Self::LumaChroma(_) => true,
+            Self::Vector(_) | Self::Single(_) => false,
+        }
+    }
+
+    /// The channels in the order of R, G, B, or Y, RY, BY.
+    pub(super) fn list(&self) -> &[usize] {
+        match self {
+            Self::Rgb(list) | Self::Vector(list) | Self::LumaChroma(list) => list,
+            Self::Gray(channel) | Self::Single(channel) => std::slice::from_ref(channel),
+        }
+    }
+}
+
+/// A channel's name without its layer, and the layer.
+fn split(name: &[u8]) -> (&[u8], &[u8]) {
+    match name.iter().rposition(|&byte| byte == b'.') {
+        Some(dot) => (&name[..dot], &name[dot + 1..]),
+        None => (&[], name),
+    }
+}
+
+/// What the channels of a layer show together; `None` where they are no color and no vector.
+fn shape(part: &Part, layer: &[u8]) -> Option<(Shape, Option<usize>)> {
+    let find = |wanted: &str| {
+        let is_wanted = |name: &[u8]| {
+            let (found, channel) = split(name);
+            found == layer && channel.eq_ignore_ascii_case(wanted.as_bytes())
+        };
+        part.channels.iter().position(|channel| is_wanted(&channel.name))
+    };
+    let all = |names: [&str; 3]| {
+        let [a, b, c] = names.map(find);
+        Some([a?, b?, c?])
+    };
+    let alpha = find("A");
+    if let Some(rgb) = all(["R", "G", "B"]) {
+        return Some((Shape::Rgb(rgb), alpha));
+    }
+    if let Some(yca) = all(["Y", "RY", "BY"]) {
+        return Some((Shape::LumaChroma(yca), alpha));
+    }
+    // A depth beside luminance, both without a layer, is no vector.
+    if let Some(xyz) = all(["X", "Y", "Z"]).filter(|_| !layer.is_empty()) {
+        return Some((Shape::Vector(xyz), None));
+    }
+    find("Y").map(|y| (Shape::Gray(y), alpha))
+}
+
+/// The layers of a part in the order of its channels; the empty one is the part's own.
+fn layers(part: &Part) -> Vec<&[u8]> {
+    let mut seen = BTreeSet::new();
+    let names = part.channels.iter().map(|channel| split(&channel.name).0);
+    names.filter(|layer| seen.insert(*layer)).collect()
+}
+
+/// What is shown where the user names nothing: the first part with R, G, B, or else with luminance.
+pub(super) fn unnamed(headers: &Headers) -> Result<Shown, ExrProblem> {
+    let found = |is_wanted: fn(Shape) -> bool| {
+        let parts = headers.parts.iter().enumerate();
+        let mut shown = parts.filter_map(|(part, header)| {
+            let (channels, alpha) = shape(header, b"")?;
+            is_wanted(channels).then_some(Shown {
+                part,
+                channels,
+                alpha,
+            })
+        });
+        shown.next()
+    };
+    found(|shape| matches!(shape, Shape::Rgb(_)))
+        .or_else(|| found(Shape::is_color))
+        .ok_or_else(|| ExrProblem::NoRgb(names(headers)))
+}
+
+/// What is shown of the layer or channel with this name.
+pub(super) fn named(headers: &Headers, wanted: &str) -> Result<Shown, ExrProblem> {
+    // Colors go before single channels, and names without a part's before those with one.
+    let searches: [fn(&Part, &str) -> Option<(Shape, Option<usize>)>; 4] = [
+        |part, wanted| (!wanted.is_empty()).then(|| shape(part, wanted.as_bytes()))?,
+        |part, wanted| channel(part, wanted.as_bytes()),
+        |part, wanted| {
+            let rest = wanted.as_bytes().strip_prefix(part.name.as_slice())?;
+            match rest {
+                b"" => shape(part, b"").or_else(|| only(part)),
+                rest => shape(part, rest.strip_prefix(b".")?),
+            }
+        },
+        |part, wanted| {
+            let rest = wanted.as_bytes().strip_prefix(part.name.as_slice())?;
+            channel(part, rest.strip_prefix(b".")?)
+        },
+    ];
+    for search in searches {
+        let mut parts = headers.parts.iter().enumerate();
+        let found = parts.find_map(|(part, header)| Some((part, search(header, wanted)?)));
+        if let Some((part, (channels, alpha))) = found {
+            return Ok(Shown {
+                part,
+                channels,
+                alpha,
+            });
+        }
+    }
+    Err(ExrProblem::NoLayer {
+        wanted: wanted.to_owned(),
+        names: names(headers),
+    })
+}
+
+/// A channel by its whole name.
+fn channel(part: &Part, wanted: &[u8]) -> Option<(Shape, Option<usize>)> {
+    let mut names = part.channels.iter().map(|channel| channel.name.as_slice());
+    let place = names.position(|name| name == wanted)?;
+    Some((Shape::Single(place), None))
+}
+
+/// What a part shows that has one layer, or one channel, alone.
+fn only(part: &Part) -> Option<(Shape, Option<usize>)> {
+    match layers(part)[..] {
+        [layer] => shape(part, layer)
+            .or_else(|| (part.channels.len() == 1).then_some((Shape::Single(0), None))),
+        _ => None,
+    }
+}
+
+/// What can be named: layers that show together, then channels that belong to none.
+fn names(headers: &Headers) -> Vec<String> {
+    let (mut together, mut single) = (Vec::new(), Vec::new());
+    let mut seen = BTreeSet::new();
+    for part in &headers.parts {
+        let shapes: Vec<_> = layers(part)
+            .into_iter()
+            .filter_map(|layer| Some((layer, shape(part, layer)?)))
+            .collect();
+        let mut add = |list: &mut Vec<String>, name: &[u8]| {
+            let mut name = String::from_utf8_lossy(name).into_owned();
+            if !seen.insert(name.clone()) && !part.name.is_empty() {
+                name = format!("{}.{name}", String::from_utf8_lossy(&part.name));
+                seen.insert(name.clone());
+            }
+            list.push(printable(&name));
+        };
+        for (layer, _) in &shapes {
+            match layer {
+                [] if part.name.is_empty() => {}
+                [] => add(&mut together, &part.name),
+                layer => add(&mut together, layer),
+            }
+        }
+        for channel in &part.channels {
+            let layer = split(&channel.name).0;
+            let is_shown = shapes.iter().any(|(shown, _)| *shown == layer);
+            if !is_shown || layer.is_empty() && !is_of_color(&channel.name) {
+                add(&mut single, &channel.name);
+            }
+        }
+    }
+    together.append(&mut single);
+    together
+}
+
+/// Whether a channel without a layer belongs to the part's color.
+fn is_of_color(name: &[u8]) -> bool {
+    let names = ["R", "G", "B", "A", "Y", "RY", "BY"];
+    names.iter().any(|color| name.eq_ignore_ascii_case(color.as_bytes()))
+}
