@@ -35,6 +35,11 @@ pub fn printable_bytes(bytes: &[u8]) -> String {
     printable(&String::from_utf8_lossy(bytes))
 }
 
+/// Whether a character prints as itself, and does nothing else to a terminal.
+pub fn is_printable(character: char) -> bool {
+    !steers(character)
+}
+
 /// A character that is written as an escape where it would not print as itself.
 struct Escaped(char);
 
@@ -86,6 +91,16 @@ mod tests {
         );
         assert_eq!(printable_bytes(b"a\xffb\x1b"), "a\u{fffd}b\\u{1b}");
         assert_eq!(printable_path(Path::new("a\nb.exr")), r"a\nb.exr");
+    }
+
+    #[test]
+    fn characters_that_print_are_told() {
+        for character in ['a', ' ', 'é', '光', '\u{fffd}'] {
+            assert!(is_printable(character), "{character:?}");
+        }
+        for character in ['\n', '\t', '\u{7f}', '\u{9b}', '\u{202e}', '\u{2066}'] {
+            assert!(!is_printable(character), "{character:?}");
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use rayon::ThreadPoolBuildError;
 pub(crate) type Failure = Box<dyn Error + Send + Sync>;
 
 /// What another machine or a later try may cure, as `EX_TEMPFAIL` of sysexits.h.
-const TRANSIENT: u8 = 75;
+pub(super) const TRANSIENT: u8 = 75;
 
 /// A failure that says in words alone that a later try, or another machine, may cure it.
 #[derive(Debug, thiserror::Error)]

@@ -24,7 +24,7 @@ use clap::{Parser, Subcommand};
 use failure::{Failure, StandardOutput};
 
 /// More threads than any machine makes use of.
-const MAX_THREADS: usize = 1024;
+const MAX_THREADS: u32 = 1024;
 
 /// A renderer for direct light: exact, fast, deterministic
 ///
@@ -75,7 +75,7 @@ pub(crate) fn main() -> ExitCode {
         Err(error) => return usage::report(&error),
     };
     let unfinished = Unfinished::new();
-    let heeded = signals::heed(&unfinished).map_err(Failure::from);
+    let heeded = signals::heed(&unfinished).map_err(|error| NoSignals(error).into());
     match heeded.and_then(|()| run(&arguments.command, &unfinished)) {
         Ok(()) => ExitCode::SUCCESS,
         // The handler is about to end the process; what it interrupted is no failure.
@@ -137,6 +137,11 @@ fn with_threads<T: Send>(
     pool.install(work)
 }
 
+/// The system gives nothing to wait for signals with.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot wait for signals: {0}")]
+struct NoSignals(#[source] io::Error);
+
 /// The system gives no more threads.
 #[derive(Debug, thiserror::Error)]
 #[error(
@@ -147,19 +152,17 @@ struct NoThreads(#[source] rayon::ThreadPoolBuildError);
 /// How many threads work, from 1 to [`MAX_THREADS`]. What the variable says is taken only if it is a
 /// number of threads, be it too large.
 fn threads(asked: Option<u32>, variable: Option<&str>) -> usize {
-    let asked = asked.map(|threads| threads as usize);
     let said = || {
         let digits = variable.map(str::trim).filter(|text| !text.is_empty())?;
         let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
         // More digits than a number has are a large number.
-        let number = is_number.then(|| digits.parse().unwrap_or(usize::MAX));
+        let number = is_number.then(|| digits.parse().unwrap_or(u32::MAX));
         number.filter(|&number| number > 0)
     };
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);
-    asked
-        .or_else(said)
-        .unwrap_or_else(processors)
-        .clamp(1, MAX_THREADS)
+    let asked = asked.or_else(said).map(|threads| threads as usize);
+    let threads = asked.unwrap_or_else(processors);
+    threads.clamp(1, MAX_THREADS as usize)
 }
 
 /// Refuses to write over a file that is read, or two files to one place.
@@ -180,7 +183,7 @@ fn refuse_same_files(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure>
             .into());
         }
         if let Some(index) = written.iter().position(|other| other.is(&place)) {
-            if place.is_standard_output() {
+            if place.is_standard_output() && written[index].is_standard_output() {
                 let message = "two outputs would go to standard output; give one of them a file";
                 return Err(message.into());
             }

@@ -6,7 +6,6 @@ mod summary;
 mod values;
 
 use std::ffi::OsStr;
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -15,16 +14,16 @@ use candela::display::{self, Alpha, Frame};
 use candela::film::exr::{Compression, ExrOptions, Precision};
 use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
-use candela::output::{self, Place, Unfinished};
+use candela::output::{self, Staged, Unfinished};
 use candela::scene::Scene;
 use candela::visibility::Visibility;
 use candela::world::{Bands, Plan, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 
-use super::Failure;
 use super::develop::DevelopArguments;
 use super::source::{BaseArguments, is_standard_input};
+use super::{Failure, MAX_THREADS};
 use layers::LayerArguments;
 use progress::Progress;
 use summary::Summary;
@@ -32,9 +31,6 @@ use values::{Crop, count, crop, named};
 
 /// Samples a pixel where none are asked for: nobody's first picture has steps at its edges.
 const DEFAULT_SAMPLES: u32 = 16;
-
-/// More threads than any machine makes use of.
-const MAX_THREADS: u32 = 1024;
 
 /// Render a scene to a linear OpenEXR image in cd/m²
 ///
@@ -263,15 +259,13 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     };
     let progress = Progress::new(whole, !arguments.quiet);
     let advance = |pixels| progress.advance(pixels);
-    // A preview is made of the file, which a stream does not keep.
-    let kept = match &arguments.preview {
-        Some(_) if !keeps(&output) => Some(tempfile::tempdir()?),
-        _ => None,
+    // The preview is made of the file, which a stream does not give back.
+    let staged = match arguments.preview {
+        Some(_) => Staged::new(&output, unfinished)?,
+        None => None,
     };
-    let exr = kept
-        .as_ref()
-        .map_or_else(|| output.clone(), |folder| folder.path().join("kept.exr"));
-    let rendered = output::write(&exr, unfinished, |mut sink| {
+    let written = staged.as_ref().map_or(&*output, Staged::path);
+    let rendered = output::write(written, unfinished, |mut sink| {
         film::render_exr(
             &world,
             &plan,
@@ -301,14 +295,12 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
                 frame: Frame::Data,
                 ..display::Settings::default()
             };
-            Some(display::convert(&exr, preview, &settings, unfinished)?)
+            Some(display::convert(written, preview, &settings, unfinished)?)
         }
         None => None,
     };
-    if kept.is_some() {
-        output::write(&output, unfinished, |sink| {
-            io::copy(&mut File::open(&exr)?, sink)
-        })?;
+    if let Some(staged) = staged {
+        staged.send(&output)?;
     }
     seconds.total = start.elapsed().as_secs_f64();
     seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
@@ -401,14 +393,6 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed().as_secs_f64())
-}
-
-/// Whether what is written to an output can be read from there: not from a pipe or a device.
-fn keeps(output: &Path) -> bool {
-    let is_file = output
-        .metadata()
-        .map_or(true, |metadata| metadata.is_file());
-    is_file && !Place::of_output(output).is_standard_output()
 }
 
 /// SCENE.exr in the current folder; scene.exr for a scene from standard input.

@@ -28,7 +28,7 @@ pub(crate) struct SceneArguments {
 pub(crate) struct BaseArguments {
     /// The folder of the meshes and curves that the scene names [default: the scene's own, or the
     /// current one for a scene from standard input]
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", requires = "scene")]
     base: Option<PathBuf>,
 }
 

@@ -114,11 +114,7 @@ pub(crate) fn run(
         Vec::new()
     };
     for warning in report.warnings.iter().chain(&remarks) {
-        let _ = writeln!(
-            messages,
-            "warning: {}: {warning}",
-            named(&arguments.input)
-        );
+        let _ = writeln!(messages, "warning: {}: {warning}", named(&arguments.input));
     }
     if matches!(settings.exposure, Exposure::Auto) {
         let _ = writeln!(messages, "exposure: {}", report.exposure());

@@ -5,7 +5,7 @@ use std::ffi::{OsStr, OsString};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use candela::printable::printable;
+use candela::printable::{is_printable, printable};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 
@@ -58,13 +58,7 @@ fn printable_error(error: clap::Error, words: &[OsString]) -> clap::Error {
 
 fn printable_word(word: &OsStr) -> OsString {
     let text = word.to_string_lossy();
-    let prints = |character: char| {
-        printable(character.encode_utf8(&mut [0; 4]))
-            .chars()
-            .count()
-            == 1
-    };
-    if text.len() <= LONGEST_WORD && text.chars().all(prints) {
+    if text.len() <= LONGEST_WORD && text.chars().all(is_printable) {
         return text.into_owned().into();
     }
     printable(&text).into()

@@ -138,7 +138,9 @@ impl Primaries {
 
     /// Whether a primary has no luminance, so that it cannot be scaled to Y = 1.
     fn has_dark_primary(&self) -> bool {
-        [self.red, self.green, self.blue].iter().any(|&[_, y]| y == 0.0)
+        [self.red, self.green, self.blue]
+            .iter()
+            .any(|&[_, y]| y == 0.0)
     }
 
     /// [`Self::to_xyz`] from primaries at X + Y + Z = 1.

@@ -56,7 +56,10 @@ pub fn scale(ev: f64) -> f64 {
 /// luminance is above δ = [`DELTA`]. A background seen past all objects has no coverage.
 pub fn auto_ev(picture: &Picture<'_>) -> f64 {
     let width = picture.width();
-    let rows = picture.pixels().par_chunks(width.max(1)).map(LogSum::of_row);
+    let rows = picture
+        .pixels()
+        .par_chunks(width.max(1))
+        .map(LogSum::of_row);
     // Rows added in order: the same sum for any number of threads, from a film and from a file.
     let rows: Vec<LogSum> = rows.collect();
     rows.into_iter().fold(LogSum::default(), LogSum::and).ev()

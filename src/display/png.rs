@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use png::{
-    BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions,
-    SrgbRenderingIntent, Unit,
+    BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, SrgbRenderingIntent,
+    Unit,
 };
 
 use super::{Bits, Image};

@@ -223,10 +223,21 @@ pub(super) fn protection_problem(path: &Path, error: io::Error) -> OutputProblem
     }
 }
 
+/// What an error while the content is assembled means: the system's are about the temporary file.
+pub(super) fn unassembled(error: io::Error) -> OutputProblem {
+    if error.raw_os_error().is_none() {
+        return classified(error);
+    }
+    let folder = std::env::temp_dir();
+    OutputProblem::Unassembled { folder, error }
+}
+
 /// A target as messages name it.
 fn name(path: &Path) -> String {
     if path.as_os_str() == STANDARD_STREAM {
         "to standard output".to_owned()
+    } else if path.as_os_str().is_empty() {
+        "an output".to_owned()
     } else {
         printable_path(path)
     }

@@ -1,14 +1,14 @@
 //! What is no file: devices, pipes, standard output. The content is assembled first, because it may go
 //! back and forth in it, and because an error must not leave a part.
 
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::{self, BufWriter, IsTerminal, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use tempfile::SpooledTempFile;
 
 use super::Sink;
-use super::error::{OutputProblem, classified};
+use super::error::{OutputProblem, classified, unassembled};
 
 /// Up to so many bytes are assembled in memory; what is larger goes to a temporary file without a name.
 const IN_MEMORY: usize = 16 << 20;
@@ -47,7 +47,7 @@ pub(super) fn write_standard<T>(
 fn send_standard(assembled: SpooledTempFile) -> io::Result<()> {
     use std::os::fd::AsFd;
     let handle = io::stdout().as_fd().try_clone_to_owned()?;
-    send(assembled, &mut File::from(handle))
+    send(assembled, &mut std::fs::File::from(handle))
 }
 
 #[cfg(not(unix))]
@@ -78,13 +78,4 @@ fn is_text(assembled: &mut SpooledTempFile) -> io::Result<bool> {
     assembled.take(TELLING).read_to_end(&mut start)?;
     let is_binary = |&byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
     Ok(!start.iter().any(is_binary))
-}
-
-/// What an error while the content is assembled means: the system's are about the temporary file.
-fn unassembled(error: io::Error) -> OutputProblem {
-    if error.raw_os_error().is_none() {
-        return classified(error);
-    }
-    let folder = std::env::temp_dir();
-    OutputProblem::Unassembled { folder, error }
 }

@@ -46,7 +46,7 @@ pub(super) fn resolve(path: &Path) -> Result<Target, OutputProblem> {
             return Err(OutputProblem::IsFolder);
         }
         if !metadata.is_file() {
-            return stream(&metadata);
+            return stream(path, &metadata);
         }
     }
     let Some(path) = follow(path)? else {
@@ -89,18 +89,22 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Whether only a folder can have this name: `a/`, `..`
+/// Whether only a folder can have this name: `a/`, `a/.`, `..`
 fn names_a_folder(path: &Path) -> bool {
-    let last = path.as_os_str().as_encoded_bytes().last();
-    last.is_some_and(|&last| std::path::is_separator(char::from(last)))
-        || path.file_name().is_none()
+    let is_separator = |&byte: &u8| std::path::is_separator(char::from(byte));
+    let text = path.as_os_str().as_encoded_bytes();
+    // The standard library takes the name of `a/.` for `a`.
+    let last = text.rsplit(is_separator).next();
+    matches!(last, Some(b"" | b"." | b"..")) || path.file_name().is_none()
 }
 
 /// What is neither a file nor a folder: a stream, if it can be one.
-fn stream(metadata: &Metadata) -> Result<Target, OutputProblem> {
+fn stream(path: &Path, metadata: &Metadata) -> Result<Target, OutputProblem> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;
+
+        use super::error::classified;
         let kind = metadata.file_type();
         if kind.is_socket() {
             return Err(OutputProblem::NotAFile("a socket"));
@@ -108,9 +112,12 @@ fn stream(metadata: &Metadata) -> Result<Target, OutputProblem> {
         if kind.is_block_device() {
             return Err(OutputProblem::NotAFile("a disk (a block device)"));
         }
+        // To open it would wait for the reader of a pipe, or set a device going.
+        rustix::fs::access(path, rustix::fs::Access::WRITE_OK)
+            .map_err(|error| classified(error.into()))?;
     }
     #[cfg(not(unix))]
-    let _ = metadata;
+    let _ = (path, metadata);
     Ok(Target::Stream)
 }
 

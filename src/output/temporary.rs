@@ -4,7 +4,7 @@
 //! writes it holds a lock on it, which the system releases however the run ends. The next run on the
 //! same host to the same target removes what it can lock: nobody is left to finish it.
 
-use std::fs::Permissions;
+use std::fs::{File, OpenOptions};
 use std::io;
 use std::path::Path;
 
@@ -15,78 +15,37 @@ use super::target::folder_of;
 /// How every unfinished file starts.
 const PREFIX: &str = ".candela-";
 
-/// And how it ends.
-const SUFFIX: &str = ".tmp";
-
-/// Where files cannot be locked, and nobody else can know whether the run is alive.
+/// How one ends that nobody can lock, so that nobody else can know whether its run is alive.
 const UNLOCKED_SUFFIX: &str = ".unlocked.tmp";
 
 /// Bytes of a target's or a host's name that the name of an unfinished file repeats: all together stay
 /// below the 143 bytes that the narrowest file systems allow.
 const REPEATED: usize = 32;
 
-/// How often a new name is tried where another run just looks at the file.
-const TRIES: usize = 16;
-
 /// Creates the unfinished file of a target, and removes those of dead runs.
 pub(super) fn create(target: &Path) -> io::Result<NamedTempFile> {
     let folder = folder_of(target);
-    let name = target.file_name().unwrap_or_default();
-    let start = format!(
-        "{PREFIX}{}-{}-",
-        label(name.as_encoded_bytes()),
-        label(&host())
-    );
-    #[cfg(unix)]
-    locks::remove_dead(folder, &start);
+    let name = label(target.file_name().unwrap_or_default().as_encoded_bytes());
+    let start = format!("{PREFIX}{name}-{}-", label(&host()));
     let prefix = format!("{start}{}-", std::process::id());
-    for _ in 0..TRIES {
-        let temporary = builder(&prefix, SUFFIX).tempfile_in(folder)?;
-        match lock(&temporary) {
-            Lock::Held => return Ok(temporary),
-            Lock::Lost => {}
-            Lock::Impossible => break,
-        }
-    }
-    builder(&prefix, UNLOCKED_SUFFIX).tempfile_in(folder)
-}
-
-fn builder<'a>(prefix: &'a str, suffix: &'a str) -> Builder<'a, 'a> {
-    let mut builder = Builder::new();
-    builder.prefix(prefix).suffix(suffix);
     #[cfg(unix)]
     {
-        // As for any new file: the umask takes away from these what it wants.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(Permissions::from_mode(0o666));
+        locks::remove_dead(folder, &start);
+        if let Some(locked) = locks::create(folder, &prefix)? {
+            return Ok(locked);
+        }
     }
-    builder
+    create_named(folder, &prefix, UNLOCKED_SUFFIX)
 }
 
-/// What came of the wish to lock a new file.
-enum Lock {
-    /// It is ours.
-    Held,
-    /// Another run was faster, and takes it for dead.
-    Lost,
-    /// This file system, or this system, has no locks.
-    Impossible,
-}
-
-#[cfg(unix)]
-fn lock(temporary: &NamedTempFile) -> Lock {
-    use std::fs::TryLockError;
-    match temporary.as_file().try_lock() {
-        Ok(()) if locks::is_at(temporary.as_file(), temporary.path()) => Lock::Held,
-        Ok(()) | Err(TryLockError::WouldBlock) => Lock::Lost,
-        Err(TryLockError::Error(_)) => Lock::Impossible,
-    }
-}
-
-/// Where a lock would keep others from reading the file as well.
-#[cfg(not(unix))]
-fn lock(_: &NamedTempFile) -> Lock {
-    Lock::Impossible
+/// Creates a file as any other new one: the umask takes away from its permissions what it wants.
+fn create_named(folder: &Path, prefix: &str, suffix: &str) -> io::Result<NamedTempFile<File>> {
+    let mut new = OpenOptions::new();
+    new.read(true).write(true).create_new(true);
+    Builder::new()
+        .prefix(prefix)
+        .suffix(suffix)
+        .make_in(folder, |path| new.open(path))
 }
 
 /// A name within the name of an unfinished file: itself where it is short and plain, else its start and
@@ -119,13 +78,40 @@ fn host() -> Vec<u8> {
     }
 }
 
+/// Files that are locked while their run lives. Not on Windows, where a lock would keep others from reading
+/// the file as well.
 #[cfg(unix)]
 mod locks {
-    use std::fs::{self, File, OpenOptions};
+    use std::fs::{self, File, OpenOptions, TryLockError};
+    use std::io;
     use std::os::unix::fs::MetadataExt;
     use std::path::Path;
 
-    use super::SUFFIX;
+    use tempfile::NamedTempFile;
+
+    use super::create_named;
+
+    /// How an unfinished file ends.
+    const SUFFIX: &str = ".tmp";
+
+    /// How often a new name is tried where another run just looks at the file.
+    const TRIES: usize = 16;
+
+    /// Creates an unfinished file and locks it; `None` where the file system has no locks.
+    pub(super) fn create(folder: &Path, prefix: &str) -> io::Result<Option<NamedTempFile>> {
+        for _ in 0..TRIES {
+            let temporary = create_named(folder, prefix, SUFFIX)?;
+            match temporary.as_file().try_lock() {
+                Ok(()) if is_at(temporary.as_file(), temporary.path()) => {
+                    return Ok(Some(temporary));
+                }
+                // Another run was faster, and takes it for dead.
+                Ok(()) | Err(TryLockError::WouldBlock) => {}
+                Err(TryLockError::Error(_)) => break,
+            }
+        }
+        Ok(None)
+    }
 
     /// Removes the unfinished files whose names start so and whose run has ended. What cannot be
     /// looked at, locked or removed stays.
@@ -168,7 +154,7 @@ mod locks {
     }
 
     /// Whether an open file is what its name leads to: nobody has renamed or removed it.
-    pub(super) fn is_at(file: &File, path: &Path) -> bool {
+    fn is_at(file: &File, path: &Path) -> bool {
         let (Ok(open), Ok(named)) = (file.metadata(), fs::symlink_metadata(path)) else {
             return false;
         };

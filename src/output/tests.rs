@@ -86,8 +86,14 @@ fn places_that_cannot_be_written_to() {
         problem(&folder.path().join("new/")),
         OutputProblem::IsFolder
     ));
-    assert!(matches!(problem(Path::new("..")), OutputProblem::IsFolder));
+    for name in ["..", ".", "new/.", "new/./", "new/.."] {
+        assert!(matches!(problem(Path::new(name)), OutputProblem::IsFolder));
+    }
     assert!(matches!(problem(Path::new("")), OutputProblem::NoName));
+    assert_eq!(
+        put(Path::new(""), "x").unwrap_err().to_string(),
+        "cannot write an output: the file name is empty; give one"
+    );
     assert_eq!(names(folder.path()), ["file"]);
 }
 
@@ -96,6 +102,8 @@ fn places_that_cannot_be_written_to() {
 fn a_folder_that_nobody_can_write_to() {
     // /proc refuses new files to the superuser as well.
     let error = put(Path::new("/proc/a.txt"), "x").unwrap_err();
+    // The name of the unfinished file is of no use to anybody.
+    assert!(!error.to_string().contains(".candela-"), "{error}");
     assert!(
         matches!(&error.problem, OutputProblem::ClosedFolder { folder, .. } if folder == Path::new("/proc")),
         "{error}"

@@ -171,6 +171,13 @@ fn messages_do_not_steer_the_terminal() {
         + "[objects.m.mesh]\nmaterial = \"clay\"\nfile = \"\\u001b[31mm\\u202e.ply\"\n"
         + "[lights.\"\\u001b[31m\".point]\n";
     fs::write(folder.path().join("mesh.toml"), mesh).unwrap();
+    // Characters as they are, where TOML allows them and where it does not.
+    let raw = "a = \"\u{1b}[31m\u{7}\"\nb = \"\u{9b}31m\u{202e}\u{2028}x\" y\n\
+        # \u{1b}[0m\n\"\u{9b}\u{202e}\" = 1\n[\u{1b}]\n";
+    fs::write(folder.path().join("raw.toml"), raw).unwrap();
+    let near = SCENE.replace("= \"clay\"", "= \"cla\u{9b}y\"")
+        + "[materials.\"cla\u{9b}\u{202e}\".phong]\ndiffuse = 1\n";
+    fs::write(folder.path().join("near.toml"), near).unwrap();
     let in_folder = format!("{evil}/a.exr");
     let huge = "x".repeat(100_000);
     let mut seen = 0;
@@ -179,6 +186,8 @@ fn messages_do_not_steer_the_terminal() {
         &["check", &good],
         &["check", evil],
         &["check", "mesh.toml"],
+        &["check", "raw.toml"],
+        &["check", "near.toml"],
         &["render", &file],
         &["render", &good, "-o", &exr],
         &["render", &good, "-o", &exr, "--preview", &png],

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
 
 use super::{SCENE, candela, fails, files, folder, succeeds, text};
 
@@ -142,7 +142,7 @@ fn standard_output_gets_the_file_and_nothing_else() {
         let mut command = candela(folder, arguments);
         let status = command
             .stdout(File::create(folder.join("out")).unwrap())
-            .stderr(std::process::Stdio::null())
+            .stderr(Stdio::null())
             .status();
         assert!(status.unwrap().success());
         assert!(read(folder, "out") == read(folder, file), "{arguments}");
@@ -154,6 +154,47 @@ fn standard_output_gets_the_file_and_nothing_else() {
     // What is not whole is not sent.
     let output = candela(folder, "render absent.toml -o -").output().unwrap();
     assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
+}
+
+/// The preview is made of the EXR, wherever that goes.
+#[cfg(unix)]
+#[test]
+fn a_preview_beside_a_stream() {
+    let folder = folder();
+    let folder = folder.path();
+    succeeds(folder, "render ball.toml -q -o file.exr --preview file.png");
+    let temporary = tempfile::tempdir().unwrap();
+    for output in ["-", "/dev/stdout", "/dev/null"] {
+        let arguments = format!("render ball.toml -q -o {output} --preview made.png");
+        let run = candela(folder, &arguments)
+            .env("TMPDIR", temporary.path())
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        if output == "/dev/null" {
+            assert_eq!(run.stdout.len(), 0);
+        } else {
+            assert!(run.stdout == read(folder, "file.exr"), "{output}");
+        }
+        assert!(
+            read(folder, "made.png") == read(folder, "file.png"),
+            "{output}"
+        );
+        assert_eq!(files(temporary.path()), [""; 0], "{output}");
+        fs::remove_file(folder.join("made.png")).unwrap();
+    }
+    // What cannot be kept is said.
+    let run = candela(folder, "render ball.toml -q -o - --preview made.png")
+        .env("TMPDIR", folder.join("absent"))
+        .output()
+        .unwrap();
+    assert_eq!((run.status.code(), run.stdout.len()), (Some(1), 0));
+    let message = text(&run.stderr);
+    assert!(
+        message.contains("choose another one by TMPDIR"),
+        "{message}"
+    );
+    assert_eq!(files(folder), ["ball.toml", "file.exr", "file.png"]);
 }
 
 /// More than is kept in memory until it is whole.
@@ -175,11 +216,7 @@ fn standard_output_gets_large_files_too() {
 fn two_outputs_do_not_share_standard_output() {
     let folder = folder();
     let folder = folder.path();
-    let mut cases = vec![
-        "-o - --preview -",
-        "-o - --stats -",
-        "-o a.exr --preview - --stats -",
-    ];
+    let mut cases = vec!["-o - --stats -", "-o a.exr --preview - --stats -"];
     if cfg!(target_os = "linux") {
         cases.extend([
             "-o - --preview /dev/stdout",
@@ -215,4 +252,40 @@ fn redirected_files_are_places() {
     let message = text(&output.stderr);
     assert!(message.contains("which is read"), "{message}");
     assert_eq!(fs::read_to_string(folder.join("scene")).unwrap(), SCENE);
+}
+
+/// Bytes that are no text would garble a terminal; text is welcome there.
+#[cfg(unix)]
+#[test]
+fn no_picture_is_sent_to_a_terminal() {
+    let folder = folder();
+    let folder = folder.path();
+    succeeds(folder, "render ball.toml -q -o file.exr");
+    let spawn = "import os, pty, sys\n\
+        sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))";
+    for (arguments, code, part) in [
+        ("render ball.toml -q -o -", 1, "it is a terminal"),
+        (
+            "render ball.toml -q -o a.exr --preview -",
+            1,
+            "it is a terminal",
+        ),
+        ("tonemap file.exr -o -", 1, "it is a terminal"),
+        ("render ball.toml -q -o a.exr --stats -", 0, "\"samples\""),
+    ] {
+        let run = Command::new("python3")
+            .current_dir(folder)
+            .args(["-c", spawn, env!("CARGO_BIN_EXE_candela")])
+            .args(arguments.split_whitespace())
+            .stdin(Stdio::null())
+            .output();
+        let output = match run {
+            Ok(output) => output,
+            Err(error) => return println!("python3 is not here ({error}): no terminal is tried"),
+        };
+        let shown = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {shown}");
+        assert!(shown.contains(part), "{arguments}: {shown}");
+    }
+    assert_eq!(files(folder), ["a.exr", "ball.toml", "file.exr"]);
 }

@@ -261,7 +261,7 @@ impl Problem {
         }
         if let Self::Unknown { nearest, .. } = self {
             let nearest = nearest.as_ref()?;
-            return Some(format!("did you mean `{nearest}`?"));
+            return Some(format!("did you mean `{}`?", printable(nearest)));
         }
         None
     }

@@ -4,7 +4,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 
 use super::super::Source;
 use super::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span};
-use crate::printable::printable_path;
+use crate::printable::{is_printable, printable_path};
 
 /// How many errors are printed; whoever has more mends these first.
 const PRINTED: usize = 20;
@@ -84,8 +84,22 @@ impl Diagnostic {
         if let Some(help) = self.problem.help() {
             group = group.element(Level::HELP.message(help));
         }
-        renderer.render(&[group])
+        unsteered(&renderer.render(&[group]))
     }
+}
+
+/// A message without what the renderer takes over from the line of the file and would steer a terminal. It
+/// replaces ESC and its like itself, and makes those that color the message.
+fn unsteered(message: &str) -> String {
+    let is_kept = |character| matches!(character, '\n' | '\u{1b}') || is_printable(character);
+    let kept = |character| {
+        if is_kept(character) {
+            character
+        } else {
+            '\u{fffd}'
+        }
+    };
+    message.chars().map(kept).collect()
 }
 
 /// Where a span is, as far as it can be shown.
@@ -245,6 +259,33 @@ mod tests {
         assert!(text.ends_with("\n\nand 30 more errors"), "{text}");
         // In the order of the file, whatever order they were found in.
         assert!(text.find("toml:2:1") < text.find("toml:20:1"));
+    }
+
+    /// The renderer itself knows nothing of CSI in one character and of directions of writing.
+    #[test]
+    fn what_steers_a_terminal_is_replaced_in_lines() {
+        let text = "a = \"\u{1b}[31m\u{9b}31m\u{202e}\u{2028}\" x\n";
+        for color in [false, true] {
+            let source = Arc::new(Source {
+                path: "a\u{1b}\u{9b}.toml".into(),
+                text: text.to_owned(),
+            });
+            let problem = Problem::Syntax("wrong".to_owned());
+            let list = vec![Diagnostic::new(at(text, "x"), problem)];
+            let shown = Diagnostics::new(source, list).unwrap().render(color);
+            assert!(
+                shown.contains("␛[31m\u{fffd}31m\u{fffd}\u{fffd}"),
+                "{shown:?}"
+            );
+            assert!(shown.contains(r"a\u{1b}\u{9b}.toml"), "{shown:?}");
+            if !color {
+                let caret = shown.lines().last().unwrap();
+                assert!(
+                    caret.ends_with('^') && !shown.contains('\u{1b}'),
+                    "{shown:?}"
+                );
+            }
+        }
     }
 
     #[test]

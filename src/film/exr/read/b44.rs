@@ -75,7 +75,9 @@ fn square(bytes: &[u8]) -> Option<([u16; SIDE * SIDE], &[u8])> {
     let shift = u32::from(square[2] >> 2);
     let bias = (0x20_u32 << shift) as u16;
     // 15 differences of six bits each, from the last two bits of byte 2 on.
-    let packed = square[2..].iter().fold(0_u128, |all, &byte| all << 8 | u128::from(byte));
+    let packed = square[2..]
+        .iter()
+        .fold(0_u128, |all, &byte| all << 8 | u128::from(byte));
     let difference = |number: usize| {
         let six = (packed >> (6 * (14 - number)) & 0x3f) as u32;
         ((six << shift) as u16).wrapping_sub(bias)

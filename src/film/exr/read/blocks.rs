@@ -112,11 +112,7 @@ impl Blocks {
     }
 
     /// Decodes rows of the window into as many rows of pixels.
-    pub(super) fn rows(
-        &self,
-        rows: Range<u32>,
-        pixels: &mut [[f32; 4]],
-    ) -> Result<(), ExrProblem> {
+    pub(super) fn rows(&self, rows: Range<u32>, pixels: &mut [[f32; 4]]) -> Result<(), ExrProblem> {
         let Some(window) = self.geometry.window else {
             return Ok(());
         };
@@ -219,11 +215,7 @@ impl Blocks {
     }
 
     /// Rows of the data window of a part where channels may have fewer samples than pixels.
-    fn sampled_rows(
-        &self,
-        rows: Range<u32>,
-        pixels: &mut [[f32; 4]],
-    ) -> Result<(), ExrProblem> {
+    fn sampled_rows(&self, rows: Range<u32>, pixels: &mut [[f32; 4]]) -> Result<(), ExrProblem> {
         let Some(window) = self.geometry.window else {
             return Ok(());
         };
@@ -235,7 +227,10 @@ impl Blocks {
             && list[1..].iter().all(is_halved);
         let reach = if is_filtered { chroma::REACH } else { 0 };
         // From a line on at which every channel has samples.
-        let step = list.iter().chain(&self.alpha).map(|&c| channels[c].sampling[1]);
+        let step = list
+            .iter()
+            .chain(&self.alpha)
+            .map(|&c| channels[c].sampling[1]);
         let step = step.fold(1, least_common_multiple);
         let first = rows.start.saturating_sub(reach) / step * step;
         let end = (rows.end + reach).min(self.geometry.size[1]);
@@ -380,7 +375,9 @@ fn copy_samples(
         }
     }
     match channel.kind {
-        SampleKind::Half => put(line, from, target, place, |b| f16::from_ne_bytes(b).to_f32()),
+        SampleKind::Half => put(line, from, target, place, |b| {
+            f16::from_ne_bytes(b).to_f32()
+        }),
         SampleKind::Float => put(line, from, target, place, f32::from_ne_bytes),
         SampleKind::Uint => put(line, from, target, place, |b| u32::from_ne_bytes(b) as f32),
     }

@@ -42,9 +42,8 @@ impl LumaChroma<'_> {
     /// R, G, B of a line of the data window.
     pub(super) fn line(&self, line: i64) -> Vec<[f32; 3]> {
         let [above, mut here, below] = [line - 1, line, line + 1].map(|line| self.unlimited(line));
-        let neighbors = [above, below].map(|line| -> Vec<f32> {
-            line.into_iter().map(saturation).collect()
-        });
+        let neighbors =
+            [above, below].map(|line| -> Vec<f32> { line.into_iter().map(saturation).collect() });
         let last = self.width - 1;
         for (x, pixel) in here.iter_mut().enumerate() {
             let around = neighbors
@@ -72,7 +71,9 @@ impl LumaChroma<'_> {
         let [ry, by] = self.chroma.map(|chroma| self.chroma_line(chroma, line));
         let chroma = ry.into_iter().zip(by);
         let pixels = y.iter().zip(chroma);
-        pixels.map(|(&y, (ry, by))| rgb(self.weights, [y, ry, by])).collect()
+        pixels
+            .map(|(&y, (ry, by))| rgb(self.weights, [y, ry, by]))
+            .collect()
     }
 
     /// One of RY and BY at each pixel of a line.
@@ -111,7 +112,10 @@ impl LumaChroma<'_> {
         let largest = pixel.into_iter().fold(f32::MIN, f32::max);
         let faded = pixel.map(|channel| (largest - (largest - channel) * part).max(0.0));
         let luminance = |rgb: [f32; 3]| -> f32 {
-            rgb.iter().zip(self.weights).map(|(channel, weight)| channel * weight).sum()
+            rgb.iter()
+                .zip(self.weights)
+                .map(|(channel, weight)| channel * weight)
+                .sum()
         };
         let (before, after) = (luminance(pixel), luminance(faded));
         if after > 0.0 {
@@ -126,5 +130,9 @@ impl LumaChroma<'_> {
 fn saturation(pixel: [f32; 3]) -> f32 {
     let largest = pixel.into_iter().fold(f32::MIN, f32::max);
     let least = pixel.into_iter().fold(f32::MAX, f32::min);
-    if largest > 0.0 { 1.0 - least / largest } else { 0.0 }
+    if largest > 0.0 {
+        1.0 - least / largest
+    } else {
+        0.0
+    }
 }

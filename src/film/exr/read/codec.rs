@@ -4,12 +4,11 @@
 //! claims to hold without asking, so that a block is given to it only if its bytes can hold as much, and
 //! if the system has that memory.
 
+use exr::meta::BlockDescription;
 use exr::meta::attribute::{
-    ChannelDescription, Compression, IntegerBounds, LevelMode, SampleType, Text,
-    TileDescription,
+    ChannelDescription, Compression, IntegerBounds, LevelMode, SampleType, Text, TileDescription,
 };
 use exr::meta::header::Header;
-use exr::meta::BlockDescription;
 use exr::prelude::Vec2;
 
 use super::b44::{self, Plane};
@@ -101,7 +100,10 @@ impl Codec {
             compression,
             header,
             channels: part.channels.clone(),
-            is_sampled: part.channels.iter().any(|channel| channel.sampling != [1, 1]),
+            is_sampled: part
+                .channels
+                .iter()
+                .any(|channel| channel.sampling != [1, 1]),
             start: [part.data_window[0], part.data_window[1]],
         })
     }
@@ -136,7 +138,10 @@ impl Codec {
     pub(super) fn bytes(&self, block: Rectangle) -> u64 {
         let area = |channel: &Channel| -> u64 {
             let [x, y] = channel.sampling;
-            let [left, top] = [self.start[0] + block.left as i32, self.start[1] + block.top as i32];
+            let [left, top] = [
+                self.start[0] + block.left as i32,
+                self.start[1] + block.top as i32,
+            ];
             let columns = samples(left, block.width, x);
             u64::from(columns) * u64::from(samples(top, block.height, y))
         };
@@ -220,7 +225,9 @@ impl Codec {
             self.sampled(position, size, bytes, expected)?
         };
         if decoded.len() != expected {
-            return Err(damaged("a block has another number of pixels than it should"));
+            return Err(damaged(
+                "a block has another number of pixels than it should",
+            ));
         }
         Ok(decoded)
     }
@@ -321,12 +328,7 @@ impl Codec {
     /// hold.
     ///
     /// The decoder asks for memory by them, without a check: a damaged one aborts the process.
-    fn check_dwa(
-        &self,
-        block: Rectangle,
-        bytes: &[u8],
-        expected: usize,
-    ) -> Result<(), ExrProblem> {
+    fn check_dwa(&self, block: Rectangle, bytes: &[u8], expected: usize) -> Result<(), ExrProblem> {
         /// Version, seven section sizes, counts of AC and DC coefficients, coder.
         const COUNTERS: usize = 11;
         if bytes.len() == expected {
@@ -338,14 +340,20 @@ impl Codec {
         };
         let counter = |place: usize| u64::from_le_bytes(counters[place]);
         // Any square of eight by eight values is full, of 4 bytes each; run lengths can double them.
-        let padded =
-            u64::from(block.width.next_multiple_of(8)) * u64::from(block.height.next_multiple_of(8));
+        let padded = u64::from(block.width.next_multiple_of(8))
+            * u64::from(block.height.next_multiple_of(8));
         let largest = padded.saturating_mul(8 * self.channels.len() as u64);
         let claims = [
             // What is claimed, in bytes, and the bytes that it is made from, at their best.
             (counter(1), counter(2).saturating_mul(1032)),
-            (counter(8).saturating_mul(2), counter(3).saturating_mul(1032)),
-            (counter(9).saturating_mul(2), counter(4).saturating_mul(1032)),
+            (
+                counter(8).saturating_mul(2),
+                counter(3).saturating_mul(1032),
+            ),
+            (
+                counter(9).saturating_mul(2),
+                counter(4).saturating_mul(1032),
+            ),
             (counter(6), counter(5).saturating_mul(1032)),
             (counter(7), counter(6).saturating_mul(64)),
         ];

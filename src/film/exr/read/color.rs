@@ -35,9 +35,7 @@ impl ColorTag {
     /// chromaticities that contradict it count, since they are kept up to date. An identifier that is
     /// `unknown`, or is not known here, does not hide chromaticities.
     pub fn meaning(&self) -> ColorMeaning {
-        let usable = |primaries: &Primaries| {
-            conversion(primaries, &Primaries::REC709).is_finite()
-        };
+        let usable = |primaries: &Primaries| conversion(primaries, &Primaries::REC709).is_finite();
         let id = self.interop_id.as_deref();
         let known = id.and_then(primaries_of);
         let named = printable(id.unwrap_or_default());
@@ -147,11 +145,23 @@ mod tests {
         assert_means(&tag(Some("lin_rec709_scene"), None), Primaries::REC709, "");
         assert_means(&tag(Some("unknown"), None), Primaries::REC709, "");
         assert_means(&tag(Some("lin_ap1_scene"), None), Primaries::AP1, "");
-        assert_means(&tag(Some("lin_adobergb_scene"), None), Primaries::ADOBE_RGB, "");
+        assert_means(
+            &tag(Some("lin_adobergb_scene"), None),
+            Primaries::ADOBE_RGB,
+            "",
+        );
         assert_means(&tag(Some("lin_ciexyzd65_scene"), None), Primaries::XYZ, "");
         let other = tag(Some("g22_rec709_scene"), None);
-        assert_means(&other, Primaries::REC709, "`g22_rec709_scene`; it is shown as linear Rec.709");
-        assert_means(&tag(Some("data"), None), Primaries::REC709, "data, not colors");
+        assert_means(
+            &other,
+            Primaries::REC709,
+            "`g22_rec709_scene`; it is shown as linear Rec.709",
+        );
+        assert_means(
+            &tag(Some("data"), None),
+            Primaries::REC709,
+            "data, not colors",
+        );
         let hostile = tag(Some("\u{1b}[31m"), None);
         assert_means(&hostile, Primaries::REC709, r"`\u{1b}[31m`");
     }
@@ -198,6 +208,10 @@ mod tests {
             white: [0.0, 0.0],
             ..Primaries::REC709
         };
-        assert_means(&tag(Some("lin_ap1_scene"), Some(useless)), Primaries::AP1, "");
+        assert_means(
+            &tag(Some("lin_ap1_scene"), Some(useless)),
+            Primaries::AP1,
+            "",
+        );
     }
 }

@@ -126,7 +126,8 @@ pub(super) fn chunks(part: &Part, lines: u32) -> u64 {
             .map(|level| blocks(scaled(width, level, tiles), scaled(height, level, tiles)))
             .sum(),
         Levels::RipMap => {
-            let sizes = |side| (0..levels(side, tiles)).map(move |level| scaled(side, level, tiles));
+            let sizes =
+                |side| (0..levels(side, tiles)).map(move |level| scaled(side, level, tiles));
             sizes(height)
                 .map(|height| sizes(width).map(|width| blocks(width, height)).sum::<u64>())
                 .sum()
@@ -174,7 +175,9 @@ pub(super) fn check_sampling(part: &Part) -> Result<(), ExrProblem> {
             i64::from(start) % i64::from(sampling) == 0 && length.is_multiple_of(sampling)
         };
         if part.tiles.is_some() || !divides(left, width, x) || !divides(top, height, y) {
-            return Err(damaged("its channels have a sampling that does not fit its data window"));
+            return Err(damaged(
+                "its channels have a sampling that does not fit its data window",
+            ));
         }
     }
     Ok(())
@@ -205,7 +208,9 @@ mod tests {
         };
         let sizes = |side, rounds_up| -> Vec<u32> {
             let tiles = tiles(rounds_up);
-            (0..levels(side, tiles)).map(|level| scaled(side, level, tiles)).collect()
+            (0..levels(side, tiles))
+                .map(|level| scaled(side, level, tiles))
+                .collect()
         };
         assert_eq!(sizes(15, false), [15, 7, 3, 1]);
         assert_eq!(sizes(15, true), [15, 8, 4, 2, 1]);

@@ -266,13 +266,20 @@ impl Attributes {
                     "its {name} is turned around: from ({left}, {top}) to ({right}, {bottom})"
                 )));
             }
-            if window.iter().any(|side| !(-FARTHEST..=FARTHEST).contains(side)) {
-                return Err(damaged(&format!("its {name} is beyond the limits of OpenEXR")));
+            if window
+                .iter()
+                .any(|side| !(-FARTHEST..=FARTHEST).contains(side))
+            {
+                return Err(damaged(&format!(
+                    "its {name} is beyond the limits of OpenEXR"
+                )));
             }
             Ok(window)
         };
         let data_window = self.data_window.ok_or_else(|| missing("dataWindow"))?;
-        let display_window = self.display_window.ok_or_else(|| missing("displayWindow"))?;
+        let display_window = self
+            .display_window
+            .ok_or_else(|| missing("displayWindow"))?;
         Ok(Part {
             name: self.name,
             channels: self.channels.ok_or_else(|| missing("channels"))?,
@@ -315,7 +322,9 @@ fn tiles(bytes: [u8; 9]) -> Result<Tiles, ExrProblem> {
     let side = |bytes| {
         let side = u32::from_le_bytes(bytes);
         let is_legal = (1..=FARTHEST as u32).contains(&side);
-        is_legal.then_some(side).ok_or_else(|| damaged("its tiles have no legal size"))
+        is_legal
+            .then_some(side)
+            .ok_or_else(|| damaged("its tiles have no legal size"))
     };
     Ok(Tiles {
         width: side([w0, w1, w2, w3])?,
@@ -339,7 +348,10 @@ fn channels(mut bytes: &[u8]) -> Result<Vec<Channel>, ExrProblem> {
     let broken = || damaged("its list of channels is broken");
     let mut channels = Vec::new();
     loop {
-        let end = bytes.iter().position(|&byte| byte == 0).ok_or_else(broken)?;
+        let end = bytes
+            .iter()
+            .position(|&byte| byte == 0)
+            .ok_or_else(broken)?;
         let (name, rest) = bytes.split_at(end);
         if name.is_empty() {
             break;

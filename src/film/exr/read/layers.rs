@@ -66,7 +66,9 @@ fn shape(part: &Part, layer: &[u8]) -> Option<(Shape, Option<usize>)> {
             let (found, channel) = split(name);
             found == layer && channel.eq_ignore_ascii_case(wanted.as_bytes())
         };
-        part.channels.iter().position(|channel| is_wanted(&channel.name))
+        part.channels
+            .iter()
+            .position(|channel| is_wanted(&channel.name))
     };
     let all = |names: [&str; 3]| {
         let [a, b, c] = names.map(find);
@@ -202,5 +204,7 @@ fn names(headers: &Headers) -> Vec<String> {
 /// Whether a channel without a layer belongs to the part's color.
 fn is_of_color(name: &[u8]) -> bool {
     let names = ["R", "G", "B", "A", "Y", "RY", "BY"];
-    names.iter().any(|color| name.eq_ignore_ascii_case(color.as_bytes()))
+    names
+        .iter()
+        .any(|color| name.eq_ignore_ascii_case(color.as_bytes()))
 }
