@@ -23,8 +23,9 @@ mkdir -p docs/pictures
 # One color chart is enough for the gallery.
 [ $# -gt 0 ] || set -- $(cd scenes && ls -- *.toml | sed 's/\.toml$//' | grep -v '^colorchecker') colorchecker-f11
 chart() { # LAMP TRANSPORT: the color chart under a lamp, its light carried in one way or the other
+    # Its patches are even, so that dither would only make the files large.
     "$candela" render "scenes/colorchecker-$1.toml" --transport "$2" -o "$work/chart.exr" --quiet
-    "$candela" tonemap "$work/chart.exr" -o "docs/pictures/chart-$1-$2.png"
+    "$candela" tonemap "$work/chart.exr" -o "docs/pictures/chart-$1-$2.png" --dither none
 }
 for lamp in a f11 hp1; do
     chart "$lamp" spectral
