@@ -468,7 +468,7 @@ translate = [0.0, 3.0, 3.0]
 # Half, side, color, candela of its lamps. The sodium D lines: nm, and how strong one is beside the other.
 SODIUM_HALVES = [
     ("daylight", -1, 'illuminant = "D65"', (48, 20, 22)),
-    ("sodium", 1, "lines = [[589.0, 0.5], [589.6, 0.5]]", (27, 11, 13)),
+    ("sodium", 1, "lines = [[589.0, 0.5], [589.6, 0.5]]", (25, 11, 12)),
 ]
 
 # Of the right half.
