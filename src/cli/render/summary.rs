@@ -224,13 +224,13 @@ fn name(path: &Path) -> String {
 fn digits(number: f64) -> String {
     let magnitude = number.log10().floor();
     match magnitude {
-        -5.0..=1.0 => {
+        -5.0..1.0 => {
             let decimals = (1.0 - magnitude) as usize;
             let text = format!("{number:.decimals$}");
             let text = text.trim_end_matches('0');
             text.trim_end_matches('.').to_owned()
         }
-        2.0..=6.0 => format!("{number:.0}"),
+        1.0..=6.0 => format!("{number:.0}"),
         _ => format!("{number:.1e}"),
     }
 }
@@ -248,6 +248,7 @@ mod tests {
             (1.0, "1"),
             (2.54, "2.5"),
             (10.0, "10"),
+            (9.96, "10"),
             (16.0, "16"),
             (1024.0, "1024"),
             (3.2e-9, "3.2e-9"),
