@@ -3,7 +3,8 @@
 #
 #     cargo build --release && docs/pictures.sh [NAME…]
 #
-# CANDELA names another binary. The lecture's picture is as large as its scene says; the others are
+# CANDELA names another binary. The pictures of `lecture` and `first` are what the README's commands make,
+# without a size or an option of their own; the others are
 # 480 pixels wide, or 320 where there is so much detail that a larger file would be too large. The charts
 # of docs/rgb-or-spectral.md and the pictures of docs/layers.md and docs/shadow-terminator.md are made each
 # time; the latter two need oiiotool, which tests/setup.sh installs.
@@ -19,10 +20,12 @@ trap 'rm -rf "$work" "$small"' EXIT
 trap 'exit 1' HUP INT TERM
 
 mkdir -p docs/pictures
-[ $# -gt 0 ] || set -- $(cd scenes && ls -- *.toml | sed 's/\.toml$//')
+# One color chart is enough for the gallery.
+[ $# -gt 0 ] || set -- $(cd scenes && ls -- *.toml | sed 's/\.toml$//' | grep -v '^colorchecker') colorchecker-f11
 chart() { # LAMP TRANSPORT: the color chart under a lamp, its light carried in one way or the other
+    # Its patches are even, so that dither would only make the files large.
     "$candela" render "scenes/colorchecker-$1.toml" --transport "$2" -o "$work/chart.exr" --quiet
-    "$candela" tonemap "$work/chart.exr" -o "docs/pictures/chart-$1-$2.png"
+    "$candela" tonemap "$work/chart.exr" -o "docs/pictures/chart-$1-$2.png" --dither none
 }
 for lamp in a f11 hp1; do
     chart "$lamp" spectral
@@ -58,22 +61,20 @@ done
 
 for name; do
     scene=scenes/$name.toml
-    if [ "$name" = lecture ]; then
-        samples=64
-    else
-        samples=16
-        case $name in
-        many-*) width=320 ;;
-        *) width=480 ;;
-        esac
-        awk -v width="$width" '
-            /^resolution = / && match($0, /[0-9]+, [0-9]+/) {
-                split(substr($0, RSTART, RLENGTH), size, ", ")
-                $0 = "resolution = [" width ", " int(width * size[2] / size[1] + 0.5) "]"
-            }
-            { print }' "$scene" > "$small"
-        scene=$small
-    fi
-    "$candela" render "$scene" -o "$work/$name.exr" --samples "$samples" --quiet
+    case $name in
+    lecture | first)
+        "$candela" render "$scene" -o "$work/$name.exr" --preview "docs/pictures/$name.png" --quiet
+        continue
+        ;;
+    many-*) width=320 ;;
+    *) width=480 ;;
+    esac
+    awk -v width="$width" '
+        /^resolution = / && match($0, /[0-9]+, [0-9]+/) {
+            split(substr($0, RSTART, RLENGTH), size, ", ")
+            $0 = "resolution = [" width ", " int(width * size[2] / size[1] + 0.5) "]"
+        }
+        { print }' "$scene" > "$small"
+    "$candela" render "$small" -o "$work/$name.exr" --samples 64 --quiet
     "$candela" tonemap "$work/$name.exr" -o "docs/pictures/$name.png" --alpha opaque
 done

@@ -359,24 +359,25 @@ BLACKBODY = """\
 # Heat alone gives a light its color (Planck's law): blackbodies of KELVINS K from left to right,
 # all with the same luminous intensity, so that only the color differs.
 #
-# Written by scenes/generate.py. Metres and candela.
+# Written by scenes/generate.py. Metres and candela. Each cell has two lamps of its temperature, one above
+# and one in front.
 
 [image]
-resolution = [1260, 360]
+resolution = [1260, 480]
 
 # One cell is 1 m wide and 180 pixels.
 [camera.orthographic]
-eye = [0.0, 2.4, 6.0]
-look_at = [0.0, 0.42, -0.3]
-height = 2.0
+eye = [0.0, 2.1, 6.0]
+look_at = [0.0, 0.82, -0.3]
+height = 2.6666667
 
 [materials.plaster.normalized_phong]
 diffuse = 0.6
 
 [materials.glaze.normalized_phong]
-diffuse = 0.45
-specular = 0.02
-shininess = 40
+diffuse = 0.5
+specular = 0.03
+shininess = 60
 
 [objects.floor.plane]
 material = "plaster"
@@ -410,13 +411,17 @@ normal = [1.0, 0.0, 0.0]
         x = first + i
         text += f"""
 [lights.blackbody-{temperature}.point]
-position = [{x - 0.4}, 2.4, 2.8]
-intensity = {{ candela = 16, color = {{ blackbody = {temperature} }} }}
+position = [{number(x - 0.38)}, 2.2, 1.9]
+intensity = {{ candela = 10, color = {{ blackbody = {temperature} }} }}
+
+[lights.blackbody-{temperature}-in-front.point]
+position = [{number(x + 0.42)}, 1.0, 4.4]
+intensity = {{ candela = 10, color = {{ blackbody = {temperature} }} }}
 
 [objects.ball-{temperature}.sphere]
 material = "glaze"
-center = [{x}, 0.34, 0.0]
-radius = 0.34
+center = [{x}, 0.36, 0.0]
+radius = 0.36
 """
     return text
 
@@ -426,29 +431,20 @@ SODIUM = """\
 # lines are 0.6 nm apart, things are lighter or darker and no more. At the left, the same under D65.
 #
 # Written by scenes/generate.py. Metres and candela. A divider in the middle keeps each lamp's light
-# to its own half. Reflectances are measured ones, of the ColorChecker. The yellow of sodium is beyond
-# Rec.709, so that its blue is below 0.
+# to its own half, and one half is the other's mirror image. Reflectances are measured ones, of the
+# ColorChecker. The yellow of sodium is beyond Rec.709, so that its blue is below 0.
 
 [image]
 resolution = [1280, 720]
 
 # In the plane of the divider, so that it is seen edge-on.
 [camera.perspective]
-eye = [0.0, 2.0, 7.0]
-look_at = [0.0, 0.66, 0.0]
-vertical_fov = 22.5
-
-[lights.daylight.point]
-position = [-1.65, 3.1, 5.0]
-intensity = { candela = 75, color = { illuminant = "D65" } }
-
-# The sodium D lines: nm, and how strong one is beside the other.
-[lights.sodium.point]
-position = [1.05, 3.1, 5.0]
-intensity = { candela = 38, color = { lines = [[589.0, 0.5], [589.6, 0.5]] } }
+eye = [0.0, 1.55, 7.4]
+look_at = [0.0, 0.6, 0.0]
+vertical_fov = 20.5
 
 [materials.room.normalized_phong]
-diffuse = 0.5
+diffuse = 0.55
 
 [objects.floor.plane]
 material = "room"
@@ -464,22 +460,35 @@ normal = [0.0, 0.0, 1.0]
 [objects.divider.mesh]
 material = "room"
 file = "meshes/square.obj"
-scale = [7.5, 5.0, 1.0]
+scale = [8.0, 6.0, 1.0]
 rotate = [0.0, 90.0, 0.0]
-translate = [0.0, 2.5, 2.25]
+translate = [0.0, 3.0, 3.0]
 """
 
-# Patch, center relative to the middle of the half, radius.
+# Half, side, color, candela of its lamps. The sodium D lines: nm, and how strong one is beside the other.
+SODIUM_HALVES = [
+    ("daylight", -1, 'illuminant = "D65"', (48, 20, 22)),
+    ("sodium", 1, "lines = [[589.0, 0.5], [589.6, 0.5]]", (25, 11, 12)),
+]
+
+# Of the right half.
+SODIUM_LAMPS = [
+    ("key", (2.5, 3.3, 3.6)),
+    ("fill", (0.3, 2.3, 4.4)),
+    ("front", (1.4, 1.3, 6.9)),
+]
+
+# Patch, center in the right half, radius.
 SODIUM_BALLS = [
-    ("red", (-0.6, 0.26, 0.6), 0.26),
-    ("yellow", (0.02, 0.2, 0.95), 0.2),
-    ("purplish-blue", (0.62, 0.26, 0.6), 0.26),
-    ("green", (-0.85, 0.36, -0.3), 0.36),
+    ("red", (1.78, 0.27, 0.62), 0.27),
+    ("yellow", (1.16, 0.2, 1.0), 0.2),
+    ("purplish-blue", (0.56, 0.25, 0.66), 0.25),
+    ("green", (2.08, 0.38, -0.25), 0.38),
 ]
 
 
 def sodium():
-    """The same things in two halves, under two lamps."""
+    """The same things in two halves, under two kinds of lamp."""
     text = SODIUM
     for patch in [*(patch for patch, _, _ in SODIUM_BALLS), "bluish-green", "magenta"]:
         text += f"""
@@ -488,28 +497,39 @@ diffuse = {{ file = "curves/colorchecker/{patch}.csv" }}
 specular = 0.03
 shininess = 60
 """
-    for half, middle in [("daylight", -1.35), ("sodium", 1.35)]:
+    for half, side, color, intensities in SODIUM_HALVES:
+
+        def place(center):
+            x, y, z = center
+            return numbers((side * x, y, z))
+
+        for (lamp, position), intensity in zip(SODIUM_LAMPS, intensities):
+            text += f"""
+[lights.{half}-{lamp}.point]
+position = [{place(position)}]
+intensity = {{ candela = {intensity}, color = {{ {color} }} }}
+"""
         for patch, center, radius in SODIUM_BALLS:
             text += f"""
 [objects.{half}-{patch}.sphere]
 material = "{patch}"
-center = [{numbers(add(center, (middle, 0, 0)))}]
+center = [{place(center)}]
 radius = {radius}
 """
         text += f"""
 [objects.{half}-knot.mesh]
 material = "bluish-green"
 file = "meshes/knot.ply"
-scale = 0.6
+scale = [{-side * 0.6}, 0.6, 0.6]
 rotate = [66.0, 0.0, 0.0]
-translate = [{numbers((middle + 0.02, 0.66, -0.2))}]
+translate = [{place((1.14, 0.66, -0.2))}]
 
 [objects.{half}-gem.mesh]
 material = "magenta"
 file = "meshes/gem.obj"
-scale = 0.85
-rotate = [0.0, 14.0, -57.0]
-translate = [{numbers((middle + 0.85, 0.35, -0.3))}]
+scale = [{-side * 0.8}, 0.8, 0.8]
+rotate = [0.0, {-side * 14.0}, {side * 57.0}]
+translate = [{place((0.34, 0.33, -0.25))}]
 """
     return text
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use candela::display::{
-    Alpha, Bits, DisplayError, Dither, Exposure, Picture, Settings, View, convert, tonemap,
+    Alpha, Bits, DisplayError, Dither, Exposure, Frame, Picture, Settings, View, convert, tonemap,
 };
 use candela::film::exr::{Compression, ExrOptions, ExrProblem, read};
 use candela::film::{Film, Metadata, Window};
@@ -22,6 +22,7 @@ const NEAREST: Settings = Settings {
     bits: Bits::Eight,
     alpha: Alpha::Auto,
     dither: Dither::None,
+    frame: Frame::Display,
 };
 
 /// A PNG as the png crate decodes it: width, samples of a pixel, all samples.

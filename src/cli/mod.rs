@@ -6,6 +6,7 @@ mod completions;
 mod develop;
 mod failure;
 mod man;
+mod new;
 mod probe;
 mod render;
 mod schema;
@@ -37,7 +38,9 @@ const MAX_THREADS: u32 = 1024;
 Examples:
   candela render
       Render the built-in scene to lecture.exr
-  candela render scene.toml -o scene.exr --samples 16 --preview scene.png
+  candela new
+      Write a first scene, scene.toml, to start from
+  candela render scene.toml --preview scene.png
       Render a scene, and make a picture of it
   candela check scene.toml
       Is it legal, what will be computed, what will it cost
@@ -62,6 +65,7 @@ enum Command {
     Tonemap(tonemap::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
+    New(new::Arguments),
     Completions(completions::Arguments),
     Schema(schema::Arguments),
     Man(man::Arguments),
@@ -94,6 +98,7 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         }),
         Command::Check(arguments) => with_threads(None, || check::run(arguments, &mut output)),
         Command::Probe(arguments) => with_threads(None, || probe(arguments, &mut output)),
+        Command::New(arguments) => new::run(arguments, unfinished, &mut output),
         Command::Completions(arguments) => completions::run(arguments, &mut output),
         Command::Man(arguments) => man::run(arguments, unfinished, &mut output),
         Command::Schema(schema::Arguments {}) => schema::run(&mut output),

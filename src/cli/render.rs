@@ -1,32 +1,36 @@
 //! `candela render`: a scene file becomes an EXR.
 
 mod layers;
+mod progress;
+mod summary;
+mod values;
 
 use std::ffi::OsStr;
-use std::io::{self, IsTerminal, Write};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use candela::display;
-use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
-use candela::film::{self, Channels, Counts, Layers, MAX_SAMPLES, Options, Window};
+use candela::display::{self, Alpha, Frame};
+use candela::film::exr::{Compression, ExrOptions, Precision};
+use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
 use candela::output::{self, Staged, Unfinished};
-use candela::printable::printable_path;
 use candela::scene::Scene;
 use candela::visibility::Visibility;
-use candela::world::{Bands, Plan, World};
-use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use candela::world::{Bands, Plan, World, physics};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 
+use super::develop::DevelopArguments;
 use super::source::{BaseArguments, is_standard_input};
 use super::{Failure, MAX_THREADS};
 use layers::LayerArguments;
+use progress::Progress;
+use summary::Summary;
+use values::{Crop, count, crop, named};
 
-/// A run that takes longer than this shows a progress bar.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Samples a pixel where none are asked for: nobody's first picture has steps at its edges.
+const DEFAULT_SAMPLES: u32 = 16;
 
 /// Render a scene to a linear OpenEXR image in cd/m²
 ///
@@ -34,14 +38,22 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// linear RGB. 1.0 in the file is 1 cd/m². The image is the same to the bit for any number of
 /// threads.
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("exposure", |option| option.requires("preview")))]
+#[command(mut_arg("auto_exposure", |option| option.requires("preview")))]
+#[command(mut_arg("view", |option| option.requires("preview")))]
+#[command(mut_arg("dither", |option| option.requires("preview")))]
 #[command(after_long_help = "\
 Examples:
   candela render
       Render the built-in scene to lecture.exr
-  candela render scene.toml -o scene.exr --samples 64
-      64 samples a pixel, for smooth edges
   candela render scene.toml --preview scene.png
       Also make a PNG, as `candela tonemap` would
+  candela render scene.toml --preview scene.png --auto-exposure
+      And choose its exposure, as long as the light of the scene is still a guess
+  candela render scene.toml -o scene.exr --samples 256
+      256 samples a pixel, for edges that bear a magnifying glass
+  candela render scene.toml --samples 1
+      Pixel centers and nothing else: a quick look, and values to compare
   candela render scene.toml --crop 600,300,700,400 --samples 256
       Only a part, at its place in the whole image
   candela render scene.toml --half --compression dwaa
@@ -58,23 +70,26 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     base: BaseArguments,
 
-    /// The EXR file [default: SCENE.exr in the current folder]
+    /// The EXR file, or - for standard output [default: SCENE.exr in the current folder]
     #[arg(short, long, value_name = "OUT.exr", value_parser = named("exr"))]
     output: Option<PathBuf>,
 
-    /// Samples a pixel, 1 to 65536: 1 is its center, more are spread over it
+    /// Samples a pixel, 1 to 65536: 1 is its center and nothing else, more are spread over it
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 1,
+        default_value_t = DEFAULT_SAMPLES,
         allow_negative_numbers = true
     )]
     #[arg(value_parser = |text: &str| count(text, MAX_SAMPLES))]
     samples: u32,
 
-    /// Also make a PNG of the EXR, as `candela tonemap` does without options
+    /// Also make a PNG of what is rendered, as `candela tonemap` would; - is standard output
     #[arg(long, value_name = "OUT.png", value_parser = named("png"))]
     preview: Option<PathBuf>,
+
+    #[command(flatten)]
+    development: DevelopArguments,
 
     #[command(flatten)]
     layers: LayerArguments,
@@ -84,7 +99,7 @@ pub(crate) struct Arguments {
     half: bool,
 
     /// Render only columns X0 to X1 and rows Y0 to Y1, X1 and Y1 not included; (0, 0) is the top
-    /// left. The EXR keeps the place in the whole image
+    /// left. The EXR keeps the place in the whole image, the preview shows the part alone
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop, allow_hyphen_values = true)]
     crop: Option<Crop>,
 
@@ -114,16 +129,9 @@ pub(crate) struct Arguments {
     #[arg(long)]
     chromaticities: bool,
 
-    /// No progress bar and no summary
+    /// No progress bar, no summary and no warnings
     #[arg(short, long)]
     quiet: bool,
-}
-
-/// `--crop`, whatever the image's size.
-#[derive(Clone, Copy, Debug)]
-struct Crop {
-    from: [u32; 2],
-    to: [u32; 2],
 }
 
 /// `--stats`
@@ -136,7 +144,11 @@ struct Statistics<'a> {
     layers: Vec<&'static str>,
     threads: usize,
     primary_rays: u64,
+    /// Camera rays that hit an object.
+    hits: u64,
     shadow_rays: u64,
+    /// Points that a light reaches, of the shadow rays.
+    lit: u64,
     /// Times that a light was on the very point to shade, d = 0, and added nothing.
     singular_lights: u64,
     /// Channels whose radiance does not fit their type: f32, and HALF with `--half`.
@@ -245,7 +257,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         layers,
         door: arguments.simd.unwrap_or_default(),
     };
-    let progress = Progress::new(whole, arguments);
+    let progress = Progress::new(whole, !arguments.quiet);
     let advance = |pixels| progress.advance(pixels);
     // The preview is made of the file, which a stream does not give back.
     let staged = match arguments.preview {
@@ -266,9 +278,27 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     });
     seconds.render = progress.finish();
     let (counts, report) = rendered?;
-    if let Some(preview) = &arguments.preview {
-        display::convert(written, preview, &display::Settings::default(), unfinished)?;
-    }
+    // A PNG with alpha cannot hold light where nothing covers a pixel.
+    let has_background = world.background().0.0 != [0.0; 3];
+    let developed = match &arguments.preview {
+        Some(preview) => {
+            let settings = display::Settings {
+                exposure: arguments.development.exposure(),
+                view: arguments.development.view,
+                alpha: if has_background {
+                    Alpha::Opaque
+                } else {
+                    Alpha::default()
+                },
+                dither: arguments.development.dither,
+                // Of a part, the part; of the whole that is the whole.
+                frame: Frame::Data,
+                ..display::Settings::default()
+            };
+            Some(display::convert(written, preview, &settings, unfinished)?)
+        }
+        None => None,
+    };
     if let Some(staged) = staged {
         staged.send(&output)?;
     }
@@ -289,7 +319,9 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             layers: layers.names(),
             threads,
             primary_rays: counts.primary_rays,
+            hits: counts.hits,
             shadow_rays: counts.shadow_rays,
+            lit: counts.lit,
             singular_lights: counts.singular,
             clamped: counts.clamped,
             clamped_to_half: report.clamped_to_half,
@@ -300,7 +332,20 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
     }
     if !arguments.quiet {
-        summarize(&output, &world, arguments, &counts, &report, &seconds);
+        let summary = Summary {
+            arguments,
+            output: &output,
+            resolution: world.resolution(),
+            window: whole,
+            has_lights: !world.lights().is_empty(),
+            warnings: physics::warnings(&world),
+            counts,
+            exr: report,
+            developed,
+            seconds: seconds.render,
+        };
+        // Nowhere is left to report that the messages themselves cannot be written.
+        let _ = summary.write(&mut io::stderr().lock());
     }
     Ok(())
 }
@@ -350,7 +395,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64())
 }
 
-/// SCENE.exr in the current folder.
+/// SCENE.exr in the current folder; scene.exr for a scene from standard input.
 fn default_output(arguments: &Arguments) -> PathBuf {
     let scene = match arguments.scene.as_deref() {
         None => Path::new("lecture.toml"),
@@ -358,153 +403,6 @@ fn default_output(arguments: &Arguments) -> PathBuf {
         Some(scene) => scene,
     };
     PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
-}
-
-/// What was written, and what a user should know about it.
-fn summarize(
-    output: &Path,
-    world: &World,
-    arguments: &Arguments,
-    counts: &Counts,
-    report: &ExrReport,
-    seconds: &Seconds,
-) {
-    let [width, height] = world.resolution();
-    let samples = match arguments.samples {
-        1 => "1 sample".to_owned(),
-        samples => format!("{samples} samples"),
-    };
-    let mut lines = vec![format!(
-        "{}: {width} × {height}, {samples} a pixel, rendered in {:.2} s",
-        printable_path(output),
-        seconds.render,
-    )];
-    let mut warn = |count: u64, what: &str| {
-        if count > 0 {
-            lines.push(format!("warning: {what}: {count}"));
-        }
-    };
-    warn(
-        counts.singular,
-        "points at which a light is (d = 0), and where it adds nothing",
-    );
-    warn(
-        counts.clamped,
-        "values beyond the largest FLOAT, which became that",
-    );
-    warn(
-        report.clamped_to_half,
-        "values beyond the largest HALF, which became that",
-    );
-    warn(
-        report.small_in_half,
-        "values of layers of light below 6.1e-5, of which HALF keeps few digits",
-    );
-    // Nowhere is left to report that the messages themselves cannot be written.
-    let _ = writeln!(io::stderr(), "{}", lines.join("\n"));
-}
-
-/// How far rendering is: a bar that shows itself only when it is worth it.
-struct Progress {
-    bar: ProgressBar,
-    start: Instant,
-    pixels: u64,
-    /// When the last pixel was rendered, while the last blocks of the file are still to be written.
-    end: OnceLock<Duration>,
-    wanted: bool,
-}
-
-impl Progress {
-    fn new(window: Window, arguments: &Arguments) -> Self {
-        let pixels = window.count();
-        let style = "{bar:40} {percent:>3} %, {eta} left";
-        let style = ProgressStyle::with_template(style).expect("the template is well-formed");
-        let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::hidden());
-        Self {
-            bar: bar.with_style(style),
-            start: Instant::now(),
-            pixels,
-            end: OnceLock::new(),
-            wanted: !arguments.quiet && io::stderr().is_terminal(),
-        }
-    }
-
-    fn advance(&self, pixels: u64) {
-        self.bar.inc(pixels);
-        if self.wanted && self.bar.is_hidden() && self.start.elapsed() > PATIENCE {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
-        if self.bar.position() >= self.pixels {
-            self.end.get_or_init(|| self.start.elapsed());
-        }
-    }
-
-    /// Removes the bar; the seconds from the start to the last pixel.
-    fn finish(&self) -> f64 {
-        self.bar.finish_and_clear();
-        let end = self.end.get_or_init(|| self.start.elapsed());
-        end.as_secs_f64()
-    }
-}
-
-impl Crop {
-    fn within(self, resolution: [u32; 2]) -> Result<Window, Failure> {
-        let Self { from, to } = self;
-        let [width, height] = resolution;
-        if to[0] > width || to[1] > height {
-            return Err(format!(
-                "--crop {},{},{},{} is not inside of the image, whose pixels are 0,0,{width},{height}",
-                from[0], from[1], to[0], to[1],
-            )
-            .into());
-        }
-        Ok(Window {
-            x: from[0],
-            y: from[1],
-            width: to[0] - from[0],
-            height: to[1] - from[1],
-        })
-    }
-}
-
-fn crop(text: &str) -> Result<Crop, String> {
-    let expected = || "expected X0,Y0,X1,Y1 in pixels, such as 0,0,640,360".to_owned();
-    let numbers: Result<Vec<u32>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let [x0, y0, x1, y1] = numbers.map_err(|_| expected())?[..] else {
-        return Err(expected());
-    };
-    if x0 >= x1 || y0 >= y1 {
-        return Err("there are no pixels in it: expected X0 < X1 and Y0 < Y1".to_owned());
-    }
-    Ok(Crop {
-        from: [x0, y0],
-        to: [x1, y1],
-    })
-}
-
-/// A path whose extension is `extension`, so that a file never belies its name.
-fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
-    OsStringValueParser::new().try_map(move |path| {
-        let path = PathBuf::from(path);
-        super::advice::no_frames(&path)?;
-        match path.extension() {
-            Some(found) if !found.eq_ignore_ascii_case(extension) => Err(format!(
-                "this option writes {}; name the file {}",
-                extension.to_uppercase(),
-                printable_path(&path.with_extension(extension)),
-            )),
-            Some(_) | None => Ok(path),
-        }
-    })
-}
-
-/// A whole number from 1 to `most`.
-fn count(text: &str, most: u32) -> Result<u32, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|number| (1..=most).contains(number));
-    number.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::develop::DevelopArguments;
-use candela::display::{self, Alpha, Bits, Exposure, Settings};
+use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
 use candela::film::exr::ExrReader;
 use candela::output::Unfinished;
 use candela::printable::printable_path;
@@ -88,6 +88,7 @@ pub(crate) fn run(
         bits: arguments.bits,
         alpha: arguments.alpha,
         dither: arguments.development.dither,
+        frame: Frame::Display,
     };
     let default;
     let output = match &arguments.output {

@@ -15,6 +15,8 @@ pub(super) struct Develop {
     bits: Bits,
     codes: Codes,
     has_alpha: bool,
+    /// Where the picture's top left is in the display window.
+    origin: [u32; 2],
     /// Of R, G, B in the luminance.
     weights: [f64; 3],
 }
@@ -38,14 +40,16 @@ impl Seen {
 }
 
 impl Develop {
-    /// With an exposure of `ev`, whatever the settings say.
-    pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool) -> Self {
+    /// With an exposure of `ev`, whatever the settings say, for a picture whose top left is at `origin` in
+    /// the display window.
+    pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
         Self {
             scale: exposure::scale(ev),
             view: settings.view,
             bits: settings.bits,
             codes: Codes::new(settings.bits, settings.dither),
             has_alpha,
+            origin,
             weights: Primaries::REC709.luminance_weights(),
         }
     }
@@ -70,10 +74,11 @@ impl Develop {
         self.channels() * self.bits.bytes()
     }
 
-    /// Row `y` of the display window, of which there are pixels from column `left` on. Where there are
+    /// Row `y` of the picture, of which there are pixels from column `left` on. Where there are
     /// none it is black, and transparent where there is alpha.
     pub(super) fn row(&self, y: u32, left: u32, pixels: &[[f32; 4]], row: &mut [u8]) -> Seen {
         row.fill(0);
+        let [first_x, first_y] = self.origin;
         let mut seen = Seen::default();
         let samples = row.chunks_exact_mut(self.pixel_bytes()).skip(left as usize);
         for ((&pixel, samples), x) in pixels.iter().zip(samples).zip(left..) {
@@ -81,7 +86,12 @@ impl Develop {
             if pixel == [0.0; 4] {
                 continue;
             }
-            self.pixel(pixel, threshold(x, y), samples, &mut seen);
+            self.pixel(
+                pixel,
+                threshold(first_x + x, first_y + y),
+                samples,
+                &mut seen,
+            );
         }
         seen
     }

@@ -42,7 +42,7 @@ pub const KEY: f64 = 0.18;
 pub const DELTA: f64 = 1e-6;
 
 /// 2^EV, kept finite and above zero, so that neither 0 × ∞ nor an inverse can arise.
-pub(super) fn scale(ev: f64) -> f64 {
+pub fn scale(ev: f64) -> f64 {
     ev.clamp(f64::from(f64::MIN_EXP) - 1.0, f64::from(f64::MAX_EXP) - 1.0)
         .exp2()
 }

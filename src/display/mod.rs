@@ -47,6 +47,19 @@ pub struct Settings {
     pub alpha: Alpha,
     /// How light between two codes of 8 bits is shown.
     pub dither: Dither,
+    /// What of a file's windows is shown; pictures in memory are their display window.
+    pub frame: Frame,
+}
+
+/// What of an EXR's windows is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// All of the display window, black where there is no data.
+    #[default]
+    Display,
+    /// The data window, such as the part of an image that was rendered. A part is shown as it is in the
+    /// whole, to the code, where the exposure is the same.
+    Data,
 }
 
 /// Bits of each sample of the PNG.
@@ -163,14 +176,15 @@ pub struct Report {
     pub warnings: Vec<String>,
 }
 
-/// Exposed luminance below this is coded below 11 of 255, which looks black.
-const LOOKS_BLACK: f64 = 0.003;
+/// Exposed luminance below this is coded below 39 of 255: where nothing is brighter, there is nothing
+/// to see.
+pub const LOOKS_BLACK: f64 = 0.02;
 
 /// A larger share of clipped pixels is more than highlights.
-const MANY_CLIPPED: f64 = 0.05;
+pub const MANY_CLIPPED: f64 = 0.05;
 
 impl Report {
-    /// Whether nothing can be seen in the picture: the brightest pixel, exposed, is below 0.3 % of the
+    /// Whether nothing can be seen in the picture: the brightest pixel, exposed, is below 2 % of the
     /// screen's white.
     pub fn looks_black(&self) -> bool {
         self.brightest * exposure::scale(self.ev) < LOOKS_BLACK
@@ -243,7 +257,7 @@ fn develop(picture: &Picture<'_>, settings: &Settings, ev: f64) -> Develop {
             Alpha::Keep => true,
             Alpha::Opaque => false,
         };
-    Develop::new(settings, ev, has_alpha)
+    Develop::new(settings, ev, has_alpha, [0, 0])
 }
 
 fn developed(picture: &Picture<'_>, develop: &Develop) -> Image {
@@ -277,6 +291,7 @@ mod tests {
         bits: Bits::Eight,
         alpha: Alpha::Auto,
         dither: Dither::None,
+        frame: Frame::Display,
     };
 
     /// A picture whose data window is the whole display window, one row.

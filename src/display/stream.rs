@@ -13,7 +13,7 @@ use super::develop::{Develop, Seen};
 use super::exposure::LogSum;
 use super::picture::{Prepare, Repaired, has_uncovered_light};
 use super::png::{encoder, into_io, pixel_dimensions};
-use super::{Alpha, DisplayError, Exposure, Report, Settings};
+use super::{Alpha, DisplayError, Exposure, Frame, Report, Settings};
 use crate::film::Window;
 use crate::film::exr::{ExrError, ExrReader};
 use crate::output::{self, Sink, Unfinished};
@@ -51,10 +51,12 @@ pub fn convert_reader(
         Exposure::Ev(ev) => (ev, false),
         Exposure::Auto => measured(exr, prepare)?,
     };
+    let shown = Shown::new(exr, settings.frame);
     let conversion = |has_alpha| Conversion {
         exr,
+        shown,
         prepare,
-        develop: Develop::new(settings, ev, has_alpha),
+        develop: Develop::new(settings, ev, has_alpha, shown.origin),
         stops_at_uncovered: settings.alpha == Alpha::Auto && has_alpha,
     };
     let is_auto = settings.alpha == Alpha::Auto && exr.has_alpha();
@@ -90,10 +92,10 @@ pub fn convert_reader(
             exr.pixel_aspect()
         ));
     }
-    let [width, height] = exr.resolution().map(f64::from);
+    let [width, height] = shown.resolution.map(f64::from);
     Ok(Report {
         ev,
-        resolution: exr.resolution(),
+        resolution: shown.resolution,
         brightest: noticed.seen.brightest,
         clipped: noticed.seen.clipped as f64 / (width * height),
         warnings,
@@ -144,9 +146,38 @@ impl Noticed {
     }
 }
 
+/// What of a file's windows is shown.
+#[derive(Clone, Copy)]
+struct Shown {
+    /// Width and height of the PNG.
+    resolution: [u32; 2],
+    /// Where there is data.
+    window: Option<Window>,
+    /// Where its top left is in the display window.
+    origin: [u32; 2],
+}
+
+impl Shown {
+    fn new(exr: &ExrReader, frame: Frame) -> Self {
+        match (frame, exr.window()) {
+            (Frame::Display, window) | (Frame::Data, window @ None) => Self {
+                resolution: exr.resolution(),
+                window,
+                origin: [0, 0],
+            },
+            (Frame::Data, Some(window)) => Self {
+                resolution: [window.width, window.height],
+                window: Some(Window::whole([window.width, window.height])),
+                origin: [window.x, window.y],
+            },
+        }
+    }
+}
+
 /// A PNG that is being made.
 struct Conversion<'a> {
     exr: &'a ExrReader,
+    shown: Shown,
     prepare: Prepare,
     develop: Develop,
     /// Whether light without coverage is not to be written.
@@ -173,13 +204,13 @@ impl Conversion<'_> {
     }
 
     fn write_to(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
-        let [_, height] = self.exr.resolution();
+        let resolution @ [_, height] = self.shown.resolution;
         let (bits, has_alpha) = (self.develop.bits(), self.develop.has_alpha());
-        let mut encoder = encoder(sink, self.exr.resolution(), has_alpha, bits);
+        let mut encoder = encoder(sink, resolution, has_alpha, bits);
         encoder.set_pixel_dims(pixel_dimensions(self.exr.pixel_aspect()));
         let mut writer = encoder.write_header().map_err(into_io)?;
         let mut rows = writer.stream_writer().map_err(into_io)?;
-        let noticed = match self.exr.window() {
+        let noticed = match self.shown.window {
             None => {
                 self.blank(&mut rows, height)?;
                 Noticed::default()
@@ -197,7 +228,7 @@ impl Conversion<'_> {
     }
 
     fn row_bytes(&self) -> usize {
-        self.exr.resolution()[0] as usize * self.develop.pixel_bytes()
+        self.shown.resolution[0] as usize * self.develop.pixel_bytes()
     }
 
     /// Rows that no data covers.

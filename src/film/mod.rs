@@ -11,7 +11,7 @@ mod strips;
 mod turns;
 
 pub use layers::{BACKGROUND_DEPTH, BACKGROUND_LIGHT, Channel, ChannelKind, Channels, Layers};
-pub use render::{Counts, MAX_SAMPLES, Options, render, render_with};
+pub use render::{Counts, MAX_SAMPLES, Options, SCREEN_WHITE, render, render_with};
 pub use strips::{memory, render_exr};
 
 use std::ops::Range;

@@ -7,13 +7,21 @@ use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
-use crate::lanes::{Door, Kernel, LANES, Lanes, Singles, Words, every_nth, side_by_side};
+use crate::lanes::{
+    Door, Kernel, LANES, Lanes, SingleMask, Singles, Words, every_nth, side_by_side,
+};
 use crate::shading::{self, Shaded, Terms};
 use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
 
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
+
+/// The radiance in cd/m² that a screen shows as its white, where no exposure is given.
+pub const SCREEN_WHITE: f32 = 1.0;
+
+/// Above this a pixel is brighter than the screen: it would have a code of 256 or more of 255.
+const BEYOND_WHITE: f32 = 1.009 * SCREEN_WHITE;
 
 /// How to render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,27 +38,40 @@ pub struct Options {
     pub door: Door,
 }
 
-/// What a render took and met.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What a render took and met. The same for any number of threads and any instructions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Camera rays.
     pub primary_rays: u64,
-    /// Points asked for a light's visibility.
+    /// Of these, those that hit an object.
+    pub hits: u64,
+    /// Points asked for a light's visibility: those that the light is not below.
     pub shadow_rays: u64,
+    /// Of these, those that the light reaches.
+    pub lit: u64,
     /// Times that a light was exactly on the point it should light (d = 0) and added nothing.
     pub singular: u64,
     /// Channels of pixels, those of layers among them, whose value is beyond ± the largest f32, and
     /// became that.
     pub clamped: u64,
+    /// The largest R, G or B of any pixel in cd/m², at least 0.
+    pub brightest: f32,
+    /// Pixels with R, G or B above [`SCREEN_WHITE`] by so much that a code of 8 bits
+    /// cannot show it, 0.9 %.
+    pub beyond_white: u64,
 }
 
 impl Counts {
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             primary_rays: self.primary_rays + other.primary_rays,
+            hits: self.hits + other.hits,
             shadow_rays: self.shadow_rays + other.shadow_rays,
+            lit: self.lit + other.lit,
             singular: self.singular + other.singular,
             clamped: self.clamped + other.clamped,
+            brightest: self.brightest.max(other.brightest),
+            beyond_white: self.beyond_white + other.beyond_white,
         }
     }
 }
@@ -255,18 +276,19 @@ impl Work<'_> {
             counts = counts.and(Counts {
                 primary_rays: batch.len() as u64,
                 shadow_rays: shaded.shadow_rays,
+                lit: shaded.lit_points,
                 singular: shaded.singular,
-                clamped: 0,
+                ..Counts::default()
             });
         }
         let mut pixels = batch.pixels();
         for first in (0..pixels.len()).step_by(LANES) {
             let count = pixels.len().min(LANES);
-            let (means, clamped) = sums.means(simd, first, count, samples);
+            let (means, met) = sums.means(simd, first, count, samples);
             for (mean, [column, row]) in means.into_iter().zip(pixels.by_ref()) {
                 tile.rows[row as usize][column as usize] = mean;
             }
-            counts.clamped += clamped;
+            counts = counts.and(met);
         }
         if let Some(mut passes) = passes {
             passes.finish(batch.pixels().len());
@@ -343,8 +365,7 @@ impl PixelSums {
         }
     }
 
-    /// R, G, B, A of sixteen pixels, and how many channels of the first `count` are beyond the largest
-    /// f32.
+    /// R, G, B, A of sixteen pixels, and what of [`Counts`] is known of the first `count` by then.
     #[inline(always)]
     fn means<S: Simd>(
         &self,
@@ -352,7 +373,7 @@ impl PixelSums {
         first: usize,
         count: usize,
         samples: u32,
-    ) -> ([[f32; 4]; LANES], u64) {
+    ) -> ([[f32; 4]; LANES], Counts) {
         let samples = f64::from(samples);
         let hits = Words::load(simd, &self.hits[first..]).widened(simd);
         let alpha = (hits / samples).narrowed(simd);
@@ -373,7 +394,22 @@ impl PixelSums {
                 *narrow = mean.narrowed(simd);
             }
         }
-        (side_by_side(means), clamped)
+        let [r, g, b, _] = means;
+        let is_counted = SingleMask::from_bits(simd, u32::MAX >> (u32::BITS - count as u32));
+        let largest = is_counted.select(r.max(g).max(b), Singles::splat(simd, 0.0));
+        let is_beyond = largest.gt(Singles::splat(simd, BEYOND_WHITE));
+        let met = Counts {
+            hits: self.hits[first..][..count]
+                .iter()
+                .copied()
+                .map(u64::from)
+                .sum(),
+            clamped,
+            brightest: largest.largest().max(0.0),
+            beyond_white: u64::from(is_beyond.to_bits().count_ones()),
+            ..Counts::default()
+        };
+        (side_by_side(means), met)
     }
 }
 

@@ -20,6 +20,8 @@ pub struct Shaded {
     pub radiance: [Column; 3],
     /// How many points were asked for a light's visibility (L4).
     pub shadow_rays: u64,
+    /// How many of these the light reaches.
+    pub lit_points: u64,
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
     lit: Vec<Lit>,
@@ -40,6 +42,7 @@ impl Default for Shaded {
         Self {
             radiance: [Column::ZERO; 3],
             shadow_rays: 0,
+            lit_points: 0,
             singular: 0,
             lit: Vec::new(),
         }
@@ -122,7 +125,7 @@ impl Shaded {
         space: &mut Workspace,
     ) {
         self.lit.clear();
-        (self.shadow_rays, self.singular) = (0, 0);
+        (self.shadow_rays, self.lit_points, self.singular) = (0, 0, 0);
         if points.none_hit() {
             return;
         }
@@ -133,10 +136,13 @@ impl Shaded {
             self.shadow_rays += u64::from(asked);
             self.singular += u64::from(at);
             if asked > 0 {
+                let lit = visibility.lit(simd, position, points, &above, space);
+                let reached: u32 = lit.iter().map(|bits| bits.count_ones()).sum();
+                self.lit_points += u64::from(reached);
                 self.lit.push(Lit {
                     light: index,
                     position,
-                    points: visibility.lit(simd, position, points, &above, space),
+                    points: lit,
                 });
             }
         }

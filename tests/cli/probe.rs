@@ -28,7 +28,7 @@ fn a_probe_explains_the_pixel_of_the_image() {
     /// As between renderer and oracle in every test of theirs.
     const TOLERANCE: f64 = 1e-5;
     let folder = folder();
-    succeeds(folder.path(), "render ball.toml");
+    succeeds(folder.path(), "render ball.toml --samples 1");
     let rendered = image(folder.path(), "ball.exr").pixels;
     let (mut objects, mut occluded) = (Vec::new(), 0);
     for [x, y] in [
@@ -137,7 +137,7 @@ fn a_probed_spectrum_has_the_luminance_of_the_pixel() {
     for scene in ["ball", "tungsten"] {
         succeeds(
             folder.path(),
-            &format!("render {scene}.toml -o {scene}.exr"),
+            &format!("render {scene}.toml -o {scene}.exr --samples 1"),
         );
         let rendered = image(folder.path(), &format!("{scene}.exr")).pixels;
         for [x, y] in [[0, 0], [30, 20], [25, 33]] {

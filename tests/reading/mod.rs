@@ -12,7 +12,9 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use candela::display::{Alpha, Bits, Dither, Exposure, Report, Settings, View, convert_reader};
+use candela::display::{
+    Alpha, Bits, Dither, Exposure, Frame, Report, Settings, View, convert_reader,
+};
 use candela::film::exr::ExrReader;
 use candela::output::Unfinished;
 
@@ -23,6 +25,7 @@ const NEAREST: Settings = Settings {
     bits: Bits::Eight,
     alpha: Alpha::Auto,
     dither: Dither::None,
+    frame: Frame::Display,
 };
 
 /// A PNG of 8 bits: its pixels as they are stored.

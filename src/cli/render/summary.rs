@@ -1,0 +1,261 @@
+//! What `render` says at its end: the files that it wrote, and what a user should know about them.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use candela::display::exposure::scale;
+use candela::display::{self, Exposure, LOOKS_BLACK, MANY_CLIPPED};
+use candela::film::exr::ExrReport;
+use candela::film::{Counts, Window};
+use candela::printable::printable_path;
+use candela::world::physics::Warning;
+
+use super::Arguments;
+
+/// Warnings of `candela check` beyond so many are counted, not listed.
+const LISTED: usize = 5;
+
+/// All that there is to say.
+pub(super) struct Summary<'a> {
+    pub(super) arguments: &'a Arguments,
+    /// The EXR.
+    pub(super) output: &'a Path,
+    /// The whole image's.
+    pub(super) resolution: [u32; 2],
+    /// What was rendered of it.
+    pub(super) window: Window,
+    pub(super) has_lights: bool,
+    /// Those of `candela check`.
+    pub(super) warnings: Vec<Warning>,
+    pub(super) counts: Counts,
+    pub(super) exr: ExrReport,
+    /// Of the preview, where there is one.
+    pub(super) developed: Option<display::Report>,
+    /// From the first camera ray to the last pixel.
+    pub(super) seconds: f64,
+}
+
+impl Summary<'_> {
+    /// A line for each file, then one for each warning.
+    pub(super) fn write(&self, stream: &mut impl Write) -> io::Result<()> {
+        let files = self.files();
+        let warnings = self.checked().into_iter().chain(self.of_view());
+        let warnings = warnings.chain(self.of_values()).chain(self.of_preview());
+        let warnings = warnings.map(|warning| format!("warning: {warning}"));
+        let lines: Vec<String> = files.into_iter().chain(warnings).collect();
+        writeln!(stream, "{}", lines.join("\n"))
+    }
+
+    fn files(&self) -> Vec<String> {
+        let [width, height] = self.resolution;
+        let size = if self.window == Window::whole(self.resolution) {
+            format!("{width} × {height}")
+        } else {
+            let Window {
+                width: columns,
+                height: rows,
+                ..
+            } = self.window;
+            format!("{columns} × {rows} of {width} × {height}")
+        };
+        let samples = match self.arguments.samples {
+            1 => "1 sample".to_owned(),
+            samples => format!("{samples} samples"),
+        };
+        let mut lines = vec![format!(
+            "{}: {size}, {samples} a pixel, rendered in {:.2} s",
+            name(self.output),
+            self.seconds,
+        )];
+        if let (Some(preview), Some(developed)) = (&self.arguments.preview, &self.developed) {
+            // What is chosen may be repeated with `tonemap`.
+            let exposure = match self.arguments.development.exposure() {
+                Exposure::Auto => format!(", exposure {}", developed.exposure()),
+                Exposure::Ev(_) => String::new(),
+            };
+            lines.push(format!("{}: its preview{exposure}", name(preview)));
+        }
+        if let Some(stats) = &self.arguments.stats {
+            lines.push(format!("{}: counts and times", name(stats)));
+        }
+        lines
+    }
+
+    /// What `candela check` warns of.
+    fn checked(&self) -> Vec<String> {
+        let warnings = self.warnings.iter().take(LISTED).map(ToString::to_string);
+        let mut lines: Vec<String> = warnings.collect();
+        let more = self.warnings.len().saturating_sub(LISTED);
+        if more > 0 {
+            let all = match &self.arguments.scene {
+                Some(scene) => format!("; `candela check {}` shows all", printable_path(scene)),
+                None => String::new(),
+            };
+            lines.push(format!("and {more} more{all}"));
+        }
+        lines
+    }
+
+    /// Why there is nothing to see, where that is so.
+    fn of_view(&self) -> Option<String> {
+        let Counts { hits, lit, .. } = self.counts;
+        let is_part = self.window != Window::whole(self.resolution);
+        if hits == 0 {
+            let place = if is_part {
+                " in this part of the image"
+            } else {
+                ""
+            };
+            return Some(format!(
+                "nothing is in view: no camera ray{place} hits an object; look at `eye`, `look_at` and \
+                 where the objects are",
+            ));
+        }
+        // That there is no light at all is said already.
+        if !self.has_lights {
+            return None;
+        }
+        if lit == 0 {
+            return Some(format!(
+                "every light is hidden or below the surface, wherever the camera looks; {} says which \
+                 and by what",
+                self.probe(),
+            ));
+        }
+        self.of_brightness()
+    }
+
+    /// Whether the picture is black, or blown out: as the preview shows it, or else as `candela tonemap`
+    /// would without options.
+    fn of_brightness(&self) -> Option<String> {
+        let (brightest, clipped, ev, tonemap) = match &self.developed {
+            Some(report) => (report.brightest, report.clipped, report.ev, String::new()),
+            None => (
+                f64::from(self.counts.brightest),
+                self.counts.beyond_white as f64 / self.window.count() as f64,
+                0.0,
+                format!(" of `candela tonemap {}`", printable_path(self.output)),
+            ),
+        };
+        if self.counts.brightest == 0.0 {
+            return Some(format!(
+                "the picture is black: light reaches what is in view, but its intensity is 0 or all of it \
+                 is absorbed; {} shows which",
+                self.probe(),
+            ));
+        }
+        let white = 1.0 / scale(ev);
+        if brightest < LOOKS_BLACK * white {
+            return Some(format!(
+                "the brightest pixel has {} cd/m², where the screen's white is {}: try \
+                 --auto-exposure{tonemap}",
+                digits(brightest),
+                digits(white),
+            ));
+        }
+        if clipped >= MANY_CLIPPED {
+            return Some(format!(
+                "{:.0} % of the picture is brighter than the screen, whose white is {} cd/m²: try a \
+                 lower --exposure, --auto-exposure or --view reinhard{tonemap}",
+                100.0 * clipped,
+                digits(white),
+            ));
+        }
+        None
+    }
+
+    /// What values did not fit what they are stored in.
+    fn of_values(&self) -> Vec<String> {
+        let counted = [
+            (
+                self.counts.singular,
+                "points at which a light is (d = 0), and where it adds nothing",
+            ),
+            (
+                self.counts.clamped,
+                "values beyond the largest FLOAT, which became that",
+            ),
+            (
+                self.exr.clamped_to_half,
+                "values beyond the largest HALF, which became that",
+            ),
+            (
+                self.exr.small_in_half,
+                "values of layers of light below 6.1e-5, of which HALF keeps few digits",
+            ),
+        ];
+        let counted = counted.into_iter().filter(|&(count, _)| count > 0);
+        counted
+            .map(|(count, what)| format!("{what}: {count}"))
+            .collect()
+    }
+
+    /// What is to be known about the PNG.
+    fn of_preview(&self) -> Vec<String> {
+        let warnings = self.developed.iter().flat_map(|report| &report.warnings);
+        warnings.cloned().collect()
+    }
+
+    /// The command that explains the pixel in the middle.
+    fn probe(&self) -> String {
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = self.window;
+        let scene = self.arguments.scene.as_deref();
+        let scene = scene.map_or_else(|| "SCENE.toml".to_owned(), printable_path);
+        let (x, y) = (x + width / 2, y + height / 2);
+        format!("`candela probe {scene} --pixel {x},{y}`")
+    }
+}
+
+/// How a file is called.
+fn name(path: &Path) -> String {
+    if path.as_os_str() == "-" {
+        "standard output".to_owned()
+    } else {
+        printable_path(path)
+    }
+}
+
+/// About two significant digits, without an exponent where that is short.
+fn digits(number: f64) -> String {
+    let magnitude = number.log10().floor();
+    match magnitude {
+        -5.0..1.0 => {
+            let decimals = (1.0 - magnitude) as usize;
+            let text = format!("{number:.decimals$}");
+            let text = text.trim_end_matches('0');
+            text.trim_end_matches('.').to_owned()
+        }
+        1.0..=6.0 => format!("{number:.0}"),
+        _ => format!("{number:.1e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, expected) in [
+            (0.000_31, "0.00031"),
+            (0.000_3, "0.0003"),
+            (0.019, "0.019"),
+            (1.0, "1"),
+            (2.54, "2.5"),
+            (10.0, "10"),
+            (9.96, "10"),
+            (16.0, "16"),
+            (1024.0, "1024"),
+            (3.2e-9, "3.2e-9"),
+            (1e20, "1.0e20"),
+            (0.0, "0.0e0"),
+        ] {
+            assert_eq!(digits(number), expected);
+        }
+    }
+}
