@@ -8,6 +8,7 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::diagnostic::shortened;
+use super::inputs::Hash;
 use crate::spectrum::{Curve, CurveProblem};
 
 /// The largest curve file in bytes; a million points fit.
@@ -68,18 +69,18 @@ fn at_line(line: Option<u64>) -> String {
 }
 
 /// Reads a curve file: two columns parted by commas, semicolons or tabs; lines that start with `#`
-/// are comments, and the first line may name the columns.
+/// are comments, and the first line may name the columns. Beside the curve, the hash of the file.
 ///
 /// # Errors
 /// A file that cannot be read, lines of other than two numbers, and points that do not make a
 /// [`Curve`].
-pub(super) fn load(path: &Path) -> Result<Curve, CurveError> {
+pub(super) fn load(path: &Path) -> Result<(Curve, Hash), CurveError> {
     let mut text = String::new();
     let file = File::open(path).map_err(CurveError::Unreadable)?;
     let read = file.take(LARGEST_FILE + 1).read_to_string(&mut text);
     match read {
         Ok(length) if length as u64 > LARGEST_FILE => Err(CurveError::TooLarge),
-        Ok(_) => parse(&text),
+        Ok(_) => Ok((parse(&text)?, Hash::of(text.as_bytes()))),
         Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(CurveError::NotText),
         Err(error) => Err(CurveError::Unreadable(error)),
     }

@@ -24,6 +24,7 @@ use std::ops::Range;
 use std::path::Path;
 
 pub use error::{ElementPlace, Fault, MeshError, Place, Position};
+use super::inputs::{Hash, Hashed};
 use source::Source;
 
 /// A mesh as its file has it: positions in f64, polygons cut into triangles.
@@ -94,6 +95,11 @@ impl MeshFile {
     /// # Errors
     /// [`MeshError`] for anything that is not a whole and finite mesh with at least one triangle.
     pub fn load(path: &Path) -> Result<Self, MeshError> {
+        Self::load_hashed(path).map(|(mesh, _)| mesh)
+    }
+
+    /// [`MeshFile::load`], and the hash of the file's bytes.
+    pub(super) fn load_hashed(path: &Path) -> Result<(Self, Hash), MeshError> {
         let metadata = std::fs::metadata(path)?;
         let kind = metadata.file_type();
         if !kind.is_file() {
@@ -105,7 +111,9 @@ impl MeshFile {
             return Err(MeshError::NotAFile { found });
         }
         let size = usize::try_from(metadata.len()).unwrap_or(usize::MAX);
-        Self::read(Source::new(&mut File::open(path)?, size)?, path)
+        let mut file = Hashed::new(File::open(path)?);
+        let mesh = Self::read(Source::new(&mut file, size)?, path)?;
+        Ok((mesh, file.finish()?))
     }
 
     /// Reads a mesh from the bytes of a PLY or OBJ file of the name `name`.

@@ -190,7 +190,7 @@ pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
 
 /// Why `name` cannot be used, if so. Names come back in EXR channels, where a dot separates layer
 /// and channel, and on command lines.
-fn objection(name: &str) -> Option<&'static str> {
+pub(crate) fn objection(name: &str) -> Option<&'static str> {
     let is_allowed =
         |character: char| character.is_alphanumeric() || matches!(character, '_' | '-' | ' ');
     if name.is_empty() {

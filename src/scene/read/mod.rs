@@ -21,9 +21,11 @@ use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 use super::diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
+use super::inputs::{Hash, Input};
 use super::mesh::MeshFile;
 use super::{Scene, Source};
 use crate::spectrum::Curve;
+pub(crate) use entries::objection as name_objection;
 use fields::Reader;
 
 /// A value in the tree, with its place.
@@ -155,7 +157,7 @@ struct Unsourced {
     materials: Vec<super::Entry<super::Material>>,
     lights: Vec<super::Entry<super::Light>>,
     objects: Vec<super::Entry<super::Object>>,
-    curve_files: Vec<PathBuf>,
+    inputs: Vec<Input>,
 }
 
 impl Unsourced {
@@ -167,7 +169,7 @@ impl Unsourced {
             materials: self.materials,
             lights: self.lights,
             objects: self.objects,
-            curve_files: self.curve_files,
+            inputs: self.inputs,
         }
     }
 }
@@ -219,15 +221,14 @@ fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
         objects: objects.broken.into_iter().collect(),
         lost_entries: reader.damage.lost_entries() || !misspelt.is_empty(),
     };
-    let mut curve_files: Vec<PathBuf> = reader.files.curves.into_keys().collect();
-    curve_files.sort();
+    let inputs = reader.files.inputs();
     let scene = image.zip(camera).map(|(image, camera)| Unsourced {
         image,
         camera,
         materials: materials.sound,
         lights: lights.sound,
         objects: objects.sound,
-        curve_files,
+        inputs,
     });
     (scene, reader.diagnostics, broken)
 }
@@ -253,6 +254,8 @@ struct Files {
     folder: PathBuf,
     meshes: HashMap<PathBuf, Option<Arc<MeshFile>>>,
     curves: HashMap<PathBuf, Option<Arc<Curve>>>,
+    /// Those that were read, and where they are named first.
+    read: Vec<(Span, Input)>,
 }
 
 impl Files {
@@ -261,7 +264,25 @@ impl Files {
             folder: scene.parent().unwrap_or(Path::new("")).to_owned(),
             meshes: HashMap::new(),
             curves: HashMap::new(),
+            read: Vec::new(),
         }
+    }
+
+    /// Remembers a file that was read for what is written at `name.span`.
+    fn note(&mut self, name: &Spanned<String>, path: &Path, hash: Hash) {
+        let input = Input {
+            name: name.value.clone(),
+            path: path.to_owned(),
+            hash,
+        };
+        self.read.push((name.span, input));
+    }
+
+    /// The files that were read, in the order in which the scene names them: sections are read in
+    /// another one.
+    fn inputs(&mut self) -> Vec<Input> {
+        self.read.sort_by_key(|&(span, _)| span);
+        self.read.drain(..).map(|(_, input)| input).collect()
     }
 }
 
@@ -272,8 +293,11 @@ impl Reader<'_> {
         if let Some(known) = self.files.meshes.get(&path) {
             return known.clone();
         }
-        let loaded = match MeshFile::load(&path) {
-            Ok(mesh) => Some(Arc::new(mesh)),
+        let loaded = match MeshFile::load_hashed(&path) {
+            Ok((mesh, hash)) => {
+                self.files.note(file, &path, hash);
+                Some(Arc::new(mesh))
+            }
             Err(error) => {
                 let path = path.clone();
                 let error = Box::new(error);

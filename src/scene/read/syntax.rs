@@ -86,7 +86,7 @@ pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
         let span = place(text, &first);
         let line = line_around(text, span.start);
         if first.message() == "duplicate key" && text[line.clone()].trim_start().starts_with('[') {
-            let Diagnostic { span, problem } = duplicate_header(text, line, true);
+            let Diagnostic { span, problem, .. } = duplicate_header(text, line, true);
             return hopeless(span, problem);
         }
         return hopeless(span, syntax(text, first.message(), span));
