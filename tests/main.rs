@@ -19,6 +19,7 @@ mod images;
 mod invariance;
 mod layering;
 mod layers;
+mod memory;
 mod openimageio;
 mod oracle;
 mod spectral_image;

@@ -5,6 +5,7 @@ mod completions;
 mod develop;
 mod probe;
 mod render;
+mod shortage;
 mod tonemap;
 
 use std::error::Error;
@@ -26,6 +27,9 @@ const SIGNALED: i32 = 128;
 /// What a shell reports of a program that Ctrl-C ended: 128 + SIGINT.
 #[cfg(not(unix))]
 const INTERRUPTED: i32 = 130;
+
+/// What another machine or a later try may cure, as `EX_TEMPFAIL` of sysexits.h.
+const TRANSIENT: u8 = 75;
 
 /// A renderer for direct light: exact, fast, deterministic
 ///
@@ -76,7 +80,10 @@ pub(crate) fn main() -> ExitCode {
         render.error(ErrorKind::ArgumentConflict, misuse).exit();
     }
     let unfinished = Unfinished::new();
-    let result = at_interrupt(&unfinished).and_then(|()| run(&arguments.command, &unfinished));
+    let result = shortage::end_with(TRANSIENT)
+        .map_err(Failure::from)
+        .and_then(|()| at_interrupt(&unfinished))
+        .and_then(|()| run(&arguments.command, &unfinished));
     match result {
         Ok(()) => ExitCode::SUCCESS,
         // The handler below is about to end the process; what it interrupted is no failure.
@@ -87,12 +94,20 @@ pub(crate) fn main() -> ExitCode {
         Err(failure) if is_broken_pipe(&*failure) => ExitCode::SUCCESS,
         Err(failure) => {
             print(&*failure);
-            ExitCode::FAILURE
+            if shortage::is_transient(&*failure) {
+                TRANSIENT.into()
+            } else {
+                ExitCode::FAILURE
+            }
         }
     }
 }
 
 fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
+    if !matches!(command, Command::Render(_)) {
+        // Threads that are not there are an error now, and would be a panic later.
+        rayon::ThreadPoolBuilder::new().build_global()?;
+    }
     match command {
         Command::Render(arguments) => render::run(arguments, unfinished),
         Command::Tonemap(arguments) => tonemap::run(arguments, unfinished, &mut io::stderr()),
@@ -138,12 +153,12 @@ fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
         .filter(|&&signal| ignored & (1 << (signal - 1)) == 0);
     let mut signals = signal_hook::iterator::Signals::new(heeded)?;
     let unfinished = unfinished.clone();
-    std::thread::spawn(move || {
+    std::thread::Builder::new().spawn(move || {
         if let Some(signal) = signals.forever().next() {
             unfinished.cancel();
             std::process::exit(SIGNALED + signal);
         }
-    });
+    })?;
     Ok(())
 }
 

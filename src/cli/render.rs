@@ -230,7 +230,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
-    let (visibility, build) = timed(|| Visibility::new(&world, &plan));
+    let (visibility, build) = timed(|| Visibility::try_new(&world, &plan));
+    let visibility = visibility?;
     seconds.build = build;
 
     let options = Options {

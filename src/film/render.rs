@@ -158,7 +158,10 @@ fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
         color_space: world.color_space(),
         world_to_camera: world.camera().world_to_camera(world.anchor()),
         world_to_ndc: world.camera().world_to_ndc(world.anchor()),
-        provenance: std::iter::once(inputs).chain(layers).chain(others).collect(),
+        provenance: std::iter::once(inputs)
+            .chain(layers)
+            .chain(others)
+            .collect(),
     }
 }
 

@@ -7,6 +7,7 @@
 
 mod camera;
 pub mod colorimetry;
+mod containment;
 pub mod difference;
 pub(crate) mod geometry;
 pub mod material;
@@ -247,12 +248,10 @@ impl World {
         }
     }
 
-    /// Bytes of the table of products of lights and materials, which spectra take.
-    pub fn products_memory(&self) -> u64 {
-        match &self.products {
-            Some(_) => Products::memory(self.lights.len(), self.used_materials().len()),
-            None => 0,
-        }
+    /// Bytes of the table of I · k of lights and materials; `None` where light is carried as RGB,
+    /// which takes none.
+    pub fn products_memory(&self) -> Option<u64> {
+        self.products.as_ref().map(Products::memory)
     }
 
     /// The materials that objects have, as indices into [`World::materials`], ascending.

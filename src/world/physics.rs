@@ -4,9 +4,9 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
+use super::containment::contained;
 use super::material::Model;
 use super::{Material, Mesh, Shape, World};
-use crate::math::{DVec3, Point};
 use crate::scene::ColorSpace;
 use crate::scene::mesh::MeshRemarks;
 use crate::spectrum::VISIBLE;
@@ -22,12 +22,19 @@ pub enum Warning {
         /// Its [directional albedo at normal incidence](albedo_at_normal_incidence), per primary.
         albedo: [f64; 3],
     },
-    /// A light is inside of a closed object, so that it lights nothing but the inside.
+    /// Lights are inside of a closed object, so that they light nothing but the inside.
     LightInside {
-        /// The light's name.
+        /// The name of the first of them.
         light: String,
+        /// How many more there are.
+        more: usize,
         /// The object's name.
         object: String,
+    },
+    /// Whether lights are inside of some objects was not looked at: it would take too long.
+    NotLookedInto {
+        /// How many objects.
+        objects: usize,
     },
     /// There is no light: every surface is black.
     NoLight,
@@ -75,9 +82,24 @@ impl fmt::Display for Warning {
                      `normalized_phong` never reflects more than it receives",
                 )
             }
-            Self::LightInside { light, object } => {
-                write!(f, "light `{light}` is inside of object `{object}`")
-            }
+            Self::LightInside {
+                light,
+                more: 0,
+                object,
+            } => write!(f, "light `{light}` is inside of object `{object}`"),
+            Self::LightInside {
+                light,
+                more,
+                object,
+            } => write!(
+                f,
+                "light `{light}` and {more} more are inside of object `{object}`"
+            ),
+            Self::NotLookedInto { objects } => write!(
+                f,
+                "{objects} objects were not looked into for lights inside of them: lights times \
+                 triangles are too many",
+            ),
             Self::NoLight => write!(f, "the scene has no light, so every surface is black"),
             Self::Degenerate { object, triangles } => write!(
                 f,
@@ -166,7 +188,9 @@ pub fn warnings(world: &World) -> Vec<Warning> {
         });
     }
     warnings.extend(outside(world));
-    for object in world.objects() {
+    let contained = contained(world);
+    let mut holders = contained.objects.iter().peekable();
+    for (index, object) in world.objects().iter().enumerate() {
         if let Shape::Mesh(mesh) = object.shape {
             let Mesh {
                 degenerate,
@@ -186,14 +210,18 @@ pub fn warnings(world: &World) -> Vec<Warning> {
                 });
             }
         }
-        for light in world.lights() {
-            if is_inside(world, object.shape, light.value.position) {
-                warnings.push(Warning::LightInside {
-                    light: light.name.clone(),
-                    object: object.name.clone(),
-                });
-            }
+        if let Some(holder) = holders.next_if(|holder| holder.object == index) {
+            warnings.push(Warning::LightInside {
+                light: world.lights()[holder.light].name.clone(),
+                more: holder.count - 1,
+                object: object.name.clone(),
+            });
         }
+    }
+    if contained.unknown > 0 {
+        warnings.push(Warning::NotLookedInto {
+            objects: contained.unknown,
+        });
     }
     warnings
 }
@@ -221,51 +249,6 @@ fn outside(world: &World) -> impl Iterator<Item = Warning> {
         )
     });
     lights.chain(materials)
-}
-
-fn is_inside(world: &World, shape: Shape, point: Point) -> bool {
-    match shape {
-        Shape::Sphere(index) => {
-            let sphere = &world.spheres()[index];
-            point.from(sphere.center).length() < sphere.radius
-        }
-        Shape::Plane(_) => false,
-        Shape::Mesh(index) => {
-            let mesh = &world.triangles().meshes()[index];
-            is_in_box(world, mesh, point) && winding_number(world, mesh, point).abs() > 0.5
-        }
-    }
-}
-
-fn is_in_box(world: &World, mesh: &Mesh, point: Point) -> bool {
-    let corners = || {
-        mesh.triangles
-            .clone()
-            .flat_map(|index| world.triangles().vertices(index))
-    };
-    let min = corners().fold(DVec3::INFINITY, DVec3::min);
-    let max = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
-    point.0.cmpgt(min).all() && point.0.cmplt(max).all()
-}
-
-/// How often a mesh surrounds a point: its solid angle as seen from there over 4π. 0 outside of a
-/// closed mesh and ±1 inside; in between for a mesh with holes.
-///
-/// The solid angle of a triangle with corners a, b, c around the point is
-/// 2 atan2(a · (b × c), |a||b||c| + (a·b)|c| + (a·c)|b| + (b·c)|a|)
-/// (Van Oosterom & Strackee 1983).
-fn winding_number(world: &World, mesh: &Mesh, point: Point) -> f64 {
-    let solid_angle = |index: u32| {
-        let [a, b, c] = world
-            .triangles()
-            .vertices(index)
-            .map(|vertex| vertex - point.0);
-        let [la, lb, lc] = [a, b, c].map(DVec3::length);
-        let volume = a.dot(b.cross(c));
-        let around = la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la;
-        2.0 * libm::atan2(volume, around)
-    };
-    mesh.triangles.clone().map(solid_angle).sum::<f64>() / (2.0 * TAU)
 }
 
 #[cfg(test)]

@@ -57,10 +57,9 @@ pub(super) struct Products {
 }
 
 impl Products {
-    /// How many bytes so many lights on so many materials take.
-    pub(super) const fn memory(lights: usize, used: usize) -> u64 {
-        let pairs = (lights as u64).saturating_mul(used as u64);
-        pairs.saturating_mul(size_of::<Lobes<ReflectedIntensity>>() as u64)
+    /// Bytes of the table.
+    pub(super) fn memory(&self) -> u64 {
+        size_of_val(self.table.as_slice()) as u64
     }
 
     /// The products of `spectra`. A gray k takes the light's own R, G, B, which are as they were
@@ -84,7 +83,9 @@ impl Products {
         memory::reserve(&mut table, lights.len().saturating_mul(used))?;
         table.resize(lights.len() * used, Lobes::default());
         let materials = spectra.materials.iter().zip(&spectra.used);
-        let materials: Vec<_> = materials.filter_map(|(m, used)| used.then_some(m)).collect();
+        let materials: Vec<_> = materials
+            .filter_map(|(m, used)| used.then_some(m))
+            .collect();
         // No chunk may be of length 0; without materials that are used there is none.
         let rows = table.par_chunks_mut(used.max(1));
         rows.zip(&spectra.lights)
@@ -94,9 +95,7 @@ impl Products {
                 let rgb = light.value.intensity.0.0;
                 let integrated = |pigment: &Pigment| {
                     let rgb = match &pigment.shade {
-                        Shade::Flat(value) => {
-                            rgb.map(|channel| channel * (value * pigment.factor))
-                        }
+                        Shade::Flat(value) => rgb.map(|channel| channel * (value * pigment.factor)),
                         Shade::Spectrum(reflectance) => [0, 1, 2].map(|channel: usize| {
                             reflectance.integral(seen[channel].values()) * pigment.factor
                         }),

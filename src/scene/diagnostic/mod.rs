@@ -190,11 +190,9 @@ pub enum Problem {
     #[error("{0}")]
     Conflict(String),
     /// There is not enough memory.
-    #[error("out of memory: {what} would take {error}{way_out}")]
+    #[error("{error}{way_out}")]
     OutOfMemory {
-        /// What the memory was for: "the text of the scene file", …
-        what: String,
-        /// How much it was.
+        /// What it was for, and how much it was.
         error: OutOfMemory,
         /// What takes less, after a semicolon; empty where nothing does.
         way_out: &'static str,

@@ -23,8 +23,8 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
-pub use error::{ElementPlace, Fault, MeshError, Place, Position};
 use super::inputs::{Hash, Hashed};
+pub use error::{ElementPlace, Fault, MeshError, Place, Position};
 use source::Source;
 
 /// A mesh as its file has it: positions in f64, polygons cut into triangles.

@@ -33,7 +33,9 @@ fn check(mesh: &MeshFile) -> Result<(), String> {
     if triangles.is_empty() {
         return Err("the mesh has no triangles, expected at least one".to_owned());
     }
-    if let Some(index) = first(positions, |position| !position.iter().all(|x| x.is_finite())) {
+    if let Some(index) = first(positions, |position| {
+        !position.iter().all(|x| x.is_finite())
+    }) {
         return Err(format!(
             "position {index} of the mesh is {:?}, expected three finite numbers",
             positions[index],

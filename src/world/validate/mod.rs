@@ -1,6 +1,7 @@
 //! The one door from a scene as written to a legal world.
 
 mod color;
+mod material;
 mod mesh;
 mod shapes;
 
@@ -11,31 +12,22 @@ use glam::DVec3;
 
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
-use super::spectra::{Pigment, Products, Spectra};
-use super::{Camera, Lobes, Material, Named, Object, PointLight, Projection, World};
+use super::spectra::{Products, Spectra};
+use super::{Camera, Named, Object, PointLight, Projection, World};
 use crate::math::{Normal, Point};
 use crate::memory::{self, OutOfMemory};
+use crate::printable::printable;
 use crate::scene::diagnostic::MOST_COLLECTED;
 use crate::scene::{
     self, Broken, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene, Span, Spanned,
     Transport, Value,
 };
-use crate::printable::printable;
 use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Radiance, Rgb};
-use color::{Bound, Reflection};
 
 /// The largest coordinate, length and factor. Products of four of them, as the edge functions of
 /// triangles have, still fit an f64 with room to spare.
 const LARGEST: f64 = 1e30;
-
-/// The largest shininess. Its lobe is 3e-5 wide (1/√n); the rounding of a cosine, 1e-16, changes
-/// cosⁿ by 1e-7 there, and no longer by little beyond.
-const SHARPEST: f64 = 1e9;
-
-/// Largest sum of the albedos of a `normalized_phong` material: 1, and an allowance for decimal
-/// fractions such as 0.7 + 0.3 that binary numbers miss by a rounding.
-const LARGEST_ALBEDO: f64 = 1.0 + 1e-12;
 
 /// Validates a whole scene.
 pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
@@ -153,26 +145,39 @@ impl<'a> Validator<'a> {
         let camera = self.camera(resolution);
         let mut pigments = Vec::new();
         let mut materials = Vec::new();
-        self.each("material", "a material", &self.scene.materials, |validator, entry| {
-            let (material, lobes) = validator.material(entry);
-            validator.reserve(&mut materials, 1)?;
-            materials.push(named(entry, material));
-            validator.reserve(&mut pigments, 1)?;
-            pigments.extend(lobes);
-            Ok(())
-        });
+        self.each(
+            "material",
+            "a material",
+            &self.scene.materials,
+            |validator, entry| {
+                let (material, lobes) = validator.material(entry);
+                validator.reserve(&mut materials, 1)?;
+                materials.push(named(entry, material));
+                validator.reserve(&mut pigments, 1)?;
+                pigments.extend(lobes);
+                Ok(())
+            },
+        );
         let mut spectra = Vec::new();
         let mut lights = Vec::new();
-        self.each("light", "a light", &self.scene.lights, |validator, entry| {
-            let (light, spectrum) = validator.light(entry);
-            validator.reserve(&mut lights, 1)?;
-            lights.push(named(entry, light));
-            validator.reserve(&mut spectra, 1)?;
-            spectra.extend(spectrum);
-            Ok(())
-        });
+        self.each(
+            "light",
+            "a light",
+            &self.scene.lights,
+            |validator, entry| {
+                let (light, spectrum) = validator.light(entry);
+                validator.reserve(&mut lights, 1)?;
+                lights.push(named(entry, light));
+                validator.reserve(&mut spectra, 1)?;
+                spectra.extend(spectrum);
+                Ok(())
+            },
+        );
         let names = self.scene.materials.iter().map(|entry| entry.name.as_str());
-        self.materials = names.zip(0..materials.len()).collect();
+        match memory::reserve_names(&mut self.materials, names.len()) {
+            Ok(()) => self.materials.extend(names.zip(0..materials.len())),
+            Err(error) => self.out_of_memory(error, ""),
+        }
         let mut world = World {
             scene_hash: self.scene.hash().to_string(),
             inputs_hash: self.scene.inputs_hash().to_string(),
@@ -194,16 +199,21 @@ impl<'a> Validator<'a> {
             spectra: None,
             gaps: std::mem::take(&mut self.gaps),
         };
-        self.each("object", "an object", &self.scene.objects, |validator, entry| {
-            validator.reserve(&mut world.objects, 1)?;
-            let (material, shape) = validator.object(entry, &mut world)?;
-            world.objects.push(Object {
-                name: entry.name.clone(),
-                material,
-                shape,
-            });
-            Ok(())
-        });
+        self.each(
+            "object",
+            "an object",
+            &self.scene.objects,
+            |validator, entry| {
+                validator.reserve(&mut world.objects, 1)?;
+                let (material, shape) = validator.object(entry, &mut world)?;
+                world.objects.push(Object {
+                    name: entry.name.clone(),
+                    material,
+                    shape,
+                });
+                Ok(())
+            },
+        );
         let hidden = self.broken.lost_entries || !self.broken.objects.is_empty();
         if self.scene.objects.is_empty() && !hidden {
             self.report(
@@ -239,7 +249,7 @@ impl<'a> Validator<'a> {
                     );
                     let way_out = "; use fewer of them, or `transport = \"rgb\"` in `[image]`, \
                                    which takes none";
-                    self.out_of_memory(what, error, way_out);
+                    self.out_of_memory(error.for_what(what), way_out);
                 }
             }
             world.spectra = Some(spectra);
@@ -281,7 +291,7 @@ impl<'a> Validator<'a> {
                 lights.len(),
                 objects.len(),
             );
-            self.out_of_memory(what, error, "");
+            self.out_of_memory(error.for_what(what), "");
             Reported
         })
     }
@@ -293,7 +303,10 @@ impl<'a> Validator<'a> {
         an_entry: &'static str,
         entries: &'a [scene::Entry<T>],
     ) {
-        let mut known: HashMap<&str, Span> = HashMap::with_capacity(entries.len());
+        let mut known: HashMap<&str, Span> = HashMap::new();
+        if let Err(error) = memory::reserve_names(&mut known, entries.len()) {
+            return self.out_of_memory(error, "");
+        }
         for entry in entries {
             if let Some(first) = known.insert(&entry.name, entry.span) {
                 self.entry = None;
@@ -315,14 +328,10 @@ impl<'a> Validator<'a> {
         }
     }
 
-    fn out_of_memory(&mut self, what: String, error: OutOfMemory, way_out: &'static str) {
+    fn out_of_memory(&mut self, error: OutOfMemory, way_out: &'static str) {
         self.is_out_of_memory = true;
         self.entry = None;
-        let problem = Problem::OutOfMemory {
-            what,
-            error,
-            way_out,
-        };
+        let problem = Problem::OutOfMemory { error, way_out };
         self.report(Span::default(), problem);
     }
 
@@ -461,105 +470,6 @@ impl<'a> Validator<'a> {
     fn length(&mut self, key: &'static str, written: Spanned<f64>) -> Result<f64, Reported> {
         let legal = |length| length > 0.0 && length <= LARGEST;
         self.number(key, written, legal, "a length above 0, in scene units")
-    }
-
-    fn material(
-        &mut self,
-        entry: &scene::Entry<scene::Material>,
-    ) -> (Material, Option<Lobes<Pigment>>) {
-        let (lobes, bound) = match &entry.value {
-            // k_d is the share that is reflected towards any one viewer; k_s has no such limit,
-            // since a narrow lobe with a large k_s still reflects little in all.
-            scene::Material::Phong(lobes) => (lobes, Bound::None),
-            scene::Material::NormalizedPhong(lobes) => (lobes, Bound::Albedo),
-        };
-        let name = || format!("material `{}`", entry.name);
-        self.note_spectra([&lobes.diffuse.value, &lobes.specular.value], name);
-        let diffuse = self.reflection("diffuse", &lobes.diffuse, Bound::Albedo);
-        let specular = self.reflection("specular", &lobes.specular, bound);
-        let shininess = match lobes.shininess {
-            Some(written) => {
-                let legal = |n: f64| n > 0.0 && n <= SHARPEST;
-                self.number(
-                    "shininess",
-                    written,
-                    legal,
-                    "an exponent above 0, up to 1e9",
-                )
-                .unwrap_or(1.0)
-            }
-            None => {
-                if !specular.is_black() {
-                    self.report(
-                        lobes.specular.span,
-                        Problem::Missing {
-                            what: "key",
-                            name: "shininess".to_owned(),
-                            expected: "the exponent n of the specular lobe, such as `shininess = 50`",
-                        },
-                    );
-                }
-                1.0
-            }
-        };
-        let material = match entry.value {
-            scene::Material::Phong(_) => Material::phong(diffuse.rgb, specular.rgb, shininess),
-            scene::Material::NormalizedPhong(_) => {
-                self.check_albedo(lobes, &diffuse, &specular);
-                Material::normalized_phong(diffuse.rgb, specular.rgb, shininess)
-            }
-        };
-        let is_spectral = self.is_spectral;
-        let pigments = diffuse
-            .shade
-            .filter(|_| is_spectral)
-            .zip(specular.shade)
-            .map(|(diffuse, specular)| {
-                let factors = material.factors();
-                Lobes {
-                    diffuse: Pigment {
-                        shade: diffuse,
-                        factor: factors.diffuse,
-                    },
-                    specular: Pigment {
-                        shade: specular,
-                        factor: factors.specular,
-                    },
-                }
-            });
-        (material, pigments)
-    }
-
-    /// ρ_d + ρ_s is at most 1, in every channel or, of spectra, at every wavelength: the channels of
-    /// saturated ones may be above 1 where no wavelength is.
-    ///
-    /// A curve with an RGB value where light is carried as RGB is legal in either way, as that value
-    /// has no wavelengths of its own.
-    fn check_albedo(&mut self, lobes: &scene::Lobes, diffuse: &Reflection, specular: &Reflection) {
-        let span = lobes.specular.span.max(lobes.diffuse.span);
-        let both = [diffuse, specular];
-        let albedo: [f64; 3] = std::array::from_fn(|i| diffuse.rgb[i] + specular.rgb[i]);
-        let in_channels = albedo.iter().all(|&albedo| albedo <= LARGEST_ALBEDO);
-        let has_spectrum = both.iter().any(|lobe| lobe.shade.is_some());
-        let has_triple = both
-            .iter()
-            .any(|lobe| lobe.shade.is_none() && !lobe.is_gray());
-        if has_spectrum
-            && !(has_triple && in_channels)
-            && let Some(diffuse) = self.by_wavelength(diffuse)
-            && let Some(specular) = self.by_wavelength(specular)
-        {
-            let (albedo, nm) = diffuse.peak_with(&specular);
-            if albedo > LARGEST_ALBEDO {
-                let place = nm.map_or_else(String::new, |nm| format!(" at {nm} nm"));
-                let expected = "an albedo of at most 1 at every wavelength";
-                let value = format!("{}{place}", as_written(albedo));
-                self.out_of_range("diffuse + specular", span, value, expected);
-            }
-        } else if !in_channels {
-            let expected = "an albedo of at most 1 in every channel";
-            self.out_of_range("diffuse + specular", span, listed(&albedo), expected);
-        }
     }
 
     fn light(&mut self, entry: &scene::Entry<scene::Light>) -> (PointLight, Option<Spectrum>) {

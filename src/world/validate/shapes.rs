@@ -201,7 +201,10 @@ impl Validator<'_> {
         let mut has_area = Vec::new();
         self.reserve(&mut has_area, file.triangles.len())?;
         has_area.par_extend(flags);
-        let count = has_area.iter().filter(|&&has_area: &&bool| has_area).count();
+        let count = has_area
+            .iter()
+            .filter(|&&has_area: &&bool| has_area)
+            .count();
         if count == 0 {
             let conflict = "every triangle of the mesh is degenerate: none has an area";
             self.report(span, Problem::Conflict(conflict.to_owned()));
