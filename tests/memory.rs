@@ -1,6 +1,7 @@
 //! What reading, validating and preparing a scene takes in memory, whatever is in its file.
 
 use std::path::Path;
+use std::process::Command;
 
 use candela::scene::{Reading, Scene};
 use candela::visibility::Visibility;
@@ -334,5 +335,55 @@ fn errors_in_pieces_have_their_places() {
                 "{wrong}"
             );
         }
+    }
+}
+
+/// However little memory there is, a command does its work or says that there is too little, with exit
+/// code 75: no step of these is ended by a signal. The address space is what is limited, threads' stacks
+/// included.
+#[cfg(target_os = "linux")]
+#[test]
+fn where_memory_ends_the_exit_code_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+    write("spheres.toml", scene_of(sphere));
+    let lights = |n| format!("[lights.l{n}.point]\nposition = [{n}, 0, 9]\nintensity = 1\n");
+    let lights: String = (0..2000).map(lights).collect();
+    write("lights.toml", HEAD.to_owned() + &lights);
+    write("wide.toml", HEAD.replace("[4, 3]", "[65536, 65536]"));
+    let spectral = HEAD.replace("[4, 3]", "[4, 3]\ntransport = \"spectral\"");
+    write("spectral.toml", spectral + &lights);
+    for command in [
+        "check spheres.toml",
+        "render spheres.toml --quiet --threads 2",
+        "render lights.toml --quiet --threads 2 --layers lights,normal",
+        "render wide.toml --quiet --threads 2 --crop 0,0,65536,2",
+        "check spectral.toml",
+        "probe spheres.toml --pixel 1,1",
+    ] {
+        let (mut done, mut refused) = (0, 0);
+        // From what the program itself hardly starts with to what is enough.
+        for megabytes in (16..=576).step_by(40).chain([1024]) {
+            let limited = format!(
+                "ulimit -v {}; exec {} {command}",
+                megabytes * 1024,
+                env!("CARGO_BIN_EXE_candela"),
+            );
+            let mut shell = Command::new("sh");
+            let shell = shell.args(["-c", &limited]).current_dir(folder.path());
+            let output = shell.env_remove("RAYON_NUM_THREADS").output().unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            match output.status.code() {
+                Some(0) => done += 1,
+                Some(75) => {
+                    assert!(said.contains("memory") || said.contains("thread"), "{said}");
+                    refused += 1;
+                }
+                // The system cannot even load the program, or so little that it says nothing.
+                Some(127) if megabytes < 100 => {}
+                code => panic!("`{command}` in {megabytes} MB: {code:?} {}\n{said}", output.status),
+            }
+        }
+        assert!(done > 0 && refused > 0, "`{command}`: {done} {refused}");
     }
 }

@@ -127,6 +127,8 @@ struct Crop {
 /// `--stats`
 #[derive(Serialize)]
 struct Statistics<'a> {
+    scene_sha256: &'a str,
+    inputs_sha256: &'a str,
     image: [u32; 2],
     window: [u32; 4],
     samples: u32,
@@ -269,6 +271,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             height,
         } = whole;
         let statistics = Statistics {
+            scene_sha256: world.scene_hash(),
+            inputs_sha256: world.inputs_hash(),
             image: world.resolution(),
             window: [x, y, x + width, y + height],
             samples: arguments.samples,
