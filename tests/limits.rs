@@ -152,7 +152,9 @@ fn too_many_products_are_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let text = HEAD.replace("[2, 2]", "[2, 2]\ntransport = \"spectral\"")
         + &repeated(3000, light)
-        + &repeated(3000, |n| format!("[materials.material{n}.phong]\ndiffuse = 0.5\n"))
+        + &repeated(3000, |n| {
+            format!("[materials.material{n}.phong]\ndiffuse = 0.5\n")
+        })
         + &repeated(3000, |n| sphere(n, n));
     std::fs::write(folder.path().join("many.toml"), text).unwrap();
     let limited = format!(
@@ -192,7 +194,11 @@ fn many_lights_on_many_materials_are_rendered() {
     }
     let differences = differences(&world, &world);
     assert_eq!(differences.len(), 300);
-    assert!(differences.iter().all(|of| of.worst == 0.0 && of.materials == 300));
+    assert!(
+        differences
+            .iter()
+            .all(|of| of.worst == 0.0 && of.materials == 300)
+    );
 }
 
 /// As many channels as there are lights, three each, are written and have the right names.
@@ -211,10 +217,15 @@ fn many_layers_are_written() {
     };
     let film = render(&world, &options);
     let mut bytes = std::io::Cursor::new(Vec::new());
-    film.write_exr_to(&mut bytes, &ExrOptions::default()).unwrap();
+    film.write_exr_to(&mut bytes, &ExrOptions::default())
+        .unwrap();
     let bytes = bytes.into_inner();
     let name = format!("light_light{}.B\0", lights - 1);
-    let found = |name: &str| bytes.windows(name.len()).any(|part| part == name.as_bytes());
+    let found = |name: &str| {
+        bytes
+            .windows(name.len())
+            .any(|part| part == name.as_bytes())
+    };
     assert!(found(&name));
     assert!(!found("light_light2000.B\0"));
 }

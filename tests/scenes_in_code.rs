@@ -109,7 +109,10 @@ fn scene() -> Scene {
         .into(),
         materials: vec![entry("clay", material(0.5))],
         lights: vec![entry("key", lamp(Value::Uniform(10.0)))],
-        objects: vec![entry("ball", ball(1.0)), entry("wing", mesh(triangle_mesh()))],
+        objects: vec![
+            entry("ball", ball(1.0)),
+            entry("wing", mesh(triangle_mesh())),
+        ],
         inputs: Vec::new(),
     }
 }
@@ -408,7 +411,11 @@ fn inputs_are_hashed_as_sha256sum_does() {
     let folder = folder.path();
     let world = world(folder);
     let scene = Scene::load(folder.join("scene.toml")).unwrap();
-    let names: Vec<&str> = scene.inputs.iter().map(|input| input.name.as_str()).collect();
+    let names: Vec<&str> = scene
+        .inputs
+        .iter()
+        .map(|input| input.name.as_str())
+        .collect();
     // In the order in which they are named, each once.
     assert_eq!(
         names,

@@ -153,12 +153,15 @@ fn at_interrupt(unfinished: &Unfinished) -> Result<(), Failure> {
         .filter(|&&signal| ignored & (1 << (signal - 1)) == 0);
     let mut signals = signal_hook::iterator::Signals::new(heeded)?;
     let unfinished = unfinished.clone();
-    std::thread::Builder::new().spawn(move || {
+    let wait = move || {
         if let Some(signal) = signals.forever().next() {
             unfinished.cancel();
             std::process::exit(SIGNALED + signal);
         }
-    })?;
+    };
+    std::thread::Builder::new()
+        .spawn(wait)
+        .map_err(shortage::NoThread)?;
     Ok(())
 }
 

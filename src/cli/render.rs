@@ -228,7 +228,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     });
     let threads = rayon::current_num_threads();
     let pixels = film::memory(whole, &channels, &exr_options, threads);
-    fits_in_memory(pixels, table, layers, &channels)?;
+    fits_in_memory(pixels, table, layers, &channels)
+        .map_err(super::shortage::for_lack_of_memory)?;
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 

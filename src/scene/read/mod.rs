@@ -248,7 +248,7 @@ fn read(text: &str, path: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
     }
     if let Err(diagnostic) = read {
         reader.damage = Damage::whole();
-        reader.diagnostics = vec![diagnostic];
+        reader.diagnostics = vec![*diagnostic];
     }
     found.complete(reader)
 }
@@ -279,7 +279,7 @@ impl<'t> Found<'t> {
         &mut self,
         reader: &mut Reader<'t>,
         mut root: DeTable<'t>,
-    ) -> Result<(), Diagnostic> {
+    ) -> Result<(), Box<Diagnostic>> {
         let read = self.read_entries(reader, &root);
         for section in ENTRIES {
             root.remove(section);
@@ -288,7 +288,7 @@ impl<'t> Found<'t> {
         read
     }
 
-    fn read_pieces(&mut self, reader: &mut Reader<'t>) -> Result<(), Diagnostic> {
+    fn read_pieces(&mut self, reader: &mut Reader<'t>) -> Result<(), Box<Diagnostic>> {
         syntax::readable(reader.text)?;
         pieces::for_each(reader.text, |tree| match tree {
             Tree::Continued(tree) => self.read_entries(reader, tree),
@@ -306,7 +306,11 @@ impl<'t> Found<'t> {
     }
 
     /// Adds what a piece has of a section without entries.
-    fn add(&mut self, key: toml::Spanned<DeString<'t>>, node: Node<'t>) -> Result<(), Diagnostic> {
+    fn add(
+        &mut self,
+        key: toml::Spanned<DeString<'t>>,
+        node: Node<'t>,
+    ) -> Result<(), Box<Diagnostic>> {
         let Some(known) = self.root.get_mut(key.get_ref().as_ref()) else {
             self.root.insert(key, node);
             return Ok(());
@@ -319,7 +323,7 @@ impl<'t> Found<'t> {
                 name: name.to_owned(),
                 first: Some(first.into()),
             };
-            Diagnostic::new(span, problem)
+            Box::new(Diagnostic::new(span, problem))
         };
         let (DeValue::Table(known), DeValue::Table(more)) = (known.get_mut(), node.into_inner())
         else {
@@ -339,7 +343,7 @@ impl<'t> Found<'t> {
         &mut self,
         reader: &mut Reader<'_>,
         root: &DeTable<'_>,
-    ) -> Result<(), Diagnostic> {
+    ) -> Result<(), Box<Diagnostic>> {
         self.trees += usize::from(!root.is_empty());
         self.find_unknown_sections(reader, root);
         let mut read = sections::MATERIALS.read(reader, root, &mut self.materials);
@@ -350,7 +354,7 @@ impl<'t> Found<'t> {
                 error: error.for_what("what the scene file describes"),
                 way_out: "",
             };
-            Diagnostic::new(Span::default(), problem)
+            Box::new(Diagnostic::new(Span::default(), problem))
         })
     }
 

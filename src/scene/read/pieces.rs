@@ -45,8 +45,8 @@ type Entry<'t> = [&'t str; 2];
 /// Calls `each` with the tree of every piece, from the first to the last, until there is an error.
 pub(super) fn for_each<'t>(
     text: &'t str,
-    mut each: impl FnMut(Tree<'t, '_>) -> Result<(), Diagnostic>,
-) -> Result<(), Diagnostic> {
+    mut each: impl FnMut(Tree<'t, '_>) -> Result<(), Box<Diagnostic>>,
+) -> Result<(), Box<Diagnostic>> {
     let mut scanner = Scanner::new(text);
     while let Some(Piece { header, body }) = scanner.next()? {
         let Some(header) = header else {
@@ -77,7 +77,10 @@ pub(super) enum Tree<'t, 'p> {
     Continued(&'p DeTable<'p>),
 }
 
-fn parse<'p>(piece: &'p str, place: &impl Fn(usize) -> usize) -> Result<DeTable<'p>, Diagnostic> {
+fn parse<'p>(
+    piece: &'p str,
+    place: &impl Fn(usize) -> usize,
+) -> Result<DeTable<'p>, Box<Diagnostic>> {
     let tree = DeTable::parse(piece).map_err(|error| {
         let Diagnostic {
             span,
@@ -88,11 +91,11 @@ fn parse<'p>(piece: &'p str, place: &impl Fn(usize) -> usize) -> Result<DeTable<
         if let Problem::Duplicate { first, .. } = &mut problem {
             *first = first.map(moved);
         }
-        Diagnostic {
+        Box::new(Diagnostic {
             span: moved(span),
             entry,
             problem,
-        }
+        })
     })?;
     Ok(tree.into_inner())
 }
@@ -183,7 +186,7 @@ impl<'t> Scanner<'t> {
     }
 
     /// The next piece.
-    fn next(&mut self) -> Result<Option<Piece>, Diagnostic> {
+    fn next(&mut self) -> Result<Option<Piece>, Box<Diagnostic>> {
         while !self.ended {
             let before = self.end;
             let Some(statement) = self.statement() else {
@@ -233,7 +236,7 @@ impl<'t> Scanner<'t> {
         &mut self,
         statement: &Statement<'t>,
         place: Range<usize>,
-    ) -> Result<(), Diagnostic> {
+    ) -> Result<(), Box<Diagnostic>> {
         let [section, _] = statement.keys;
         if statement.count != 1 || !SECTIONS.contains(&section) {
             return Ok(());
@@ -247,7 +250,7 @@ impl<'t> Scanner<'t> {
             name: section.to_owned(),
             first: Some(first),
         };
-        Err(Diagnostic::new(span, problem))
+        Err(Box::new(Diagnostic::new(span, problem)))
     }
 
     /// Ends the piece; the next one starts at `start` and has this header.
@@ -263,7 +266,7 @@ impl<'t> Scanner<'t> {
     fn statement(&mut self) -> Option<Statement<'t>> {
         let mut statement: Option<Statement<'t>> = None;
         let (mut brackets, mut blank_lines) = (0, 0);
-        while let Some(token) = self.tokens.next() {
+        for token in self.tokens.by_ref() {
             let (start, end) = (token.span().start(), token.span().end());
             match token.kind() {
                 TokenKind::Newline | TokenKind::Eof if statement.is_none() => blank_lines += 1,
@@ -315,9 +318,9 @@ impl<'t> Scanner<'t> {
     }
 
     /// Reads a value to the end of its line.
-    fn value(&mut self) -> Result<(), Diagnostic> {
+    fn value(&mut self) -> Result<(), Box<Diagnostic>> {
         self.open.clear();
-        while let Some(token) = self.tokens.next() {
+        for token in self.tokens.by_ref() {
             self.end = token.span().end();
             match token.kind() {
                 TokenKind::Newline if self.open.is_empty() => break,
@@ -351,7 +354,7 @@ impl<'t> Scanner<'t> {
                 );
                 let end = self.text.ceil_char_boundary(self.entry_start + 1);
                 let span = Span::from(self.entry_start..end);
-                return Err(Diagnostic::new(span, Problem::Conflict(message)));
+                return Err(Box::new(Diagnostic::new(span, Problem::Conflict(message))));
             }
         }
         Ok(())

@@ -76,8 +76,8 @@ impl Damage {
 
 /// The tree of `text` as far as it could be read, and the syntax errors.
 pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
-    if let Err(Diagnostic { span, problem, .. }) = readable(text) {
-        return hopeless(span, problem);
+    if let Err(wrong) = readable(text) {
+        return hopeless(wrong.span, wrong.problem);
     }
     let first = match DeTable::parse(text) {
         Ok(root) => return (root.into_inner(), Damage::none(), Vec::new()),
@@ -97,16 +97,18 @@ pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
 ///
 /// # Errors
 /// What it would take too long or too deep a stack for.
-pub(super) fn readable(text: &str) -> Result<(), Diagnostic> {
+pub(super) fn readable(text: &str) -> Result<(), Box<Diagnostic>> {
     // TOML has no lone carriage returns, and its parser takes quadratic time for many of them.
     if let Some(span) = lone_return(text) {
         let message = "a carriage return without a line feed; lines end in LF or CR LF";
-        return Err(Diagnostic::new(span, Problem::Syntax(message.to_owned())));
+        let problem = Problem::Syntax(message.to_owned());
+        return Err(Box::new(Diagnostic::new(span, problem)));
     }
     // The parser has a stack frame for every open bracket, whatever its own limit says.
     if let Some(span) = too_deep(text) {
         let message = "brackets within brackets, more than a scene can have; is one not closed?";
-        return Err(Diagnostic::new(span, Problem::Syntax(message.to_owned())));
+        let problem = Problem::Syntax(message.to_owned());
+        return Err(Box::new(Diagnostic::new(span, problem)));
     }
     Ok(())
 }
