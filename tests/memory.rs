@@ -351,6 +351,8 @@ fn where_memory_ends_the_exit_code_says_so() {
         );
         let mut shell = Command::new("sh");
         let shell = shell.args(["-c", &limited]).current_dir(folder.path());
+        // Not optimized, tracing takes more stack than a thread usually has.
+        shell.env("RUST_MIN_STACK", "16777216");
         shell.env_remove("RAYON_NUM_THREADS").output().unwrap()
     };
     // Less than the program itself takes, before it has a say, is nothing to start with.
