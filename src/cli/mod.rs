@@ -106,7 +106,9 @@ pub(crate) fn main() -> ExitCode {
 fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
     if !matches!(command, Command::Render(_)) {
         // Threads that are not there are an error now, and would be a panic later.
-        rayon::ThreadPoolBuilder::new().build_global()?;
+        rayon::ThreadPoolBuilder::new()
+            .build_global()
+            .map_err(|error| shortage::no_threads(&error))?;
     }
     match command {
         Command::Render(arguments) => render::run(arguments, unfinished),

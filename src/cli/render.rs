@@ -165,7 +165,8 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, |threads| threads as usize))
-        .build()?;
+        .build()
+        .map_err(|error| super::shortage::no_threads(&error))?;
     pool.install(|| render(arguments, unfinished))
 }
 

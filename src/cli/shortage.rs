@@ -49,12 +49,16 @@ pub(super) fn for_lack_of_memory(failure: Failure) -> Failure {
     TooLittle(failure).into()
 }
 
+/// The system gives no threads to work with, which is for lack of memory or of threads.
+pub(super) fn no_threads(error: &rayon::ThreadPoolBuildError) -> Failure {
+    for_lack_of_memory(format!("cannot start the threads to work with: {error}").into())
+}
+
 /// Whether a failure is a lack of memory, or an input that could not be read to its end.
 pub(super) fn is_transient(failure: &(dyn Error + 'static)) -> bool {
     failure.is::<OutOfMemory>()
         || failure.is::<TooLittle>()
         || failure.is::<NoThread>()
-        || failure.is::<rayon::ThreadPoolBuildError>()
         || failure
             .downcast_ref::<Diagnostics>()
             .is_some_and(Diagnostics::is_transient)
