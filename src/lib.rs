@@ -119,6 +119,7 @@ pub mod display;
 pub mod film;
 pub mod lanes;
 pub mod math;
+pub mod memory;
 pub mod oracle;
 pub mod output;
 pub mod printable;

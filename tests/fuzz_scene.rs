@@ -88,7 +88,7 @@ wall.plane = { material = "glaze", point = [0, 0, -3], normal = [0, 0, 1] }
 
 /// The files of `scenes/` that are whole without another file: to read those over and over is for
 /// another test. And what they leave out.
-fn legal() -> Vec<Vec<u8>> {
+pub(crate) fn legal() -> Vec<Vec<u8>> {
     let files = scene_files().into_iter();
     let whole = files.filter(|path| Scene::load(path).unwrap().files().len() == 1);
     let mut scenes: Vec<Vec<u8>> = whole.map(|path| fs::read(path).unwrap()).collect();

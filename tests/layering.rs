@@ -7,15 +7,16 @@ use std::path::{Path, PathBuf};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("units", &[]),
     ("math", &[]),
     ("lanes", &["math"]),
     ("color", &[]),
     ("printable", &[]),
+    ("memory", &[]),
     ("output", &["printable"]),
     ("spectrum", &["units", "printable"]),
-    ("scene", &["units", "spectrum", "printable"]),
+    ("scene", &["units", "spectrum", "printable", "memory"]),
     (
         "world",
         &[
@@ -26,9 +27,10 @@ const MAY_USE: [(&str, &[&str]); 14] = [
             "color",
             "spectrum",
             "printable",
+            "memory",
         ],
     ),
-    ("visibility", &["world", "math", "lanes"]),
+    ("visibility", &["world", "math", "lanes", "memory"]),
     (
         "shading",
         &["world", "visibility", "units", "math", "lanes"],
@@ -46,6 +48,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
             "color",
             "output",
             "printable",
+            "memory",
         ],
     ),
     ("display", &["film", "color", "output", "printable"]),

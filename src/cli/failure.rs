@@ -7,6 +7,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use candela::display::DisplayError;
+use candela::film::exr::ExrError;
+use candela::memory::OutOfMemory;
 use candela::output::{self, OutputError};
 use candela::scene::Diagnostics;
 use rayon::ThreadPoolBuildError;
@@ -57,8 +59,15 @@ fn print(failure: &(dyn Error + 'static)) {
 /// Whether an error by itself tells of what a later try, or another machine, may cure.
 fn is_transient(error: &(dyn Error + 'static)) -> bool {
     error.is::<Transient>()
+        || error.is::<OutOfMemory>()
         || error.is::<TryReserveError>()
         || error.is::<ThreadPoolBuildError>()
+        || error
+            .downcast_ref::<Diagnostics>()
+            .is_some_and(Diagnostics::is_transient)
+        || error
+            .downcast_ref::<ExrError>()
+            .is_some_and(ExrError::is_transient)
         || error
             .downcast_ref::<OutputError>()
             .is_some_and(OutputError::is_transient)

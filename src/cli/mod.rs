@@ -10,6 +10,7 @@ mod new;
 mod probe;
 mod render;
 mod schema;
+mod shortage;
 mod signals;
 mod source;
 mod tonemap;
@@ -78,7 +79,8 @@ pub(crate) fn main() -> ExitCode {
         Err(error) => return usage::report(&error),
     };
     let unfinished = Unfinished::new();
-    let heeded = signals::heed(&unfinished).map_err(|error| NoSignals(error).into());
+    let heeded = shortage::end_with(failure::TRANSIENT).and_then(|()| signals::heed(&unfinished));
+    let heeded = heeded.map_err(|error| NoSignals(error).into());
     match heeded.and_then(|()| run(&arguments.command, &unfinished)) {
         Ok(()) => ExitCode::SUCCESS,
         // The handler is about to end the process; what it interrupted is no failure.

@@ -137,6 +137,8 @@ pub(crate) struct Arguments {
 /// `--stats`
 #[derive(Serialize)]
 struct Statistics<'a> {
+    scene_sha256: &'a str,
+    inputs_sha256: &'a str,
     image: [u32; 2],
     window: [u32; 4],
     samples: u32,
@@ -248,7 +250,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
-    let (visibility, build) = timed(|| Visibility::new(&world, &plan));
+    let (visibility, build) = timed(|| Visibility::try_new(&world, &plan));
+    let visibility = visibility?;
     seconds.build = build;
 
     let options = Options {
@@ -313,6 +316,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             height,
         } = whole;
         let statistics = Statistics {
+            scene_sha256: world.scene_hash(),
+            inputs_sha256: world.inputs_hash(),
             image: world.resolution(),
             window: [x, y, x + width, y + height],
             samples: arguments.samples,

@@ -208,7 +208,7 @@ impl<'w> LightSums<'w> {
     }
 
     fn add(&mut self, pixel: usize, term: &Term) {
-        let reflected = &self.world.transport(term.light)[term.material];
+        let reflected = self.world.reflected(term.light, term.material);
         let (diffuse, specular) = (reflected.diffuse.0.0, reflected.specular.0.0);
         let sum = &mut self.sums[term.light * self.pixels + pixel];
         for (channel, sum) in sum.iter_mut().enumerate() {

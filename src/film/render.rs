@@ -169,6 +169,7 @@ fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
     let plan = serde_json::to_string(plan).expect("a plan is plain data");
     let layers = options.layers.names();
     let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
+    let inputs = ("inputs_sha256".to_owned(), world.inputs_hash().to_owned());
     let others = [
         ("plan".to_owned(), plan),
         ("samples".to_owned(), options.samples.to_string()),
@@ -178,7 +179,10 @@ fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
         color_space: world.color_space(),
         world_to_camera: world.camera().world_to_camera(world.anchor()),
         world_to_ndc: world.camera().world_to_ndc(world.anchor()),
-        provenance: layers.into_iter().chain(others).collect(),
+        provenance: std::iter::once(inputs)
+            .chain(layers)
+            .chain(others)
+            .collect(),
     }
 }
 

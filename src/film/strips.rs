@@ -69,15 +69,19 @@ pub fn render_exr(
 const COPIES_OF_BLOCK: u64 = 5;
 
 /// About how many bytes of pixels [`render_exr`] has in memory at once for a window with these channels
-/// beside R, G, B and A, on so many threads: a strip and a block for each, and a strip that waits.
+/// beside R, G, B and A, on so many threads: a strip, a block and a tile for each, and
+/// a strip that waits.
 pub fn memory(window: Window, channels: &Channels, exr: &ExrOptions, threads: usize) -> u64 {
     let lines = exr.lines_per_block();
     let [strip, block] = [strip_lines(lines), lines as u32].map(|lines| {
         let pixel = size_of::<[f32; 4]>() + channels.list.len() * size_of::<f32>();
         u64::from(window.width) * u64::from(lines.min(window.height)) * pixel as u64
     });
+    // A tile has its values, and before these their sums in f64.
+    let tile = u64::from(TILE) * u64::from(TILE);
+    let sums = tile * channels.list.len() as u64 * (size_of::<f64>() + size_of::<f32>()) as u64;
     let threads = threads as u64;
-    strip * (threads + 1) + block * threads * COPIES_OF_BLOCK
+    strip * (threads + 1) + (block * COPIES_OF_BLOCK + sums) * threads
 }
 
 /// The height of a strip, unless the window is less high.

@@ -52,6 +52,9 @@ mod upsampling;
 mod value;
 mod vector;
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use crate::scene::mesh::MeshGroup;
 use crate::scene::{Light, Object, Scene};
 
@@ -89,7 +92,8 @@ struct NamedObject {
     name: String,
     groups: Vec<MeshGroup>,
     material_name: String,
-    material: Material,
+    /// Shared by all objects that have it.
+    material: Arc<Material>,
 }
 
 #[derive(Clone, Debug)]
@@ -153,6 +157,14 @@ impl Oracle {
         let reference = scene.camera.value.view().eye.value;
         let surfaces = scene.objects.iter().enumerate();
         let palette = Palette::new(scene);
+        let materials = scene.materials.iter();
+        let materials: HashMap<&str, Arc<Material>> = materials
+            .map(|entry| {
+                let material = Material::new(&entry.value, &palette);
+                (entry.name.as_str(), Arc::new(material))
+            })
+            .collect();
+        let black = Arc::new(Material::black(&palette));
         Self {
             resolution,
             reference,
@@ -164,7 +176,10 @@ impl Oracle {
             objects: scene
                 .objects
                 .iter()
-                .map(|object| NamedObject::new(scene, &palette, &object.name, &object.value))
+                .map(|object| {
+                    let material = materials.get(object.value.material().value.as_str());
+                    NamedObject::new(&object.name, &object.value, material.unwrap_or(&black))
+                })
                 .collect(),
             lights: scene
                 .lights
@@ -417,12 +432,7 @@ impl Oracle {
 }
 
 impl NamedObject {
-    fn new(scene: &Scene, palette: &Palette, name: &str, object: &Object) -> Self {
-        let material_name = &object.material().value;
-        let written = scene
-            .materials
-            .iter()
-            .find(|material| material.name == *material_name);
+    fn new(name: &str, object: &Object, material: &Arc<Material>) -> Self {
         Self {
             name: name.to_owned(),
             groups: match object {
@@ -431,11 +441,8 @@ impl NamedObject {
                     Vec::new()
                 }
             },
-            material_name: material_name.clone(),
-            material: match written {
-                Some(entry) => Material::new(&entry.value, palette),
-                None => Material::black(palette),
-            },
+            material_name: object.material().value.clone(),
+            material: Arc::clone(material),
         }
     }
 

@@ -46,7 +46,7 @@ impl Scene {
             materials: Vec::new(),
             lights: Vec::new(),
             objects: Vec::new(),
-            curve_files: Vec::new(),
+            inputs: Vec::new(),
         }
     }
 

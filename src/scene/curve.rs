@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::diagnostic::shortened;
 use super::encoding::Foreign;
+use super::inputs::Hash;
 use super::opening::{self, NotAFile};
 use crate::spectrum::{Curve, CurveProblem};
 
@@ -111,12 +112,13 @@ fn way_out(text: &str) -> &'static str {
 }
 
 /// Reads a curve file: two columns parted by blanks, tabs, commas or semicolons. What follows `#` or
-/// `//` on a line is a comment; the first line of others may name the columns.
+/// `//` on a line is a comment; the first line of others may name the columns. Beside the curve, the
+/// hash of the file.
 ///
 /// # Errors
 /// A file that cannot be read, lines of other than two numbers, and points that do not make a
 /// [`Curve`].
-pub(super) fn load(path: &Path) -> Result<Curve, CurveError> {
+pub(super) fn load(path: &Path) -> Result<(Curve, Hash), CurveError> {
     let (file, size) = opening::open::<CurveError>(path)?;
     if size > LARGEST_FILE {
         return Err(CurveError::TooLarge);
@@ -130,7 +132,7 @@ pub(super) fn load(path: &Path) -> Result<Curve, CurveError> {
     if length as u64 > LARGEST_FILE {
         return Err(CurveError::TooLarge);
     }
-    parse(&bytes)
+    Ok((parse(&bytes)?, Hash::of(&bytes)))
 }
 
 fn parse(bytes: &[u8]) -> Result<Curve, CurveError> {

@@ -8,6 +8,7 @@ mod build;
 mod curve;
 pub mod diagnostic;
 mod encoding;
+mod inputs;
 pub mod mesh;
 mod opening;
 mod read;
@@ -21,8 +22,10 @@ pub use build::{NotAColor, Placement};
 pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
 pub use encoding::Foreign;
+pub use inputs::{Hash, Input};
 pub use mesh::MeshFile;
 pub use opening::NotAFile;
+pub(crate) use read::name_objection;
 pub use read::{Broken, Reading};
 pub use schema::schema;
 pub use value::{ColorSpace, ShadowTerminator, Transport, Unit, Value};
@@ -53,8 +56,9 @@ pub struct Scene {
     pub lights: Vec<Entry<Light>>,
     /// `[objects.NAME.VARIANT]`, in the order of the file.
     pub objects: Vec<Entry<Object>>,
-    /// The curve files that values name, joined to the scene's folder.
-    pub curve_files: Vec<PathBuf>,
+    /// The mesh and curve files that were read, each once, in the order in which the scene names them
+    /// first. Empty in a scene made in code.
+    pub inputs: Vec<Input>,
 }
 
 /// A named entry of a section.
@@ -241,17 +245,9 @@ impl Scene {
 
     /// The files that the scene was read from: its own, and those of its meshes and curves.
     pub fn files(&self) -> Vec<PathBuf> {
-        let folder = self.source.path.parent().unwrap_or(Path::new(""));
-        let meshes = self
-            .objects
-            .iter()
-            .filter_map(|object| match &object.value {
-                Object::Mesh { file, .. } => Some(folder.join(&file.value)),
-                Object::Sphere { .. } | Object::Plane { .. } | Object::Triangle { .. } => None,
-            });
+        let inputs = self.inputs.iter().map(|input| input.path.clone());
         std::iter::once(self.source.path.clone())
-            .chain(meshes)
-            .chain(self.curve_files.iter().cloned())
+            .chain(inputs)
             .collect()
     }
 

@@ -177,7 +177,6 @@ impl Shaded {
                     if bits == 0 {
                         continue;
                     }
-                    let transport = world.transport(light);
                     let geometry = geometry(simd, &ends, position, groups.get());
                     for &Group {
                         material, members, ..
@@ -186,7 +185,7 @@ impl Shaded {
                         let is_lit = Mask::from_bits(simd, bits & members);
                         let diffuse = is_lit.select(geometry.diffuse, zero);
                         let specular = is_lit.select(geometry.specular, zero);
-                        let reflected = &transport[material as usize];
+                        let reflected = world.reflected(light, material as usize);
                         let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
                         sums[0] = sums[0] + (diffuse * kd[0] + specular * ks[0]);
                         sums[1] = sums[1] + (diffuse * kd[1] + specular * ks[1]);

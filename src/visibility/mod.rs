@@ -44,6 +44,7 @@ use surface::{Known, Only};
 
 use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point, both};
+use crate::memory::{self, OutOfMemory};
 use crate::world::{Camera, Plan, Projection, World};
 use beam::{EMPTY_STACK, Stack};
 use canvas::{Canvas, State};
@@ -72,6 +73,10 @@ const MOST_SPREAD: f64 = 1.0 / 16.0;
 /// [`MOST_SPREAD_AMID_FEW`].
 const FEW_SHAPES: usize = 64;
 const MOST_SPREAD_AMID_FEW: f64 = 1.0;
+
+/// What building a tree takes for each shape, at most; a test measures it.
+const BYTES_OF_TRIANGLE: u64 = 260;
+const BYTES_OF_SPHERE: u64 = 130;
 
 /// Fewer rays than this are not worth a canvas.
 const FEW: u32 = 8;
@@ -294,6 +299,23 @@ impl<'w> Visibility<'w> {
             },
             uses_canvas: true,
         }
+    }
+
+    /// [`Visibility::new`], if there is as much memory as it takes.
+    ///
+    /// # Errors
+    /// If there is not.
+    pub fn try_new(world: &'w World, plan: &Plan) -> Result<Self, OutOfMemory> {
+        let needed = memory::look_for(Self::memory_needed(world));
+        needed.map_err(|error| error.for_what("building the trees over all shapes"))?;
+        Ok(Self::new(world, plan))
+    }
+
+    /// About how many bytes [`Visibility::new`] takes at once, of which it keeps about half.
+    pub fn memory_needed(world: &World) -> u64 {
+        let triangles = world.triangles().len() as u64;
+        let spheres = world.spheres().len() as u64;
+        triangles * BYTES_OF_TRIANGLE + spheres * BYTES_OF_SPHERE
     }
 
     /// L1 and L2: the points that the primary rays through points of the image hit.

@@ -30,10 +30,7 @@ pub struct Difference {
 /// adapted to the light.
 pub fn differences(one: &World, other: &World) -> Vec<Difference> {
     let space = primaries(one.color_space());
-    let mut used = vec![false; one.materials().len()];
-    for object in one.objects() {
-        used[object.material] = true;
-    }
+    let used = one.used_materials();
     let lights = one.lights().iter().enumerate();
     lights
         .filter_map(|(light, entry)| {
@@ -47,14 +44,12 @@ pub fn differences(one: &World, other: &World) -> Vec<Difference> {
             } else {
                 space.white_xyz() * white.y
             };
-            let pairs = one.transport(light).iter().zip(other.transport(light));
-            let of_materials: Vec<(usize, f64)> = pairs
-                .enumerate()
-                .filter(|(material, _)| used[*material])
-                .filter_map(|(material, (one_lobes, other_lobes))| {
+            let of_materials: Vec<(usize, f64)> = used
+                .iter()
+                .filter_map(|&material| {
                     let factors = one.materials()[material].value.factors();
-                    let one = visible_lobe(one_lobes, factors)?;
-                    let other = visible_lobe(other_lobes, factors)?;
+                    let one = visible_lobe(one.reflected(light, material), factors)?;
+                    let other = visible_lobe(other.reflected(light, material), factors)?;
                     let lab = |rgb| Lab::from_xyz(xyz(rgb, &space), adapted);
                     Some((material, delta_e_2000(lab(one), lab(other))))
                 })
@@ -76,7 +71,7 @@ pub fn differences(one: &World, other: &World) -> Vec<Difference> {
 }
 
 /// I · k of the lobe that is seen, without the factor of its model.
-fn visible_lobe(lobes: &Lobes<ReflectedIntensity>, factors: Lobes<f64>) -> Option<Rgb> {
+fn visible_lobe(lobes: Lobes<ReflectedIntensity>, factors: Lobes<f64>) -> Option<Rgb> {
     [
         (lobes.diffuse, factors.diffuse),
         (lobes.specular, factors.specular),

@@ -7,6 +7,7 @@
 
 mod camera;
 pub mod colorimetry;
+mod containment;
 pub mod difference;
 pub(crate) mod geometry;
 pub mod material;
@@ -26,12 +27,15 @@ pub use spectra::{Bands, Spectra, Wavelengths};
 use crate::math::{DVec3, Point};
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
 use crate::units::{Intensity, Radiance, ReflectedIntensity};
+use spectra::Products;
 
 /// A legal scene.
 #[derive(Clone, Debug)]
 pub struct World {
     /// SHA-256 of the scene file's text, in hexadecimal digits.
     scene_hash: String,
+    /// SHA-256 of all that the picture depends on, in hexadecimal digits.
+    inputs_hash: String,
     resolution: [u32; 2],
     color_space: ColorSpace,
     background: Radiance,
@@ -43,8 +47,8 @@ pub struct World {
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
     triangles: Triangles,
-    /// I · k of every lobe, light by light, material by material within.
-    transport: Vec<Lobes<ReflectedIntensity>>,
+    /// I · k of every light on every material, where light is carried spectrally.
+    products: Option<Products>,
     asked: scene::Transport,
     /// What in the scene is spectral.
     spectral_values: Vec<String>,
@@ -148,9 +152,16 @@ impl World {
         validate::validate_reading(reading)
     }
 
-    /// SHA-256 of the scene file's text, in hexadecimal digits, as `sha256sum` prints it.
+    /// SHA-256 of the scene file's text, in hexadecimal digits, as `sha256sum` prints it; of a scene
+    /// made in code, of its content ([`Scene::hash`]).
     pub fn scene_hash(&self) -> &str {
         &self.scene_hash
+    }
+
+    /// SHA-256 of the scene file with the meshes and curves that it names, in hexadecimal digits
+    /// ([`Scene::inputs_hash`]).
+    pub fn inputs_hash(&self) -> &str {
+        &self.inputs_hash
     }
 
     /// Width and height of the image in pixels.
@@ -229,11 +240,38 @@ impl World {
         &self.gaps
     }
 
-    /// I · k of both lobes of every material, in the order of [`World::materials`], as lit by
-    /// one light. Zero for materials that no object has, where light is carried spectrally.
+    /// I · k of both lobes of a material, lit by a light. Zero for a material that no object has,
+    /// where light is carried spectrally.
+    ///
+    /// Where light is carried as RGB, it is the product of three numbers, made when it is asked
+    /// for: a table of it would be as large as lights times materials.
     #[inline]
-    pub fn transport(&self, light: usize) -> &[Lobes<ReflectedIntensity>] {
-        let materials = self.materials.len();
-        &self.transport[light * materials..(light + 1) * materials]
+    pub fn reflected(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
+        if let Some(products) = &self.products {
+            return products.of(light, material);
+        }
+        let intensity = self.lights[light].value.intensity;
+        let reflectance = self.materials[material].value.reflectance();
+        Lobes {
+            diffuse: intensity.reflected(reflectance.diffuse),
+            specular: intensity.reflected(reflectance.specular),
+        }
+    }
+
+    /// Bytes of the table of I · k of lights and materials; `None` where light is carried as RGB,
+    /// which takes none.
+    pub fn products_memory(&self) -> Option<u64> {
+        self.products.as_ref().map(Products::memory)
+    }
+
+    /// The materials that objects have, as indices into [`World::materials`], ascending.
+    pub fn used_materials(&self) -> Vec<usize> {
+        let mut used = vec![false; self.materials.len()];
+        for object in &self.objects {
+            used[object.material] = true;
+        }
+        let used = used.into_iter().enumerate();
+        used.filter_map(|(material, is_used)| is_used.then_some(material))
+            .collect()
     }
 }

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::colorimetry::{Colorimetry, Shade};
 use super::{Lobes, Named, PointLight};
+use crate::memory::{self, OutOfMemory};
 use crate::spectrum::{FIRST, LAST, Spectrum};
 use crate::units::{ReflectedIntensity, Rgb};
 
@@ -40,40 +41,88 @@ impl Spectra {
     pub fn light(&self, light: usize) -> &Spectrum {
         &self.lights[light]
     }
+}
 
-    /// I · k of every pair of a light and a material that is used, light by light, material by
-    /// material within:
+/// I · k of every light on every material that objects have, where that takes an integral:
+///
+/// T = K_m ∫ I(λ) k(λ) m(λ) dλ, with the working space's color matching functions m.
+#[derive(Clone, Debug)]
+pub(super) struct Products {
+    /// Each material's column, if any object has it.
+    columns: Vec<Option<usize>>,
+    /// How many columns there are.
+    used: usize,
+    /// Light by light, column by column within.
+    table: Vec<Lobes<ReflectedIntensity>>,
+}
+
+impl Products {
+    /// Bytes of the table.
+    pub(super) fn memory(&self) -> u64 {
+        size_of_val(self.table.as_slice()) as u64
+    }
+
+    /// The products of `spectra`. A gray k takes the light's own R, G, B, which are as they were
+    /// written.
     ///
-    /// T = K_m ∫ I(λ) k(λ) m(λ) dλ, with the working space's color matching functions m.
-    ///
-    /// A gray k takes the light's own R, G, B, which are as they were written.
-    pub(super) fn transport(&self, lights: &[Named<PointLight>]) -> Vec<Lobes<ReflectedIntensity>> {
-        let rows = self.lights.par_iter().zip(lights);
-        rows.flat_map_iter(|(spectrum, light)| {
-            let seen = self.colorimetry.seen(spectrum);
-            let rgb = light.value.intensity.0.0;
-            let integrated = move |pigment: &Pigment| {
-                let rgb = match &pigment.shade {
-                    Shade::Flat(value) => rgb.map(|channel| channel * (value * pigment.factor)),
-                    Shade::Spectrum(reflectance) => [0, 1, 2].map(|channel: usize| {
-                        reflectance.integral(seen[channel].values()) * pigment.factor
-                    }),
+    /// # Errors
+    /// If there is not so much memory.
+    pub(super) fn new(
+        spectra: &Spectra,
+        lights: &[Named<PointLight>],
+    ) -> Result<Self, OutOfMemory> {
+        let mut used = 0;
+        let columns = spectra.used.iter().map(|is_used| {
+            is_used.then(|| {
+                used += 1;
+                used - 1
+            })
+        });
+        let columns = columns.collect();
+        let mut table = Vec::new();
+        memory::reserve(&mut table, lights.len().saturating_mul(used))?;
+        table.resize(lights.len() * used, Lobes::default());
+        let materials = spectra.materials.iter().zip(&spectra.used);
+        let materials: Vec<_> = materials
+            .filter_map(|(m, used)| used.then_some(m))
+            .collect();
+        // No chunk may be of length 0; without materials that are used there is none.
+        let rows = table.par_chunks_mut(used.max(1));
+        rows.zip(&spectra.lights)
+            .zip(lights)
+            .for_each(|((row, spectrum), light)| {
+                let seen = spectra.colorimetry.seen(spectrum);
+                let rgb = light.value.intensity.0.0;
+                let integrated = |pigment: &Pigment| {
+                    let rgb = match &pigment.shade {
+                        Shade::Flat(value) => rgb.map(|channel| channel * (value * pigment.factor)),
+                        Shade::Spectrum(reflectance) => [0, 1, 2].map(|channel: usize| {
+                            reflectance.integral(seen[channel].values()) * pigment.factor
+                        }),
+                    };
+                    ReflectedIntensity(Rgb(rgb))
                 };
-                ReflectedIntensity(Rgb(rgb))
-            };
-            let materials = self.materials.iter().zip(&self.used);
-            materials.map(move |(lobes, used)| {
-                if *used {
-                    Lobes {
+                for (product, lobes) in row.iter_mut().zip(&materials) {
+                    *product = Lobes {
                         diffuse: integrated(&lobes.diffuse),
                         specular: integrated(&lobes.specular),
-                    }
-                } else {
-                    Lobes::default()
+                    };
                 }
-            })
+            });
+        Ok(Self {
+            columns,
+            used,
+            table,
         })
-        .collect()
+    }
+
+    /// Of one light on one material; zero where no object has it.
+    #[inline]
+    pub(super) fn of(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
+        let column = self.columns[material];
+        column.map_or_else(Lobes::default, |column| {
+            self.table[light * self.used + column]
+        })
     }
 }
 

@@ -89,7 +89,7 @@ fn scene() -> Scene {
                 },
             ),
         ],
-        curve_files: Vec::new(),
+        inputs: Vec::new(),
     }
 }
 

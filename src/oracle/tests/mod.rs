@@ -89,7 +89,7 @@ impl Builder {
             materials: Vec::new(),
             lights: Vec::new(),
             objects: Vec::new(),
-            curve_files: Vec::new(),
+            inputs: Vec::new(),
         })
         .material(MATTE, Material::Phong(lobes(1.0, 0.0, None)))
     }

@@ -4,12 +4,14 @@ mod render;
 
 use std::borrow::Cow;
 use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::Source;
 use super::curve::CurveError;
 use super::mesh::MeshError;
+use crate::memory::OutOfMemory;
 use crate::printable::{printable, printable_path};
 
 /// A range of bytes in the scene file; empty at 0 for what has no place in it.
@@ -57,6 +59,9 @@ impl From<std::ops::Range<usize>> for Span {
 pub struct Diagnostic {
     /// The place in the scene file.
     pub span: Span,
+    /// The entry that it is about, as people name it: "object `ball`", "the camera". Shown where
+    /// there is no place to show, as in a scene made in code.
+    pub entry: Option<String>,
     /// What is wrong there.
     pub problem: Problem,
 }
@@ -76,7 +81,7 @@ pub struct Diagnostics {
 pub enum Problem {
     /// The scene file itself cannot be read.
     #[error("cannot read the scene file: {0}")]
-    Unreadable(std::io::Error),
+    Unreadable(io::Error),
     /// More text than a scene may have.
     #[error("the scene file is larger than {limit} MB")]
     TooLarge {
@@ -216,10 +221,18 @@ pub enum Problem {
     /// Values that do not fit together, such as an `up` along the view.
     #[error("{0}")]
     Conflict(String),
+    /// There is not enough memory.
+    #[error("{error}{way_out}")]
+    OutOfMemory {
+        /// What it was for, and how much it was.
+        error: OutOfMemory,
+        /// What takes less, after a semicolon; empty where nothing does.
+        way_out: &'static str,
+    },
 }
 
 /// How many errors of one scene are collected; an entry in error after these is still left out.
-pub(super) const MOST_COLLECTED: usize = 1_000;
+pub(crate) const MOST_COLLECTED: usize = 1_000;
 
 /// How many of the possible names an error keeps; a scene can have a million materials.
 const EXPECTED_KEPT: usize = 12;
@@ -263,6 +276,33 @@ impl Problem {
         }
     }
 
+    /// Whether a later try or another machine may cure it: there is not enough memory, or an input
+    /// cannot be read to its end. What is not there, must not be read or is no file is most often
+    /// misspelt, and stays so.
+    pub fn is_transient(&self) -> bool {
+        match self {
+            Self::OutOfMemory { .. } => true,
+            Self::Unreadable(error) => is_transient(error),
+            Self::Mesh { error, .. } => error.is_transient(),
+            Self::Curve { error, .. } => error.is_transient(),
+            Self::TooLarge { .. }
+            | Self::NotUtf8 { .. }
+            | Self::NotAScene { .. }
+            | Self::Empty
+            | Self::Syntax(_)
+            | Self::OtherWord { .. }
+            | Self::Elsewhere { .. }
+            | Self::Unknown { .. }
+            | Self::BadName { .. }
+            | Self::NoVariant { .. }
+            | Self::Missing { .. }
+            | Self::WrongType { .. }
+            | Self::OutOfRange { .. }
+            | Self::Duplicate { .. }
+            | Self::Conflict(_) => false,
+        }
+    }
+
     /// What stands under the caret, if anything.
     fn label(&self) -> Option<String> {
         if let Self::OtherWord { meant, .. } = self {
@@ -278,7 +318,7 @@ impl Problem {
     /// The way out, where the message itself does not name it.
     fn help(&self) -> Option<String> {
         match self {
-            Self::Unreadable(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            Self::Unreadable(error) if error.kind() == io::ErrorKind::NotFound => {
                 Some("without a scene file, `candela render` renders the built-in scene".to_owned())
             }
             Self::TooLarge { .. } => Some(
@@ -309,9 +349,30 @@ impl Problem {
             | Self::Duplicate { .. }
             | Self::Mesh { .. }
             | Self::Curve { .. }
-            | Self::Conflict(_) => None,
+            | Self::Conflict(_)
+            | Self::OutOfMemory { .. } => None,
         }
     }
+}
+
+/// Whether reading may succeed another time, or on another machine.
+fn is_transient(error: &io::Error) -> bool {
+    use io::ErrorKind::{
+        InvalidData, InvalidFilename, InvalidInput, IsADirectory, NotADirectory, NotFound,
+        PermissionDenied, Unsupported,
+    };
+    // Of many kinds, and more to come, these are about what was written; others are the machine's.
+    !matches!(
+        error.kind(),
+        NotFound
+            | PermissionDenied
+            | IsADirectory
+            | NotADirectory
+            | InvalidData
+            | InvalidInput
+            | InvalidFilename
+            | Unsupported
+    )
 }
 
 /// The candidate that `name` is most likely a misspelling of.
@@ -374,7 +435,29 @@ fn one_of(names: &[String]) -> String {
 impl Diagnostic {
     /// `problem` at `span`.
     pub const fn new(span: Span, problem: Problem) -> Self {
-        Self { span, problem }
+        Self {
+            span,
+            entry: None,
+            problem,
+        }
+    }
+
+    /// The same about `entry`.
+    #[must_use]
+    pub fn about(self, entry: Option<String>) -> Self {
+        Self { entry, ..self }
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    /// What is wrong; of which entry, where there is no place to show.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(entry) = &self.entry
+            && self.span == Span::default()
+        {
+            write!(f, "{entry}: ")?;
+        }
+        write!(f, "{}", self.problem)
     }
 }
 
@@ -391,6 +474,12 @@ impl Diagnostics {
     /// The single items, in the order of their places.
     pub fn list(&self) -> &[Diagnostic] {
         &self.list
+    }
+
+    /// Whether a later try or another machine may cure all that is wrong.
+    pub fn is_transient(&self) -> bool {
+        let mut problems = self.list.iter().map(|diagnostic| &diagnostic.problem);
+        problems.all(Problem::is_transient)
     }
 
     /// The scene file's path.

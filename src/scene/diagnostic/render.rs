@@ -48,7 +48,7 @@ impl Diagnostics {
 impl Diagnostic {
     fn render(&self, renderer: &Renderer, source: &Source) -> String {
         let path = printable_path(&source.path);
-        let mut group = Group::with_title(Level::ERROR.primary_title(self.problem.to_string()));
+        let mut group = Group::with_title(Level::ERROR.primary_title(self.to_string()));
         group = match place(source, self.span) {
             Place::None => group.element(Origin::path(path.clone())),
             Place::Unshown { line, column } => {

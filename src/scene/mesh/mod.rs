@@ -25,6 +25,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::encoding::Foreign;
+use super::inputs::{Hash, Hashed};
 use super::opening;
 pub use error::{ElementPlace, Fault, MeshError, Place, Position};
 pub use remarks::MeshRemarks;
@@ -74,9 +75,16 @@ impl MeshFile {
     /// # Errors
     /// [`MeshError`] for anything that is not a whole and finite mesh with at least one triangle.
     pub fn load(path: &Path) -> Result<Self, MeshError> {
-        let (mut file, size) = opening::open::<MeshError>(path)?;
+        Self::load_hashed(path).map(|(mesh, _)| mesh)
+    }
+
+    /// [`MeshFile::load`], and the hash of the file's bytes.
+    pub(super) fn load_hashed(path: &Path) -> Result<(Self, Hash), MeshError> {
+        let (file, size) = opening::open::<MeshError>(path)?;
         let size = usize::try_from(size).unwrap_or(usize::MAX);
-        Self::read(Source::new(&mut file, size)?, path)
+        let mut file = Hashed::new(file);
+        let mesh = Self::read(Source::new(&mut file, size)?, path)?;
+        Ok((mesh, file.finish()?))
     }
 
     /// Reads a mesh from the bytes of a PLY or OBJ file of the name `name`.

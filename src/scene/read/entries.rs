@@ -9,6 +9,7 @@ use super::super::diagnostic::{Problem, Span, shortened};
 use super::Node;
 use super::fields::{Fields, Reader};
 use super::key::{Elsewhere, Form, unknown};
+use crate::memory::{self, OutOfMemory};
 
 /// A kind of entry: its keys, and what reads them.
 pub(super) struct Variant<T> {
@@ -52,37 +53,64 @@ pub(super) struct Entries<T> {
     pub(super) broken: Vec<String>,
 }
 
+impl<T> Default for Entries<T> {
+    fn default() -> Self {
+        Self {
+            sound: Vec::new(),
+            broken: Vec::new(),
+        }
+    }
+}
+
+impl<T> Entries<T> {
+    /// In the order of the file.
+    pub(super) fn in_order(mut self) -> Vec<Entry<T>> {
+        self.sound.sort_by_key(|entry| entry.span);
+        self.sound
+    }
+}
+
 /// The longest name in bytes: with `light_` and a channel it fits the 255 bytes of an EXR channel
 /// name.
 pub(super) const LONGEST_NAME: usize = 200;
 
 impl<T> Section<T> {
-    pub(super) fn read(&self, reader: &mut Reader<'_>, root: &DeTable<'_>) -> Entries<T> {
-        let mut entries = Entries {
-            sound: Vec::new(),
-            broken: Vec::new(),
-        };
+    /// Adds the entries of a tree, which may be one of several that the file is read in.
+    ///
+    /// # Errors
+    /// If memory ends.
+    pub(super) fn read(
+        &self,
+        reader: &mut Reader<'_>,
+        root: &DeTable<'_>,
+        entries: &mut Entries<T>,
+    ) -> Result<(), OutOfMemory> {
         let Some(node) = root.get(self.key) else {
-            return entries;
+            return Ok(());
         };
         let DeValue::Table(names) = node.get_ref() else {
             reader.wrong_type(self.key, node, self.example);
-            return entries;
+            return Ok(());
         };
         for (key, node) in names {
             let name = key.get_ref().as_ref();
             let span = Span::from(key.span());
             match self.entry(reader, name, span, node) {
-                Some(value) => entries.sound.push(Entry {
-                    name: name.to_owned(),
-                    span,
-                    value,
-                }),
-                None => entries.broken.push(name.to_owned()),
+                Some(value) => {
+                    memory::reserve(&mut entries.sound, 1)?;
+                    entries.sound.push(Entry {
+                        name: name.to_owned(),
+                        span,
+                        value,
+                    });
+                }
+                None => {
+                    memory::reserve(&mut entries.broken, 1)?;
+                    entries.broken.push(name.to_owned());
+                }
             }
         }
-        entries.sound.sort_by_key(|entry| entry.span);
-        entries
+        Ok(())
     }
 
     fn entry(&self, reader: &mut Reader<'_>, name: &str, span: Span, node: &Node<'_>) -> Option<T> {
@@ -244,7 +272,7 @@ pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
 
 /// Why `name` cannot be used, if so. Names come back in messages, mattes and on command lines; those
 /// of lights, in EXR channels too, where a dot separates layer and channel.
-pub(super) fn objection(name: &str, names_channels: bool) -> Option<Cow<'static, str>> {
+pub(crate) fn objection(name: &str, names_channels: bool) -> Option<Cow<'static, str>> {
     let is_allowed =
         |character: char| character.is_alphanumeric() || matches!(character, '_' | '-' | ' ' | '.');
     Some(Cow::Borrowed(if name.is_empty() {

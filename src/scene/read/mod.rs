@@ -10,6 +10,7 @@ mod foreign;
 mod habits;
 pub(super) mod key;
 pub(super) mod outline;
+mod pieces;
 mod sections;
 mod syntax;
 #[cfg(test)]
@@ -22,20 +23,36 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeString, DeTable, DeValue};
 
-use super::diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
+use super::diagnostic::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span, Spanned};
+use super::inputs::{Hash, Input};
 use super::mesh::MeshFile;
 use super::{Scene, Source};
+use crate::memory;
 use crate::spectrum::Curve;
+
+use entries::Entries;
+pub(crate) use entries::objection as name_objection;
 use fields::Reader;
 pub(super) use value::srgb;
+
+use pieces::Tree;
+use syntax::Damage;
 
 /// A value in the tree, with its place.
 type Node<'i> = toml::Spanned<DeValue<'i>>;
 
 /// The largest scene file in bytes. A million objects fit; triangles belong in mesh files.
 const LARGEST_FILE: u64 = 256_000_000;
+
+/// The size in bytes above which a file is read [in pieces](pieces), so that all tables of an entry
+/// must stand together.
+const WHOLE: usize = 1 << 20;
+
+/// How many times its size a file of many entries usually takes while it is read, and what is made
+/// of it after that: 7 for spheres, and 2 more.
+const USUAL_MEMORY: u64 = 10;
 
 /// A scene file as far as it could be read, with everything that is wrong with its form.
 ///
@@ -92,6 +109,15 @@ impl Reading {
     fn of_text_in(text: String, path: &Path, folder: &Path) -> Self {
         if text.len() as u64 > LARGEST_FILE {
             let diagnostic = Diagnostic::new(Span::default(), too_large());
+            return Self::failed(path, String::new(), diagnostic);
+        }
+        // Better to know it now than amid of thousands of small pieces of memory.
+        if let Err(error) = memory::look_for(text.len() as u64 * USUAL_MEMORY) {
+            let problem = Problem::OutOfMemory {
+                error: error.for_what("reading the scene file"),
+                way_out: "",
+            };
+            let diagnostic = Diagnostic::new(Span::default(), problem);
             return Self::failed(path, String::new(), diagnostic);
         }
         let (scene, diagnostics, broken) = read(&text, path, folder);
@@ -183,7 +209,7 @@ struct Unsourced {
     materials: Vec<super::Entry<super::Material>>,
     lights: Vec<super::Entry<super::Light>>,
     objects: Vec<super::Entry<super::Object>>,
-    curve_files: Vec<PathBuf>,
+    inputs: Vec<Input>,
 }
 
 impl Unsourced {
@@ -195,7 +221,7 @@ impl Unsourced {
             materials: self.materials,
             lights: self.lights,
             objects: self.objects,
-            curve_files: self.curve_files,
+            inputs: self.inputs,
         }
     }
 }
@@ -233,61 +259,186 @@ const fn too_large() -> Problem {
     }
 }
 
+/// The sections whose keys are the names of entries.
+const ENTRIES: [&str; 3] = [
+    sections::MATERIALS.key,
+    sections::LIGHTS.key,
+    sections::OBJECTS.key,
+];
+
 fn read(text: &str, path: &Path, folder: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
-    let (root, damage, diagnostics) = syntax::parse(text);
-    if root.is_empty() && diagnostics.is_empty() {
+    let mut reader = Reader {
+        text,
+        damage: Damage::none(),
+        diagnostics: Vec::new(),
+        files: Files::in_folder(folder),
+    };
+    let mut found = Found::default();
+    let (read, is_toml);
+    if text.len() > WHOLE {
+        read = found.read_pieces(&mut reader);
+        is_toml = read.is_ok();
+    } else {
+        let (root, damage, diagnostics) = syntax::parse(text);
+        is_toml = diagnostics.is_empty();
+        (reader.damage, reader.diagnostics) = (damage, diagnostics);
+        read = found.read_whole(&mut reader, root);
+    }
+    if read.is_ok() && found.is_nothing() && reader.diagnostics.is_empty() {
         let diagnostic = Diagnostic::new(Span::default(), Problem::Empty);
         return (None, vec![diagnostic], Broken::default());
     }
-    if !diagnostics.is_empty()
-        && let Some(problem) = foreign::recognized(text.as_bytes(), path)
-    {
+    if !is_toml && let Some(problem) = foreign::recognized(text.as_bytes(), path) {
         let diagnostic = Diagnostic::new(Span::default(), problem);
         return (None, vec![diagnostic], Broken::default());
     }
-    let mut reader = Reader {
-        text,
-        damage,
-        diagnostics,
-        files: Files::in_folder(folder),
-    };
-    let misspelt = unknown_sections(&mut reader, &root);
-    let image = sections::image(&mut reader, &root, &misspelt);
-    let camera = sections::camera(&mut reader, &root, &misspelt);
-    let materials = sections::MATERIALS.read(&mut reader, &root);
-    let lights = sections::LIGHTS.read(&mut reader, &root);
-    let objects = sections::OBJECTS.read(&mut reader, &root);
-    let broken = Broken {
-        materials: materials.broken.into_iter().collect(),
-        lights: lights.broken.into_iter().collect(),
-        objects: objects.broken.into_iter().collect(),
-        lost_entries: reader.damage.lost_entries() || !misspelt.is_empty(),
-    };
-    let mut curve_files: Vec<PathBuf> = reader.files.curves.into_keys().collect();
-    curve_files.sort();
-    let scene = image.zip(camera).map(|(image, camera)| Unsourced {
-        image,
-        camera,
-        materials: materials.sound,
-        lights: lights.sound,
-        objects: objects.sound,
-        curve_files,
-    });
-    (scene, reader.diagnostics, broken)
+    if let Err(diagnostic) = read {
+        reader.damage = Damage::whole();
+        reader.diagnostics = vec![*diagnostic];
+    }
+    found.complete(reader)
 }
 
-/// Reports sections that there are not, and returns those that were meant.
-fn unknown_sections(reader: &mut Reader<'_>, root: &DeTable<'_>) -> Vec<String> {
-    let mut misspelt = Vec::new();
-    for key in root.keys() {
-        let name = key.get_ref();
-        if !sections::SECTIONS.contains(&name.as_ref()) {
-            let problem = sections::unknown_section(name);
-            misspelt.extend(problem.nearest().map(str::to_owned));
-            reader.report(key.span().into(), problem);
+/// What was found in a file so far.
+#[derive(Default)]
+struct Found<'t> {
+    /// How many trees had sections.
+    trees: usize,
+    /// The sections without entries.
+    root: DeTable<'t>,
+    materials: Entries<super::Material>,
+    lights: Entries<super::Light>,
+    objects: Entries<super::Object>,
+    /// Sections that there are not.
+    unknown: HashSet<String>,
+    /// The sections that they were meant to be.
+    misspelt: Vec<String>,
+}
+
+impl<'t> Found<'t> {
+    /// Whether there is no section at all.
+    fn is_nothing(&self) -> bool {
+        self.trees == 0
+    }
+
+    fn read_whole(
+        &mut self,
+        reader: &mut Reader<'t>,
+        mut root: DeTable<'t>,
+    ) -> Result<(), Box<Diagnostic>> {
+        let read = self.read_entries(reader, &root);
+        for section in ENTRIES {
+            root.remove(section);
+        }
+        self.root = root;
+        read
+    }
+
+    fn read_pieces(&mut self, reader: &mut Reader<'t>) -> Result<(), Box<Diagnostic>> {
+        syntax::readable(reader.text)?;
+        pieces::for_each(reader.text, |tree| match tree {
+            Tree::Continued(tree) => self.read_entries(reader, tree),
+            Tree::Own(tree) => {
+                self.read_entries(reader, &tree)?;
+                for (key, node) in tree {
+                    let name = key.get_ref().as_ref();
+                    if sections::SECTIONS.contains(&name) && !ENTRIES.contains(&name) {
+                        self.add(key, node)?;
+                    }
+                }
+                Ok(())
+            }
+        })
+    }
+
+    /// Adds what a piece has of a section without entries.
+    fn add(
+        &mut self,
+        key: toml::Spanned<DeString<'t>>,
+        node: Node<'t>,
+    ) -> Result<(), Box<Diagnostic>> {
+        let Some(known) = self.root.get_mut(key.get_ref().as_ref()) else {
+            self.root.insert(key, node);
+            return Ok(());
+        };
+        let span = Span::from(node.span());
+        let (place, section) = (known.span(), key.get_ref().as_ref());
+        let twice = |name: &str, first: std::ops::Range<usize>, span| {
+            let problem = Problem::Duplicate {
+                what: "section",
+                name: name.to_owned(),
+                first: Some(first.into()),
+            };
+            Box::new(Diagnostic::new(span, problem))
+        };
+        let (DeValue::Table(known), DeValue::Table(more)) = (known.get_mut(), node.into_inner())
+        else {
+            return Err(twice(section, place, span));
+        };
+        for (key, node) in more {
+            if let Some((first, _)) = known.get_key_value(key.get_ref().as_ref()) {
+                let name = format!("{section}.{}", key.get_ref());
+                return Err(twice(&name, first.span(), key.span().into()));
+            }
+            known.insert(key, node);
+        }
+        Ok(())
+    }
+
+    fn read_entries(
+        &mut self,
+        reader: &mut Reader<'_>,
+        root: &DeTable<'_>,
+    ) -> Result<(), Box<Diagnostic>> {
+        self.trees += usize::from(!root.is_empty());
+        self.find_unknown_sections(reader, root);
+        let mut read = sections::MATERIALS.read(reader, root, &mut self.materials);
+        read = read.and_then(|()| sections::LIGHTS.read(reader, root, &mut self.lights));
+        read = read.and_then(|()| sections::OBJECTS.read(reader, root, &mut self.objects));
+        read.map_err(|error| {
+            let problem = Problem::OutOfMemory {
+                error: error.for_what("what the scene file describes"),
+                way_out: "",
+            };
+            Box::new(Diagnostic::new(Span::default(), problem))
+        })
+    }
+
+    /// Reports sections that there are not, and finds out which were meant.
+    fn find_unknown_sections(&mut self, reader: &mut Reader<'_>, root: &DeTable<'_>) {
+        for key in root.keys() {
+            let name = key.get_ref().as_ref();
+            let is_unknown = !sections::SECTIONS.contains(&name) && !self.unknown.contains(name);
+            if is_unknown && self.unknown.len() < MOST_COLLECTED {
+                self.unknown.insert(name.to_owned());
+                let problem = sections::unknown_section(name);
+                self.misspelt.extend(problem.nearest().map(str::to_owned));
+                reader.report(key.span().into(), problem);
+            }
         }
     }
-    misspelt
+
+    fn complete(self, mut reader: Reader<'_>) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+        let image = sections::image(&mut reader, &self.root, &self.misspelt);
+        let camera = sections::camera(&mut reader, &self.root, &self.misspelt);
+        let inputs = reader.files.inputs();
+        let broken = |names: &[String]| names.iter().cloned().collect();
+        let broken = Broken {
+            materials: broken(&self.materials.broken),
+            lights: broken(&self.lights.broken),
+            objects: broken(&self.objects.broken),
+            lost_entries: reader.damage.lost_entries() || !self.misspelt.is_empty(),
+        };
+        let scene = image.zip(camera).map(|(image, camera)| Unsourced {
+            image,
+            camera,
+            materials: self.materials.in_order(),
+            lights: self.lights.in_order(),
+            objects: self.objects.in_order(),
+            inputs,
+        });
+        (scene, reader.diagnostics, broken)
+    }
 }
 
 /// The files that one scene names, each read once; `None` for a file that could not be read,
@@ -297,6 +448,8 @@ struct Files {
     folder: PathBuf,
     meshes: HashMap<PathBuf, Option<Arc<MeshFile>>>,
     curves: HashMap<PathBuf, Option<Arc<Curve>>>,
+    /// Those that were read, and where they are named first.
+    read: Vec<(Span, Input)>,
 }
 
 impl Files {
@@ -305,7 +458,25 @@ impl Files {
             folder: folder.to_owned(),
             meshes: HashMap::new(),
             curves: HashMap::new(),
+            read: Vec::new(),
         }
+    }
+
+    /// Remembers a file that was read for what is written at `name.span`.
+    fn note(&mut self, name: &Spanned<String>, path: &Path, hash: Hash) {
+        let input = Input {
+            name: name.value.clone(),
+            path: path.to_owned(),
+            hash,
+        };
+        self.read.push((name.span, input));
+    }
+
+    /// The files that were read, in the order in which the scene names them: sections are read in
+    /// another one.
+    fn inputs(&mut self) -> Vec<Input> {
+        self.read.sort_by_key(|&(span, _)| span);
+        self.read.drain(..).map(|(_, input)| input).collect()
     }
 }
 
@@ -316,8 +487,11 @@ impl Reader<'_> {
         if let Some(known) = self.files.meshes.get(&path) {
             return known.clone();
         }
-        let loaded = match MeshFile::load(&path) {
-            Ok(mesh) => Some(Arc::new(mesh)),
+        let loaded = match MeshFile::load_hashed(&path) {
+            Ok((mesh, hash)) => {
+                self.files.note(file, &path, hash);
+                Some(Arc::new(mesh))
+            }
             Err(error) => {
                 let path = path.clone();
                 let error = Box::new(error);

@@ -39,11 +39,19 @@ pub(super) struct Damage {
 }
 
 impl Damage {
-    fn none() -> Self {
+    pub(super) fn none() -> Self {
         Self {
             headers: Vec::new(),
             touched: HashSet::new(),
             lost_from: usize::MAX,
+        }
+    }
+
+    /// After an error that hides the whole file.
+    pub(super) fn whole() -> Self {
+        Self {
+            lost_from: 0,
+            ..Self::none()
         }
     }
 
@@ -69,28 +77,16 @@ impl Damage {
 
 /// The tree of `text` as far as it could be read, and the syntax errors.
 pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
-    // TOML has no lone carriage returns, and its parser takes quadratic time for many of them.
-    if let Some(span) = lone_return(text) {
-        let message = "a carriage return without a line feed; lines end in LF or CR LF";
-        return hopeless(span, Problem::Syntax(message.to_owned()));
-    }
-    // The parser has a stack frame for every open bracket, whatever its own limit says.
-    if let Some(span) = too_deep(text) {
-        let message = "brackets within brackets, more than a scene can have; is one not closed?";
-        return hopeless(span, Problem::Syntax(message.to_owned()));
+    if let Err(wrong) = readable(text) {
+        return hopeless(wrong.span, wrong.problem);
     }
     let first = match DeTable::parse(text) {
         Ok(root) => return (root.into_inner(), Damage::none(), Vec::new()),
         Err(error) => error,
     };
     if text.len() > RECOVERED_SIZE {
-        let span = place(text, &first);
-        let line = line_around(text, span.start);
-        if first.message() == "duplicate key" && text[line.clone()].trim_start().starts_with('[') {
-            let Diagnostic { span, problem } = duplicate_header(text, line, true);
-            return hopeless(span, problem);
-        }
-        return hopeless(span, syntax(text, first.message(), span));
+        let Diagnostic { span, problem, .. } = first_error(text, &first);
+        return hopeless(span, problem);
     }
     let (root, errors) = DeTable::parse_recoverable(text);
     let root = root.into_inner();
@@ -98,13 +94,40 @@ pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
     (root, damage, diagnostics)
 }
 
+/// Whether the parser can be let loose on a text.
+///
+/// # Errors
+/// What it would take too long or too deep a stack for.
+pub(super) fn readable(text: &str) -> Result<(), Box<Diagnostic>> {
+    // TOML has no lone carriage returns, and its parser takes quadratic time for many of them.
+    if let Some(span) = lone_return(text) {
+        let message = "a carriage return without a line feed; lines end in LF or CR LF";
+        let problem = Problem::Syntax(message.to_owned());
+        return Err(Box::new(Diagnostic::new(span, problem)));
+    }
+    // The parser has a stack frame for every open bracket, whatever its own limit says.
+    if let Some(span) = too_deep(text) {
+        let message = "brackets within brackets, more than a scene can have; is one not closed?";
+        let problem = Problem::Syntax(message.to_owned());
+        return Err(Box::new(Diagnostic::new(span, problem)));
+    }
+    Ok(())
+}
+
+/// The error that a large text ends with.
+pub(super) fn first_error(text: &str, error: &Error) -> Diagnostic {
+    let span = place(text, error);
+    let line = line_around(text, span.start);
+    if error.message() == "duplicate key" && text[line.clone()].trim_start().starts_with('[') {
+        return duplicate_header(text, line, true);
+    }
+    Diagnostic::new(span, syntax(text, error.message(), span))
+}
+
 /// One error, after which nothing is looked at.
 fn hopeless<'i>(span: Span, problem: Problem) -> (DeTable<'i>, Damage, Vec<Diagnostic>) {
-    let damage = Damage {
-        lost_from: 0,
-        ..Damage::none()
-    };
-    (DeTable::new(), damage, vec![Diagnostic::new(span, problem)])
+    let diagnostics = vec![Diagnostic::new(span, problem)];
+    (DeTable::new(), Damage::whole(), diagnostics)
 }
 
 /// The first carriage return that no line feed follows.

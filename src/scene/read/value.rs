@@ -537,7 +537,10 @@ impl Reader<'_> {
             return known.clone();
         }
         let loaded = match super::super::curve::load(&path) {
-            Ok(curve) => Some(Arc::new(curve)),
+            Ok((curve, hash)) => {
+                self.files.note(file, &path, hash);
+                Some(Arc::new(curve))
+            }
             Err(error) => {
                 let path = path.clone();
                 let error = Box::new(error);

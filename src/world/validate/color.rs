@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::{Reported, Validator, as_written, listed};
 use crate::color::{Primaries, transfer};
 use crate::scene::{ColorSpace, Problem, Spanned, Unit, Value};
-use crate::spectrum::{Spectrum, blackbody, daylight};
+use crate::spectrum::{Curve, Spectrum, blackbody, daylight};
 use crate::world::colorimetry::{Shade, converted};
 
 /// The temperatures in K of black bodies: below, no more than one part in 10⁹ of the radiation is
@@ -96,6 +96,28 @@ impl Shades {
         self.out_of_reach += usize::from(found.is_none());
         self.known.insert(key, found.clone());
         Ok(found)
+    }
+}
+
+/// What was made of curves so far, by their places in memory: one file of a million points may be
+/// what a million values name.
+#[derive(Default)]
+pub(super) struct Curves(HashMap<usize, OnGrid>);
+
+/// A curve on the grid.
+struct OnGrid {
+    spectrum: Arc<Spectrum>,
+    /// [`Curve::peak`]
+    peak: Option<(f64, f64)>,
+}
+
+impl Curves {
+    fn of(&mut self, curve: &Arc<Curve>) -> &OnGrid {
+        let place = Arc::as_ptr(curve).addr();
+        self.0.entry(place).or_insert_with(|| OnGrid {
+            spectrum: Arc::new(curve.spectrum()),
+            peak: curve.peak(),
+        })
     }
 }
 
@@ -207,7 +229,7 @@ impl Validator<'_> {
                 .literal(key, written, &literal)
                 .and_then(|rgb| self.literal_reflection(key, written, &literal, rgb, bound)),
             None => self
-                .light_spectrum(key, written, &written.value)
+                .shared_spectrum(key, written)
                 .and_then(|spectrum| self.curve_reflection(key, written, spectrum, bound)),
         };
         reflection.unwrap_or(Reflection::BLACK)
@@ -303,13 +325,13 @@ impl Validator<'_> {
         &mut self,
         key: &'static str,
         written: &Spanned<Value>,
-        spectrum: Spectrum,
+        spectrum: Arc<Spectrum>,
         bound: Bound,
     ) -> Result<Reflection, Reported> {
         let (mut peak, mut nm) = spectrum.peak();
         // Of a curve finer than the grid, the points say more than the means.
         if let Value::Curve(curve) = &written.value
-            && let Some((value, place)) = curve.peak()
+            && let Some((value, place)) = self.curves.of(curve).peak
             && value > peak
         {
             (peak, nm) = (value, place);
@@ -325,7 +347,7 @@ impl Validator<'_> {
         }
         Ok(Reflection {
             rgb: self.colorimetry.reflectance(&spectrum),
-            shade: Some(Shade::Spectrum(Arc::new(spectrum))),
+            shade: Some(Shade::Spectrum(spectrum)),
         })
     }
 
@@ -399,7 +421,9 @@ impl Validator<'_> {
                 let spectrum = match literal {
                     Some(literal) => {
                         let rgb = self.literal(key, written, &literal)?;
-                        let Some(shade) = self.colorimetry.unbounded(rgb) else {
+                        let colorimetry = Arc::clone(&self.colorimetry);
+                        let find = || colorimetry.unbounded(rgb);
+                        let Some(shade) = self.shades.of(rgb, None, find)? else {
                             return Err(self.out_of_reach(key, written, &literal, "light"));
                         };
                         shade.of(self.colorimetry.white())
@@ -440,6 +464,18 @@ impl Validator<'_> {
         Err(Reported)
     }
 
+    /// The spectrum of what is not a literal; those of one curve are one.
+    fn shared_spectrum(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+    ) -> Result<Arc<Spectrum>, Reported> {
+        match &written.value {
+            Value::Curve(curve) => Ok(Arc::clone(&self.curves.of(curve).spectrum)),
+            value => self.light_spectrum(key, written, value).map(Arc::new),
+        }
+    }
+
     /// The spectrum of what is not a literal, on the grid.
     fn light_spectrum(
         &mut self,
@@ -459,7 +495,7 @@ impl Validator<'_> {
             Value::Illuminant(illuminant) => Ok(illuminant.spectrum()),
             Value::Daylight(t) => within(DAYLIGHT, "daylight", *t).map(daylight),
             Value::Blackbody(t) => within(BLACKBODY, "blackbody", *t).map(blackbody),
-            Value::Curve(curve) => Ok(curve.spectrum()),
+            Value::Curve(curve) => Ok(Spectrum::clone(&self.curves.of(curve).spectrum)),
             Value::Lines(lines) => Ok(lines.spectrum()),
             Value::Uniform(_) | Value::Rgb { .. } | Value::Srgb(_) | Value::Sized { .. } => {
                 // The reader lets sizes stand only where a light is, and literals are none.

@@ -1,38 +1,33 @@
 //! The one door from a scene as written to a legal world.
 
 mod color;
+mod material;
+mod mesh;
 mod shapes;
 
+use std::collections::HashMap;
 use std::sync::Arc;
-
-use sha2::{Digest, Sha256};
 
 use glam::DVec3;
 
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
-use super::spectra::{Pigment, Spectra};
-use super::{Camera, Lobes, Material, Named, Object, PointLight, Projection, World};
+use super::spectra::{Products, Spectra};
+use super::{Camera, Named, Object, PointLight, Projection, World};
 use crate::math::{Normal, Point};
+use crate::memory::{self, OutOfMemory};
+use crate::printable::printable;
+use crate::scene::diagnostic::MOST_COLLECTED;
 use crate::scene::{
     self, Broken, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene, Span, Spanned,
     Transport, Value,
 };
 use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Radiance, Rgb};
-use color::{Bound, Reflection};
 
 /// The largest coordinate, length and factor. Products of four of them, as the edge functions of
 /// triangles have, still fit an f64 with room to spare.
 const LARGEST: f64 = 1e30;
-
-/// The largest shininess. Its lobe is 3e-5 wide (1/√n); the rounding of a cosine, 1e-16, changes
-/// cosⁿ by 1e-7 there, and no longer by little beyond.
-const SHARPEST: f64 = 1e9;
-
-/// Largest sum of the albedos of a `normalized_phong` material: 1, and an allowance for decimal
-/// fractions such as 0.7 + 0.3 that binary numbers miss by a rounding.
-const LARGEST_ALBEDO: f64 = 1.0 + 1e-12;
 
 /// Validates a whole scene.
 pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
@@ -70,12 +65,40 @@ struct Validator<'a> {
     broken: &'a Broken,
     anchor: DVec3,
     diagnostics: Vec<Diagnostic>,
+    /// What errors are about that are found now.
+    entry: Option<Entry<'a>>,
+    is_out_of_memory: bool,
+    /// The materials' places by their names.
+    materials: HashMap<&'a str, usize>,
+    meshes: mesh::Checked,
+    curves: color::Curves,
     colorimetry: Arc<Colorimetry>,
     /// Whether light is carried wavelength by wavelength.
     is_spectral: bool,
     shades: color::Shades,
     spectral_values: Vec<String>,
     gaps: Vec<Named<[f64; 2]>>,
+}
+
+/// An entry of a scene as errors name it.
+#[derive(Clone, Copy)]
+enum Entry<'a> {
+    /// `[image]`
+    Image,
+    /// `[camera.VARIANT]`
+    Camera,
+    /// "object" and its name.
+    Named(&'static str, &'a str),
+}
+
+impl Entry<'_> {
+    fn described(self) -> String {
+        match self {
+            Self::Image => "the image".to_owned(),
+            Self::Camera => "the camera".to_owned(),
+            Self::Named(what, name) => format!("{what} `{}`", printable(name)),
+        }
+    }
 }
 
 /// An empty result of a part that has errors; they are in the diagnostics already.
@@ -94,6 +117,11 @@ impl<'a> Validator<'a> {
                 DVec3::ZERO
             },
             diagnostics: Vec::new(),
+            entry: None,
+            is_out_of_memory: false,
+            materials: HashMap::new(),
+            meshes: mesh::Checked::default(),
+            curves: color::Curves::default(),
             colorimetry: Arc::new(Colorimetry::new(
                 scene.image.observer.value,
                 scene.image.color_space.value,
@@ -108,27 +136,51 @@ impl<'a> Validator<'a> {
     }
 
     fn world(&mut self) -> World {
+        self.entry = Some(Entry::Image);
         let resolution = self.resolution();
         let background = &self.scene.image.background;
         self.note_spectra([&background.value], || "the background".to_owned());
         let background = self.emission("background", background);
+        self.entry = Some(Entry::Camera);
         let camera = self.camera(resolution);
         let mut pigments = Vec::new();
-        let materials = named(&self.scene.materials, |entry| {
-            let (material, lobes) = self.material(entry);
-            pigments.extend(lobes);
-            material
-        });
+        let mut materials = Vec::new();
+        self.each(
+            "material",
+            "a material",
+            &self.scene.materials,
+            |validator, entry| {
+                let (material, lobes) = validator.material(entry);
+                validator.reserve(&mut materials, 1)?;
+                materials.push(named(entry, material));
+                validator.reserve(&mut pigments, 1)?;
+                pigments.extend(lobes);
+                Ok(())
+            },
+        );
         let mut spectra = Vec::new();
-        let lights = named(&self.scene.lights, |entry| {
-            let (light, spectrum) = self.light(entry);
-            spectra.extend(spectrum);
-            light
-        });
-
-        let hash = Sha256::digest(self.scene.source.text.as_bytes());
+        let mut lights = Vec::new();
+        self.each(
+            "light",
+            "a light",
+            &self.scene.lights,
+            |validator, entry| {
+                let (light, spectrum) = validator.light(entry);
+                validator.reserve(&mut lights, 1)?;
+                lights.push(named(entry, light));
+                validator.reserve(&mut spectra, 1)?;
+                spectra.extend(spectrum);
+                Ok(())
+            },
+        );
+        let names = self.scene.materials.iter().map(|entry| entry.name.as_str());
+        match memory::reserve_names(&mut self.materials, names.len()) {
+            Ok(()) => self.materials.extend(names.zip(0..materials.len())),
+            Err(error) => self.out_of_memory(error, ""),
+        }
         let mut world = World {
-            scene_hash: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
+            scene_hash: self.scene.hash().to_string(),
+            inputs_hash: self.scene.inputs_hash().to_string(),
             resolution,
             color_space: self.scene.image.color_space.value,
             background: Radiance(Rgb(background.rgb)),
@@ -137,26 +189,31 @@ impl<'a> Validator<'a> {
             camera: camera.unwrap_or_else(|Reported| placeholder_camera()),
             materials,
             lights,
-            objects: Vec::with_capacity(self.scene.objects.len()),
+            objects: Vec::new(),
             spheres: Vec::new(),
             planes: Vec::new(),
             triangles: Triangles::default(),
-            transport: Vec::new(),
+            products: None,
             asked: self.scene.image.transport.value,
             spectral_values: std::mem::take(&mut self.spectral_values),
             spectra: None,
             gaps: std::mem::take(&mut self.gaps),
         };
-        for object in &self.scene.objects {
-            // An object that cannot be made is an error as well.
-            if let Ok((material, shape)) = self.object(object, &mut world) {
+        self.each(
+            "object",
+            "an object",
+            &self.scene.objects,
+            |validator, entry| {
+                validator.reserve(&mut world.objects, 1)?;
+                let (material, shape) = validator.object(entry, &mut world)?;
                 world.objects.push(Object {
-                    name: object.name.clone(),
+                    name: entry.name.clone(),
                     material,
                     shape,
                 });
-            }
-        }
+                Ok(())
+            },
+        );
         let hidden = self.broken.lost_entries || !self.broken.objects.is_empty();
         if self.scene.objects.is_empty() && !hidden {
             self.report(
@@ -170,9 +227,10 @@ impl<'a> Validator<'a> {
         }
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
+            let materials = world.used_materials();
             let mut used = vec![false; world.materials.len()];
-            for object in &world.objects {
-                used[object.material] = true;
+            for &material in &materials {
+                used[material] = true;
             }
             let spectra = Spectra {
                 colorimetry: Colorimetry::clone(&self.colorimetry),
@@ -181,30 +239,114 @@ impl<'a> Validator<'a> {
                 used,
                 background: background.spectrum.expect("spectral light has a spectrum"),
             };
-            world.transport = spectra.transport(&world.lights);
-            world.spectra = Some(spectra);
-            return world;
-        }
-        world
-            .transport
-            .reserve(world.lights.len() * world.materials.len());
-        for light in &world.lights {
-            let reflected = |material: &Named<Material>| {
-                let reflectance = material.value.reflectance();
-                Lobes {
-                    diffuse: light.value.intensity.reflected(reflectance.diffuse),
-                    specular: light.value.intensity.reflected(reflectance.specular),
+            match Products::new(&spectra, &world.lights) {
+                Ok(products) => world.products = Some(products),
+                Err(error) => {
+                    let what = format!(
+                        "the products of the spectra of {} lights and {} materials",
+                        world.lights.len(),
+                        materials.len(),
+                    );
+                    let way_out = "; use fewer of them, or `transport = \"rgb\"` in `[image]`, \
+                                   which takes none";
+                    self.out_of_memory(error.for_what(what), way_out);
                 }
-            };
-            world
-                .transport
-                .extend(world.materials.iter().map(reflected));
+            }
+            world.spectra = Some(spectra);
         }
         world
     }
 
+    /// Makes something of each entry of a section, until memory ends. An entry that cannot be made is
+    /// an error, after which the world is dropped.
+    fn each<T>(
+        &mut self,
+        what: &'static str,
+        an_entry: &'static str,
+        entries: &'a [scene::Entry<T>],
+        mut make: impl FnMut(&mut Self, &'a scene::Entry<T>) -> Result<(), Reported>,
+    ) {
+        self.check_names(what, an_entry, entries);
+        for entry in entries {
+            self.entry = Some(Entry::Named(what, &entry.name));
+            if make(self, entry).is_err() && self.is_out_of_memory {
+                break;
+            }
+        }
+        self.entry = None;
+    }
+
+    /// Makes room for `additional` items.
+    fn reserve<T>(&mut self, items: &mut Vec<T>, additional: usize) -> Result<(), Reported> {
+        memory::reserve(items, additional).map_err(|error| {
+            let Scene {
+                materials,
+                lights,
+                objects,
+                ..
+            } = self.scene;
+            let what = format!(
+                "a part of the scene's {} materials, {} lights and {} objects",
+                materials.len(),
+                lights.len(),
+                objects.len(),
+            );
+            self.out_of_memory(error.for_what(what), "");
+            Reported
+        })
+    }
+
+    /// A scene made in code may have any names; those in a file are good, and there once.
+    fn check_names<T>(
+        &mut self,
+        what: &'static str,
+        an_entry: &'static str,
+        entries: &'a [scene::Entry<T>],
+    ) {
+        let mut known: HashMap<&str, Span> = HashMap::new();
+        if let Err(error) = memory::reserve_names(&mut known, entries.len()) {
+            return self.out_of_memory(error, "");
+        }
+        for entry in entries {
+            if let Some(first) = known.insert(&entry.name, entry.span) {
+                self.entry = None;
+                let problem = Problem::Duplicate {
+                    what,
+                    name: entry.name.clone(),
+                    first: (first != Span::default()).then_some(first),
+                };
+                self.report(entry.span, problem);
+            } else if let Some(why) = scene::name_objection(&entry.name, what == "light") {
+                self.entry = None;
+                let problem = Problem::BadName {
+                    what: an_entry,
+                    name: entry.name.clone(),
+                    why,
+                };
+                self.report(entry.span, problem);
+            }
+        }
+    }
+
+    fn out_of_memory(&mut self, error: OutOfMemory, way_out: &'static str) {
+        self.is_out_of_memory = true;
+        self.entry = None;
+        let problem = Problem::OutOfMemory { error, way_out };
+        self.report(Span::default(), problem);
+    }
+
+    /// Whether enough errors were found to leave out what only makes more.
+    fn has_enough(&self) -> bool {
+        self.diagnostics.len() >= MOST_COLLECTED
+    }
+
     fn report(&mut self, span: Span, problem: Problem) {
-        self.diagnostics.push(Diagnostic { span, problem });
+        // Of more errors than are collected no place is kept, but that the scene is in error is.
+        if !self.has_enough() {
+            let entry = self.entry.map(Entry::described);
+            let diagnostic = Diagnostic::new(span, problem).about(entry);
+            self.diagnostics.push(diagnostic);
+        }
     }
 
     fn out_of_range(&mut self, key: &'static str, span: Span, value: String, expected: &str) {
@@ -330,105 +472,6 @@ impl<'a> Validator<'a> {
         self.number(key, written, legal, "a length above 0, in scene units")
     }
 
-    fn material(
-        &mut self,
-        entry: &scene::Entry<scene::Material>,
-    ) -> (Material, Option<Lobes<Pigment>>) {
-        let (lobes, bound) = match &entry.value {
-            // k_d is the share that is reflected towards any one viewer; k_s has no such limit,
-            // since a narrow lobe with a large k_s still reflects little in all.
-            scene::Material::Phong(lobes) => (lobes, Bound::None),
-            scene::Material::NormalizedPhong(lobes) => (lobes, Bound::Albedo),
-        };
-        let name = || format!("material `{}`", entry.name);
-        self.note_spectra([&lobes.diffuse.value, &lobes.specular.value], name);
-        let diffuse = self.reflection("diffuse", &lobes.diffuse, Bound::Albedo);
-        let specular = self.reflection("specular", &lobes.specular, bound);
-        let shininess = match lobes.shininess {
-            Some(written) => {
-                let legal = |n: f64| n > 0.0 && n <= SHARPEST;
-                self.number(
-                    "shininess",
-                    written,
-                    legal,
-                    "an exponent above 0, up to 1e9",
-                )
-                .unwrap_or(1.0)
-            }
-            None => {
-                if !specular.is_black() {
-                    self.report(
-                        lobes.specular.span,
-                        Problem::Missing {
-                            what: "key",
-                            name: "shininess".to_owned(),
-                            expected: "the exponent n of the specular lobe, such as `shininess = 50`",
-                        },
-                    );
-                }
-                1.0
-            }
-        };
-        let material = match entry.value {
-            scene::Material::Phong(_) => Material::phong(diffuse.rgb, specular.rgb, shininess),
-            scene::Material::NormalizedPhong(_) => {
-                self.check_albedo(lobes, &diffuse, &specular);
-                Material::normalized_phong(diffuse.rgb, specular.rgb, shininess)
-            }
-        };
-        let is_spectral = self.is_spectral;
-        let pigments = diffuse
-            .shade
-            .filter(|_| is_spectral)
-            .zip(specular.shade)
-            .map(|(diffuse, specular)| {
-                let factors = material.factors();
-                Lobes {
-                    diffuse: Pigment {
-                        shade: diffuse,
-                        factor: factors.diffuse,
-                    },
-                    specular: Pigment {
-                        shade: specular,
-                        factor: factors.specular,
-                    },
-                }
-            });
-        (material, pigments)
-    }
-
-    /// ρ_d + ρ_s is at most 1, in every channel or, of spectra, at every wavelength: the channels of
-    /// saturated ones may be above 1 where no wavelength is.
-    ///
-    /// A curve with an RGB value where light is carried as RGB is legal in either way, as that value
-    /// has no wavelengths of its own.
-    fn check_albedo(&mut self, lobes: &scene::Lobes, diffuse: &Reflection, specular: &Reflection) {
-        let span = lobes.specular.span.max(lobes.diffuse.span);
-        let both = [diffuse, specular];
-        let albedo: [f64; 3] = std::array::from_fn(|i| diffuse.rgb[i] + specular.rgb[i]);
-        let in_channels = albedo.iter().all(|&albedo| albedo <= LARGEST_ALBEDO);
-        let has_spectrum = both.iter().any(|lobe| lobe.shade.is_some());
-        let has_triple = both
-            .iter()
-            .any(|lobe| lobe.shade.is_none() && !lobe.is_gray());
-        if has_spectrum
-            && !(has_triple && in_channels)
-            && let Some(diffuse) = self.by_wavelength(diffuse)
-            && let Some(specular) = self.by_wavelength(specular)
-        {
-            let (albedo, nm) = diffuse.peak_with(&specular);
-            if albedo > LARGEST_ALBEDO {
-                let place = nm.map_or_else(String::new, |nm| format!(" at {nm} nm"));
-                let expected = "an albedo of at most 1 at every wavelength";
-                let value = format!("{}{place}", as_written(albedo));
-                self.out_of_range("diffuse + specular", span, value, expected);
-            }
-        } else if !in_channels {
-            let expected = "an albedo of at most 1 in every channel";
-            self.out_of_range("diffuse + specular", span, listed(&albedo), expected);
-        }
-    }
-
     fn light(&mut self, entry: &scene::Entry<scene::Light>) -> (PointLight, Option<Spectrum>) {
         match &entry.value {
             scene::Light::Point {
@@ -495,15 +538,11 @@ fn is_spectral(scene: &Scene) -> bool {
     }
 }
 
-fn named<T, U>(
-    entries: &[scene::Entry<T>],
-    mut f: impl FnMut(&scene::Entry<T>) -> U,
-) -> Vec<Named<U>> {
-    let named = entries.iter().map(|entry| Named {
+fn named<T, U>(entry: &scene::Entry<T>, value: U) -> Named<U> {
+    Named {
         name: entry.name.clone(),
-        value: f(entry),
-    });
-    named.collect()
+        value,
+    }
 }
 
 /// A number as one would write it, without rows of zeros.

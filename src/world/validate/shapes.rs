@@ -28,6 +28,7 @@ impl Validator<'_> {
             scene::Object::Sphere { center, radius, .. } => {
                 let center = self.position("center", *center);
                 let radius = self.length("radius", *radius);
+                self.reserve(&mut world.spheres, 1)?;
                 world.spheres.push(Sphere {
                     center: center?,
                     radius: radius?,
@@ -38,6 +39,7 @@ impl Validator<'_> {
             scene::Object::Plane { point, normal, .. } => {
                 let point = self.position("point", *point);
                 let normal = self.direction("normal", *normal);
+                self.reserve(&mut world.planes, 1)?;
                 world.planes.push(Plane {
                     point: point?,
                     normal: normal?,
@@ -59,11 +61,15 @@ impl Validator<'_> {
                 geometry,
                 ..
             } => {
-                let placement = self.placement(*scale, *rotate, *translate)?;
+                let placement = self.placement(*scale, *rotate, *translate);
+                if let Err(conflict) = self.meshes.check(geometry) {
+                    self.report(file.span, Problem::Conflict(conflict));
+                    return Err(Reported);
+                }
                 self.mesh(
                     geometry,
                     *smooth,
-                    &placement,
+                    &placement?,
                     id,
                     file,
                     &mut world.triangles,
@@ -79,12 +85,13 @@ impl Validator<'_> {
 
     fn material_of(&mut self, object: &scene::Object) -> Result<usize, Reported> {
         let Spanned { value: name, span } = object.material();
-        let materials = &self.scene.materials;
-        if let Some(index) = materials.iter().position(|material| material.name == *name) {
+        if let Some(&index) = self.materials.get(name.as_str()) {
             return Ok(index);
         }
-        if !self.broken.lost_entries && !self.broken.materials.contains(name) {
-            let expected = materials.iter().map(|entry| entry.name.as_str());
+        let is_hidden = self.broken.lost_entries || self.broken.materials.contains(name);
+        if !is_hidden && !self.has_enough() {
+            let materials = self.scene.materials.iter();
+            let expected = materials.map(|entry| entry.name.as_str());
             let problem = Problem::unknown("material", name, expected);
             self.report(*span, problem);
         }
@@ -109,6 +116,7 @@ impl Validator<'_> {
             self.out_of_range("vertices", vertices.span, value, expected);
             return Err(Reported);
         }
+        self.reserve_mesh(triangles, 3, 1)?;
         let first_vertex = triangles.positions.len() as u32;
         let start = triangles.len() as u32;
         triangles.positions.extend(corners);
@@ -125,6 +133,18 @@ impl Validator<'_> {
             remarks: MeshRemarks::default(),
         });
         Ok(())
+    }
+
+    /// Room for a mesh more, with so many positions and triangles.
+    fn reserve_mesh(
+        &mut self,
+        into: &mut Triangles,
+        positions: usize,
+        triangles: usize,
+    ) -> Result<(), Reported> {
+        self.reserve(&mut into.positions, positions)?;
+        self.reserve(&mut into.corners, triangles)?;
+        self.reserve(&mut into.meshes, 1)
     }
 
     fn placement(
@@ -182,6 +202,7 @@ impl Validator<'_> {
             self.report(path.span, problem);
             return Err(Reported);
         }
+        self.reserve_mesh(triangles, file.positions.len(), file.triangles.len())?;
         let positions = file
             .positions
             .par_iter()
@@ -212,9 +233,12 @@ impl Validator<'_> {
         }
         let placed = &triangles.positions[first_vertex..];
 
-        has_area.par_extend((file.triangles.par_iter()).map(|corners| {
+        let flags = file.triangles.par_iter().map(|corners| {
             triangle_normal(all_three(*corners, |corner| placed[corner as usize])).is_some()
-        }));
+        });
+        let mut has_area = Vec::new();
+        self.reserve(&mut has_area, file.triangles.len())?;
+        has_area.par_extend(flags);
         let count = has_area.iter().filter(|&&has_area| has_area).count();
         let without_area =
             (file.triangles.iter().zip(&has_area)).filter(|(_, has_area)| !**has_area);
@@ -251,11 +275,14 @@ impl Validator<'_> {
                     Normal::new(placement.normals * DVec3::from_array(normal))
                         .unwrap_or_else(any_normal)
                 });
-                let mut corners = Vec::with_capacity(count);
                 let written = normals.triangles.as_ref().unwrap_or(&file.triangles);
+                let (mut normals, mut corners) = (Vec::new(), Vec::new());
+                self.reserve(&mut normals, vectors.len())?;
+                self.reserve(&mut corners, count)?;
+                normals.par_extend(vectors);
                 keep(&mut corners, written, 0);
                 Some(MeshNormals {
-                    vectors: vectors.collect(),
+                    vectors: normals,
                     corners,
                 })
             }
