@@ -144,8 +144,7 @@ fn errors_name_the_entry() {
     );
     assert_eq!(
         first_line(|scene| scene.materials[0].value = material(2.0)),
-        "error: material `clay`: `diffuse` is [2, 2, 2], expected an albedo of at most 1 in every \
-         channel"
+        "error: material `clay`: `diffuse` is [2, 2, 2], expected at most 1 in every channel"
     );
     assert_eq!(
         first_line(|scene| scene.objects[1].name = "\u{1b}[31m".to_owned()),
