@@ -139,11 +139,11 @@ fn with_threads<T: Send>(
     let variable = std::env::var("RAYON_NUM_THREADS").ok();
     let threads = threads(asked, variable.as_deref());
     memory::look_for_threads(threads)
-        .map_err(|error| error.for_what("the stacks of the threads to work with"))?;
+        .map_err(|error| NoThreads(error.for_what("their stacks").into()))?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
-        .map_err(NoThreads)?;
+        .map_err(|error| NoThreads(error.into()))?;
     pool.install(work)
 }
 
@@ -157,7 +157,7 @@ struct NoSignals(#[source] io::Error);
 #[error(
     "cannot start the threads to work with: {0}; choose fewer by RAYON_NUM_THREADS or --threads"
 )]
-struct NoThreads(#[source] rayon::ThreadPoolBuildError);
+struct NoThreads(#[source] Failure);
 
 /// How many threads work, from 1 to [`MAX_THREADS`]. What the variable says is taken only if it is a
 /// number of threads, be it too large.
