@@ -5,6 +5,7 @@ use std::path::Path;
 
 use candela::printable::printable;
 use clap::CommandFactory;
+use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
 
 /// What is called otherwise here: the commands that it is about, its names elsewhere, and the tip.
@@ -252,10 +253,23 @@ pub(super) fn advised(mut error: clap::Error, words: &[OsString]) -> clap::Error
         ] {
             error.remove(kind);
         }
+        // The usage names the option that it took for the one that was meant.
+        if let Some(usage) = usage(words) {
+            error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
+        }
         let tips = ContextValue::StyledStrs(vec![tip.into()]);
         error.insert(ContextKind::Suggested, tips);
     }
     error
+}
+
+/// How the command among the words is used.
+fn usage(words: &[OsString]) -> Option<StyledStr> {
+    let mut commands = super::Arguments::command();
+    commands.build();
+    let mut words = words.iter().skip(1).filter_map(|word| word.to_str());
+    let name = words.find(|word| commands.find_subcommand(word).is_some())?;
+    Some(commands.find_subcommand_mut(name)?.render_usage())
 }
 
 /// What stands where a command should be: a file, most often.
@@ -485,6 +499,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// clap shows the option that it took for the one that was meant.
+    #[test]
+    fn the_usage_is_that_of_the_command() {
+        let words = ["candela", "render", "a.toml", "--width", "4"].map(OsString::from);
+        let error = <super::super::Arguments as clap::Parser>::try_parse_from(&words).unwrap_err();
+        let text = advised(error, &words).to_string();
+        assert!(
+            text.contains("\nUsage: candela render [OPTIONS] [SCENE.toml]\n"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -52,18 +52,18 @@ impl Scene {
     }
 
     /// SHA-256 of all files that the picture depends on, which is that of what `sha256sum` prints of
-    /// them: a line "HASH  NAME" for the scene file, then for each file that the scene names, in the order
-    /// of [`Scene::inputs`], by their names in the scene. A scene that names no other file has a line
-    /// of its own, too. Of a scene made in code it is [`Scene::hash`], which covers its meshes and
-    /// curves.
+    /// them: a line "HASH  -" for the scene file, whatever its name, then a line "HASH  NAME" for each
+    /// file that the scene names, in the order of [`Scene::inputs`], by their names in the scene. A scene
+    /// that names no other file has a line of its own, too. Of a scene made in code it is
+    /// [`Scene::hash`], which covers its meshes and curves.
     pub fn inputs_hash(&self) -> Hash {
         let hash = self.hash();
         if self.source.text.is_empty() {
             return hash;
         }
-        let name = self.source.path.file_name().unwrap_or_default();
         let mut lines = Hasher::default();
-        lines.line(&hash, &name.to_string_lossy());
+        // What `sha256sum` calls its standard input, where a scene may come from, too.
+        lines.line(&hash, "-");
         for input in &self.inputs {
             lines.line(&input.hash, &input.name);
         }

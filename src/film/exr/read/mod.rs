@@ -42,6 +42,7 @@ use source::Source;
 
 use crate::film::Window;
 use crate::printable::{printable, printable_path};
+use crate::scene::is_transient;
 
 /// What an OpenEXR file shows: R, G, B, A inside the display window.
 #[derive(Clone, Debug)]
@@ -83,15 +84,7 @@ impl ExrError {
     /// gone amid the reading.
     pub fn is_transient(&self) -> bool {
         match &self.problem {
-            ExrProblem::Io(error) => !matches!(
-                error.kind(),
-                io::ErrorKind::NotFound
-                    | io::ErrorKind::PermissionDenied
-                    | io::ErrorKind::IsADirectory
-                    | io::ErrorKind::NotADirectory
-                    | io::ErrorKind::InvalidInput
-                    | io::ErrorKind::InvalidFilename
-            ),
+            ExrProblem::Io(error) => is_transient(error),
             ExrProblem::NoMemory { .. } => true,
             ExrProblem::NotExr
             | ExrProblem::NoRgb(_)
