@@ -245,22 +245,35 @@ pub(super) fn advised(mut error: clap::Error, words: &[OsString]) -> clap::Error
     } else {
         None
     };
-    if let Some(tip) = tip {
-        for kind in [
-            ContextKind::SuggestedArg,
-            ContextKind::SuggestedSubcommand,
-            ContextKind::SuggestedCommand,
-        ] {
-            error.remove(kind);
-        }
-        // The usage names the option that it took for the one that was meant.
-        if let Some(usage) = usage(words) {
-            error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
-        }
-        let tips = ContextValue::StyledStrs(vec![tip.into()]);
-        error.insert(ContextKind::Suggested, tips);
+    let Some(tip) = tip else {
+        remove_dashes_tip(&mut error);
+        return error;
+    };
+    for kind in [
+        ContextKind::SuggestedArg,
+        ContextKind::SuggestedSubcommand,
+        ContextKind::SuggestedCommand,
+    ] {
+        error.remove(kind);
     }
+    // The usage names the option that it took for the one that was meant.
+    if let Some(usage) = usage(words) {
+        error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
+    }
+    let tips = ContextValue::StyledStrs(vec![tip.into()]);
+    error.insert(ContextKind::Suggested, tips);
     error
+}
+
+/// Removes clap's tip that `-- --option` makes an option a file name: it is seldom what was meant.
+fn remove_dashes_tip(error: &mut clap::Error) {
+    let Some(ContextValue::StyledStrs(mut tips)) = error.remove(ContextKind::Suggested) else {
+        return;
+    };
+    tips.retain(|tip| !tip.to_string().contains(" as a value, use "));
+    if !tips.is_empty() {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+    }
 }
 
 /// How the command among the words is used.
@@ -499,6 +512,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn options_of_other_commands_are_not_offered_as_file_names() {
+        for line in [
+            "candela tonemap a.exr --samples 3",
+            "candela check a.toml -q",
+        ] {
+            assert_eq!(tip(line), None);
+        }
+        // What is nearly an option is still told.
+        let near = tip("candela render a.toml --previw b.png").unwrap();
+        assert!(near.contains("'--preview'"), "{near}");
     }
 
     /// clap shows the option that it took for the one that was meant.
