@@ -263,6 +263,16 @@ impl ExrReader {
         self.blocks.geometry.resolution
     }
 
+    /// Whether the display window is about as large as the data makes plausible: to be asked before
+    /// anything of its size is made.
+    ///
+    /// # Errors
+    /// [`ExrProblem::TooLarge`].
+    pub fn check_resolution(&self) -> Result<(), ExrError> {
+        let checked = self.blocks.geometry.check_display();
+        checked.map_err(|problem| self.error(problem))
+    }
+
     /// The part of the display window, from its top left, that there are pixels for.
     pub const fn window(&self) -> Option<Window> {
         self.blocks.geometry.window
@@ -345,6 +355,7 @@ impl ExrReader {
 /// See [`ExrProblem`].
 pub fn read(path: &Path) -> Result<ExrImage, ExrError> {
     let reader = ExrReader::open(path, None)?;
+    reader.check_resolution()?;
     let mut pixels = Vec::new();
     if let Some(window) = reader.window() {
         let width = window.width as usize;
