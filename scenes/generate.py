@@ -437,7 +437,7 @@ SODIUM = """\
 [image]
 resolution = [1280, 720]
 
-# In the plane of the divider, so that it is seen edge-on.
+# A micrometre beside the plane of the divider, so that it is seen edge-on and no ray runs within it.
 [camera.perspective]
 eye = [0.0, 1.55, 7.4]
 look_at = [0.0, 0.6, 0.0]
@@ -462,7 +462,7 @@ material = "room"
 file = "meshes/square.obj"
 scale = [8.0, 6.0, 1.0]
 rotate = [0.0, 90.0, 0.0]
-translate = [0.0, 3.0, 3.0]
+translate = [1e-6, 3.0, 3.0]
 """
 
 # Half, side, color, candela of its lamps. The sodium D lines: nm, and how strong one is beside the other.

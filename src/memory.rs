@@ -80,6 +80,21 @@ pub fn look_for(bytes: u64) -> Result<(), OutOfMemory> {
     }
 }
 
+/// Whether the system would give the stacks of so many threads now. One that gets its stack, but then no more,
+/// ends the process.
+///
+/// # Errors
+/// If it would not.
+pub fn look_for_threads(threads: usize) -> Result<(), OutOfMemory> {
+    /// What the standard library takes for a stack, unless its variable says more.
+    const STACK: u64 = 2 << 20;
+    /// Of its guard pages, its second stack for signals, and what it allocates before it works.
+    const BESIDE: u64 = 256 << 10;
+    let said = std::env::var("RUST_MIN_STACK").ok();
+    let stack = said.and_then(|said| said.parse().ok()).unwrap_or(STACK);
+    look_for((stack.saturating_add(BESIDE)).saturating_mul(threads as u64))
+}
+
 /// Bytes in the unit that fits them, of which each is 1000 times the one before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub u64);

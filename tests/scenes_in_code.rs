@@ -149,7 +149,7 @@ fn errors_name_the_entry() {
     assert_eq!(
         first_line(|scene| scene.objects[1].name = "\u{1b}[31m".to_owned()),
         "error: `\\u{1b}[31m` cannot be the name of an object: names are made of letters, digits, \
-         `_`, `-` and spaces"
+         `_`, `-`, `.` and spaces"
     );
     assert_eq!(
         first_line(|scene| scene.image.resolution.value = [0, 5]),

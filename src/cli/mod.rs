@@ -21,6 +21,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use candela::film::{self, Options, Window};
+use candela::memory;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
 use candela::printable::printable_path;
 use clap::{Parser, Subcommand};
@@ -136,8 +137,11 @@ fn with_threads<T: Send>(
     work: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
     let variable = std::env::var("RAYON_NUM_THREADS").ok();
+    let threads = threads(asked, variable.as_deref());
+    memory::look_for_threads(threads)
+        .map_err(|error| error.for_what("the stacks of the threads to work with"))?;
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads(asked, variable.as_deref()))
+        .num_threads(threads)
         .build()
         .map_err(NoThreads)?;
     pool.install(work)
