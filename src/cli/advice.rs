@@ -5,6 +5,7 @@ use std::path::Path;
 
 use candela::printable::printable;
 use clap::CommandFactory;
+use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
 
 /// What is called otherwise here: the commands that it is about, its names elsewhere, and the tip.
@@ -244,18 +245,44 @@ pub(super) fn advised(mut error: clap::Error, words: &[OsString]) -> clap::Error
     } else {
         None
     };
-    if let Some(tip) = tip {
-        for kind in [
-            ContextKind::SuggestedArg,
-            ContextKind::SuggestedSubcommand,
-            ContextKind::SuggestedCommand,
-        ] {
-            error.remove(kind);
-        }
-        let tips = ContextValue::StyledStrs(vec![tip.into()]);
-        error.insert(ContextKind::Suggested, tips);
+    let Some(tip) = tip else {
+        remove_dashes_tip(&mut error);
+        return error;
+    };
+    for kind in [
+        ContextKind::SuggestedArg,
+        ContextKind::SuggestedSubcommand,
+        ContextKind::SuggestedCommand,
+    ] {
+        error.remove(kind);
     }
+    // The usage names the option that it took for the one that was meant.
+    if let Some(usage) = usage(words) {
+        error.insert(ContextKind::Usage, ContextValue::StyledStr(usage));
+    }
+    let tips = ContextValue::StyledStrs(vec![tip.into()]);
+    error.insert(ContextKind::Suggested, tips);
     error
+}
+
+/// Removes clap's tip that `-- --option` makes an option a file name: it is seldom what was meant.
+fn remove_dashes_tip(error: &mut clap::Error) {
+    let Some(ContextValue::StyledStrs(mut tips)) = error.remove(ContextKind::Suggested) else {
+        return;
+    };
+    tips.retain(|tip| !tip.to_string().contains(" as a value, use "));
+    if !tips.is_empty() {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+    }
+}
+
+/// How the command among the words is used.
+fn usage(words: &[OsString]) -> Option<StyledStr> {
+    let mut commands = super::Arguments::command();
+    commands.build();
+    let mut words = words.iter().skip(1).filter_map(|word| word.to_str());
+    let name = words.find(|word| commands.find_subcommand(word).is_some())?;
+    Some(commands.find_subcommand_mut(name)?.render_usage())
 }
 
 /// What stands where a command should be: a file, most often.
@@ -485,6 +512,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn options_of_other_commands_are_not_offered_as_file_names() {
+        for line in [
+            "candela tonemap a.exr --samples 3",
+            "candela check a.toml -q",
+        ] {
+            assert_eq!(tip(line), None);
+        }
+        // What is nearly an option is still told.
+        let near = tip("candela render a.toml --previw b.png").unwrap();
+        assert!(near.contains("'--preview'"), "{near}");
+    }
+
+    /// clap shows the option that it took for the one that was meant.
+    #[test]
+    fn the_usage_is_that_of_the_command() {
+        let words = ["candela", "render", "a.toml", "--width", "4"].map(OsString::from);
+        let error = <super::super::Arguments as clap::Parser>::try_parse_from(&words).unwrap_err();
+        let text = advised(error, &words).to_string();
+        assert!(
+            text.contains("\nUsage: candela render [OPTIONS] [SCENE.toml]\n"),
+            "{text}"
+        );
     }
 
     #[test]

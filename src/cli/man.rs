@@ -84,6 +84,10 @@ fn page(command: Command) -> Result<Vec<u8>, Failure> {
         let lines = start.unwrap_or(&examples).lines();
         writeln!(page, ".SH EXAMPLES\n.nf")?;
         for line in lines {
+            if line == "Exit codes:" {
+                writeln!(page, ".fi\n.SH EXIT STATUS\n.nf")?;
+                continue;
+            }
             // A period or a quote at the start would be a command, a backslash an escape.
             let line = line.replace('\\', "\\e").replace('-', "\\-");
             writeln!(page, "\\&{line}")?;
@@ -142,5 +146,6 @@ mod tests {
         let page = String::from_utf8(page).unwrap();
         assert!(page.contains(".TH candela 1"), "{page}");
         assert!(page.contains("candela\\-render(1)"), "{page}");
+        assert!(page.contains("\n.SH EXIT STATUS\n.nf\n\\&  0  "), "{page}");
     }
 }

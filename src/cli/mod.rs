@@ -175,6 +175,11 @@ fn threads(asked: Option<u32>, variable: Option<&str>) -> usize {
     threads.clamp(1, MAX_THREADS as usize)
 }
 
+/// Whether a stream is a terminal that takes sequences for colors and for moving back.
+fn is_steerable(stream: &impl IsTerminal) -> bool {
+    stream.is_terminal() && std::env::var_os("TERM").is_none_or(|name| name != "dumb")
+}
+
 /// Refuses to write over a file that is read, or two files to one place.
 fn refuse_same_files(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure> {
     let read: Vec<Place> = inputs

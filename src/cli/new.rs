@@ -72,11 +72,14 @@ pub(crate) fn run(
             format!("cannot make the folder {}: {error}", printable_path(folder))
         })?;
     }
-    for (path, text, what) in &files {
+    // The scene last: where it is missing, the same command may be tried again.
+    for (path, text, _) in files.iter().rev() {
         output::write(path, unfinished, |sink| sink.write_all(text.as_bytes()))?;
+    }
+    for (path, _, what) in &files {
         writeln!(messages, "{}: {what}", printable_path(path))?;
     }
-    let scene = quoted(&files[0].0);
+    let scene = quoted(&no_option(&files[0].0));
     writeln!(
         messages,
         "\nNext:\n  candela render {scene} --preview scene.png\n  candela check {scene}"
@@ -84,11 +87,20 @@ pub(crate) fn run(
     Ok(())
 }
 
+/// A path that a command does not take for an option.
+fn no_option(path: &Path) -> PathBuf {
+    if path.as_os_str().as_encoded_bytes().starts_with(b"-") {
+        Path::new(".").join(path)
+    } else {
+        path.to_path_buf()
+    }
+}
+
 /// A path as a shell takes it: in quotes where it holds more than plain letters.
 fn quoted(path: &Path) -> String {
     let text = printable_path(path);
     let is_plain = |c: char| c.is_alphanumeric() || "/._-+:\\".contains(c);
-    if text.chars().all(is_plain) && !text.starts_with('-') {
+    if text.chars().all(is_plain) {
         return text;
     }
     if cfg!(windows) {

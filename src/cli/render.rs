@@ -268,7 +268,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         None => None,
     };
     let written = staged.as_ref().map_or(&*output, Staged::path);
-    let rendered = output::write(written, unfinished, |mut sink| {
+    let content = |mut sink: &mut dyn output::Sink| {
         film::render_exr(
             &world,
             &plan,
@@ -278,7 +278,11 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             &exr_options,
             &mut sink,
         )
-    });
+    };
+    let rendered = match &staged {
+        Some(staged) => staged.fill(&output, content),
+        None => output::write(&output, unfinished, content),
+    };
     seconds.render = progress.finish();
     let (counts, report) = rendered?;
     // A PNG with alpha cannot hold light where nothing covers a pixel.

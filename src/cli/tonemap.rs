@@ -98,9 +98,10 @@ pub(crate) fn run(
             &default
         }
     };
-    super::refuse_same_files(&[&arguments.input], &[output])?;
     super::refuse_terminal(output)?;
+    // What is no EXR, such as the PNG itself, is told first: another name would not help there.
     let reader = ExrReader::open(&arguments.input, arguments.layer.as_deref())?;
+    super::refuse_same_files(&[&arguments.input], &[output])?;
     let report = display::convert_reader(&reader, output, &settings, unfinished)?;
 
     // Nowhere is left to report that the messages themselves cannot be written.

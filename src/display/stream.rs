@@ -44,6 +44,10 @@ pub fn convert_reader(
     settings: &Settings,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
+    // Of the data alone, the display window is no matter.
+    if settings.frame == Frame::Display || exr.window().is_none() {
+        exr.check_resolution()?;
+    }
     let color = exr.color().meaning();
     let prepare = Prepare::from(&color.primaries);
     let may_have_alpha = exr.has_alpha() && settings.alpha != Alpha::Opaque;

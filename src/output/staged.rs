@@ -6,9 +6,9 @@ use std::path::Path;
 
 use tempfile::{Builder, TempPath};
 
-use super::error::{OutputError, OutputProblem, unassembled};
+use super::error::{OutputError, OutputProblem, kept, unassembled};
 use super::target::{Target, resolve};
-use super::{Unfinished, write};
+use super::{Sink, Unfinished, write};
 
 /// A file in the folder for temporary files that stands for a device, a pipe or standard output: what was
 /// sent there cannot be read again.
@@ -20,12 +20,13 @@ use super::{Unfinished, write};
 /// use candela::output::{self, Staged, Unfinished};
 ///
 /// let (target, unfinished) = (Path::new("/dev/null"), Unfinished::new());
-/// let staged = Staged::new(target, &unfinished)?;
-/// let path = staged.as_ref().map_or(target, Staged::path);
-/// output::write(path, &unfinished, |sink| sink.write_all(b"a picture"))?;
-/// // Here it can be read from `path`.
-/// if let Some(staged) = staged {
-///     staged.send(target)?;
+/// match Staged::new(target, &unfinished)? {
+///     Some(staged) => {
+///         staged.fill(target, |sink| sink.write_all(b"a picture"))?;
+///         // Here it can be read from `staged.path()`.
+///         staged.send(target)?;
+///     }
+///     None => output::write(target, &unfinished, |sink| sink.write_all(b"a picture"))?,
 /// }
 /// # Ok::<(), output::OutputError>(())
 /// ```
@@ -70,6 +71,21 @@ impl Staged {
     /// Where it is written, and can be read.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Writes it, as [`write()`] does.
+    ///
+    /// # Errors
+    /// Whatever the system or `content` reports, of the target that the user knows.
+    pub fn fill<T>(
+        &self,
+        target: &Path,
+        content: impl FnOnce(&mut dyn Sink) -> io::Result<T>,
+    ) -> Result<T, OutputError> {
+        write(self.path(), &self.unfinished, content).map_err(|error| OutputError {
+            path: target.to_path_buf(),
+            problem: kept(error.problem),
+        })
     }
 
     /// Sends it to its target.

@@ -25,6 +25,7 @@ pub use encoding::Foreign;
 pub use inputs::{Hash, Input};
 pub use mesh::MeshFile;
 pub use opening::NotAFile;
+pub(crate) use opening::is_transient;
 pub(crate) use read::name_objection;
 pub use read::{Broken, Reading};
 pub use schema::schema;

@@ -32,10 +32,11 @@ pub(super) fn open<E: From<NotAFile> + From<io::Error>>(path: &Path) -> Result<(
     }
 }
 
-/// Whether a later try may read the file: it is there and may be read, but memory was short or
-/// reading failed.
-pub(super) fn is_transient(error: &io::Error) -> bool {
-    !matches!(
+/// Whether a later try, or another machine, may read an input: it is there and may be read, but memory
+/// was short or reading failed.
+pub(crate) fn is_transient(error: &io::Error) -> bool {
+    // Of many kinds, and more to come, these are about what was written; others are the machine's.
+    let is_wrong = matches!(
         error.kind(),
         ErrorKind::NotFound
             | ErrorKind::PermissionDenied
@@ -44,7 +45,18 @@ pub(super) fn is_transient(error: &io::Error) -> bool {
             | ErrorKind::InvalidFilename
             | ErrorKind::InvalidInput
             | ErrorKind::InvalidData
-    )
+            | ErrorKind::Unsupported
+    );
+    !is_wrong && !leads_to_no_file(error)
+}
+
+/// Whether a path is a circle of links (ELOOP), or leads to a socket or a device that nobody answers for
+/// (ENXIO, ENODEV). None of them has a kind of its own.
+fn leads_to_no_file(error: &io::Error) -> bool {
+    const ENXIO: i32 = 6;
+    const ENODEV: i32 = 19;
+    const ELOOP: i32 = if cfg!(target_os = "linux") { 40 } else { 62 };
+    cfg!(unix) && matches!(error.raw_os_error(), Some(ENXIO | ENODEV | ELOOP))
 }
 
 #[cfg(test)]
@@ -61,6 +73,12 @@ mod tests {
         assert!(is_transient(&io::Error::from_raw_os_error(5)));
         for kind in [ErrorKind::NotFound, ErrorKind::PermissionDenied] {
             assert!(!is_transient(&kind.into()), "{kind}");
+        }
+        // ENXIO, ENODEV, ELOOP.
+        #[cfg(target_os = "linux")]
+        for code in [6, 19, 40] {
+            let error = io::Error::from_raw_os_error(code);
+            assert!(!is_transient(&error), "{error}");
         }
     }
 }

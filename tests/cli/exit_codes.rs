@@ -29,6 +29,7 @@ fn the_help_and_the_page_list_them() {
     }
 }
 
+#[cfg(unix)]
 #[test]
 fn what_is_wrong_by_itself_is_1() {
     let folder = folder();
@@ -38,11 +39,21 @@ fn what_is_wrong_by_itself_is_1() {
     )
     .unwrap();
     fs::write(folder.path().join("bad.exr"), "no EXR").unwrap();
+    // A link to itself, and what cannot be read like a file.
+    let _socket = std::os::unix::net::UnixListener::bind(folder.path().join("socket")).unwrap();
+    std::os::unix::fs::symlink("loop", folder.path().join("loop")).unwrap();
+    let mesh = "[objects.m.mesh]\nmaterial = \"clay\"\nfile = \"loop\"\n";
+    fs::write(folder.path().join("mesh.toml"), SCENE.to_owned() + mesh).unwrap();
     for arguments in [
         "render bad.toml",
         "check absent.toml",
         "tonemap absent.exr",
         "tonemap bad.exr",
+        "check loop",
+        "tonemap loop",
+        "check socket",
+        "tonemap socket -o a.png",
+        "check mesh.toml",
         "render ball.toml -o absent/a.exr",
         "probe ball.toml --pixel 60,0",
     ] {
@@ -75,6 +86,9 @@ fn what_a_later_try_may_cure_is_75() {
         "probe ball.toml --pixel 30,20",
         "probe ball.toml --pixel 30,20 --json",
         "completions bash",
+        "schema",
+        "man",
+        "new fresh",
         "render ball.toml -q -o -",
         "--help",
         "check --help",
@@ -117,6 +131,23 @@ fn a_file_beyond_the_size_limit_is_75_and_leaves_nothing() {
         "render ball.toml -q --compression none -o -",
     );
     assert_eq!(output.status.code(), Some(75), "{}", text(&output.stderr));
+}
+
+/// What is tried later must not stumble over what is there from the first time.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_new_scene_may_be_tried_again() {
+    let folder = folder();
+    // The scene would fit, the schema does not.
+    let output = after(folder.path(), "ulimit -f 10", "new fresh");
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(75), "{message}");
+    assert!(
+        message.contains("candela.schema.json: the file is larger"),
+        "{message}"
+    );
+    assert_eq!(super::files(&folder.path().join("fresh")), [""; 0]);
+    succeeds(folder.path(), "new fresh");
 }
 
 #[cfg(target_os = "linux")]
@@ -167,6 +198,11 @@ fn streams_that_cannot_be_used_are_no_panic() {
     for (redirected, arguments, code) in [
         (">&-", "check ball.toml", 0),
         (">&- 2>&- <&-", "check ball.toml", 0),
+        (">&-", "probe ball.toml --pixel 30,20", 0),
+        (">&-", "completions bash", 0),
+        (">&-", "schema", 0),
+        (">&-", "man", 0),
+        (">&-", "new fresh", 0),
         ("2>&-", "render ball.toml -o a.exr", 0),
         ("2>&-", "render absent.toml", 1),
         (">&- 2>&-", "rendr", 2),

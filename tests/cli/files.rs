@@ -83,6 +83,17 @@ fn hard_links_are_one_place() {
     );
 }
 
+/// A picture is no EXR, and another name for what is made of it would not help.
+#[test]
+fn what_is_no_exr_is_told_before_where_it_would_go() {
+    let folder = folder();
+    let png = b"\x89PNG\r\n\x1a\n";
+    fs::write(folder.path().join("picture.png"), png).unwrap();
+    let message = fails(folder.path(), "tonemap picture.png", 1);
+    assert!(message.contains("it is not an OpenEXR file"), "{message}");
+    assert_eq!(fs::read(folder.path().join("picture.png")).unwrap(), png);
+}
+
 /// `kill -9` leaves an unfinished file, for the next run to remove.
 #[cfg(target_os = "linux")]
 #[test]
@@ -201,6 +212,8 @@ fn messages_do_not_steer_the_terminal() {
         &["render", &good, "--layers", evil],
         &["tonemap", &exr, "-o", &tif],
         &["tonemap", &exr, "-o", &exr],
+        &["tonemap", &exr, "-o", &png],
+        &["tonemap", &good],
         &["probe", &file, "--pixel", "0,0"],
         &["probe", &good, "--pixel", evil],
         &["completions", evil],

@@ -90,6 +90,20 @@ fn nothing_is_written_over() {
     }
 }
 
+/// A folder whose name looks like an option is named so that the next command takes it for a folder.
+#[cfg(unix)]
+#[test]
+fn a_folder_that_looks_like_an_option() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let message = succeeds(folder, "new -- -q");
+    assert!(
+        message.contains("  candela check ./-q/scene.toml\n"),
+        "{message}"
+    );
+    succeeds(folder, "check ./-q/scene.toml");
+}
+
 /// Where the README shows the scene's picture, it quotes the scene.
 #[test]
 fn the_readme_quotes_the_first_scene() {

@@ -145,6 +145,25 @@ fn a_part_and_its_preview_have_the_size_of_the_part() {
     }
 }
 
+/// However large the whole is, of which nothing else is made.
+#[test]
+fn a_part_of_a_huge_image_has_a_preview() {
+    let folder = folder();
+    let folder = folder.path();
+    write(folder, "huge.toml", &[("[60, 40]", "[65536, 65536]")]);
+    succeeds(
+        folder,
+        "render huge.toml -o part.exr --preview part.png --crop 32000,40000,32004,40003",
+    );
+    assert_eq!(width_and_height(&folder.join("part.png")), [4, 3]);
+    // As a whole it is more than the data in it makes plausible.
+    let message = fails(folder, "tonemap part.exr -o whole.png", 1);
+    assert!(
+        message.contains("65536 × 65536 pixels are too many"),
+        "{message}"
+    );
+}
+
 #[test]
 fn a_preview_is_developed_as_tonemap_does() {
     let folder = folder();

@@ -98,6 +98,39 @@ fn files_of_a_scene_are_found_where_the_base_says() {
     assert!(output.status.success(), "{}", text(&output.stderr));
 }
 
+/// What a scene names is read as the scene is, wherever that is.
+#[test]
+fn outputs_do_not_go_over_files_that_a_base_leads_to() {
+    let folder = folder();
+    let folder = folder.path();
+    with_mesh(folder);
+    let mesh = "file = \"leaf";
+    let scene = text(&read(folder, "models/scene.toml")).replace("leaf.ply", "leaf");
+    assert!(scene.contains(mesh));
+    fs::write(folder.join("models/scene.toml"), scene).unwrap();
+    fs::copy(folder.join("models/leaf.ply"), folder.join("leaf")).unwrap();
+    fs::copy(folder.join("models/tin.csv"), folder.join("tin.csv")).unwrap();
+    for outputs in [
+        "-o leaf",
+        "-o ./leaf",
+        "-o a.exr --preview leaf",
+        "-o a.exr --stats models/../leaf",
+        "-o a.exr --preview tin.csv/../leaf",
+    ] {
+        let arguments = format!("render models/scene.toml --base . {outputs}");
+        let message = fails(folder, &arguments, 1);
+        assert!(message.contains("leaf"), "{message}");
+        assert!(read(folder, "leaf") == PLY.as_bytes(), "{outputs}");
+        assert!(!files(folder).contains(&"a.exr".to_owned()), "{outputs}");
+    }
+    let output = fed(
+        folder,
+        "render - --base models -o models/leaf",
+        "models/scene.toml",
+    );
+    assert_eq!(output.status.code(), Some(1));
+}
+
 #[test]
 fn what_is_wrong_with_standard_input_is_said() {
     let folder = folder();
@@ -195,6 +228,25 @@ fn a_preview_beside_a_stream() {
         "{message}"
     );
     assert_eq!(files(folder), ["ball.toml", "file.exr", "file.png"]);
+    // And what does not fit there is about what was asked for, not about a name that nobody gave.
+    let run = Command::new("sh")
+        .current_dir(folder)
+        .env("TMPDIR", temporary.path())
+        .args([
+            "-c",
+            "ulimit -f 10; exec \"$0\" render ball.toml -q --compression none -o - --preview p.png",
+        ])
+        .arg(env!("CARGO_BIN_EXE_candela"))
+        .output()
+        .unwrap();
+    assert_eq!((run.status.code(), run.stdout.len()), (Some(75), 0));
+    let message = text(&run.stderr);
+    assert!(
+        message.starts_with("error: cannot write to standard output: the temporary folder "),
+        "{message}"
+    );
+    assert!(!message.contains(".candela-"), "{message}");
+    assert_eq!(files(temporary.path()), [""; 0]);
 }
 
 /// More than is kept in memory until it is whole.
@@ -254,6 +306,56 @@ fn redirected_files_are_places() {
     assert_eq!(fs::read_to_string(folder.join("scene")).unwrap(), SCENE);
 }
 
+/// Runs candela at a terminal of its own, which copies to standard output.
+#[cfg(unix)]
+fn at_a_terminal(folder: &Path, arguments: &str) -> Command {
+    let spawn = "import os, pty, sys\n\
+        sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))";
+    let mut command = Command::new("python3");
+    command
+        .current_dir(folder)
+        .args(["-c", spawn, env!("CARGO_BIN_EXE_candela")])
+        .args(arguments.split_whitespace())
+        .stdin(Stdio::null());
+    command
+}
+
+/// Colors are for terminals that have them, and for who has not asked for none (no-color.org).
+#[cfg(unix)]
+#[test]
+fn errors_are_colored_where_that_is_wanted() {
+    let folder = folder();
+    for (term, no_color, is_colored) in [
+        ("xterm", None, true),
+        ("xterm", Some(""), true),
+        ("xterm", Some("1"), false),
+        ("dumb", None, false),
+    ] {
+        // A scene's error, and one of the command line.
+        for (arguments, code) in [("check absent.toml", 1), ("rendr", 2)] {
+            let mut command = at_a_terminal(folder.path(), arguments);
+            command.env_remove("NO_COLOR").env("TERM", term);
+            if let Some(value) = no_color {
+                command.env("NO_COLOR", value);
+            }
+            let output = match command.output() {
+                Ok(output) => output,
+                Err(error) => {
+                    return println!("python3 is not here ({error}): no terminal is tried");
+                }
+            };
+            let shown = text(&output.stdout);
+            assert_eq!(output.status.code(), Some(code), "{shown}");
+            assert!(shown.contains("error"), "{shown}");
+            assert_eq!(
+                shown.contains('\u{1b}'),
+                is_colored,
+                "{term} {no_color:?}: {shown:?}"
+            );
+        }
+    }
+}
+
 /// Bytes that are no text would garble a terminal; text is welcome there.
 #[cfg(unix)]
 #[test]
@@ -261,8 +363,6 @@ fn no_picture_is_sent_to_a_terminal() {
     let folder = folder();
     let folder = folder.path();
     succeeds(folder, "render ball.toml -q -o file.exr");
-    let spawn = "import os, pty, sys\n\
-        sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))";
     for (arguments, code, part) in [
         ("render ball.toml -q -o -", 1, "it is a terminal"),
         (
@@ -273,13 +373,7 @@ fn no_picture_is_sent_to_a_terminal() {
         ("tonemap file.exr -o -", 1, "it is a terminal"),
         ("render ball.toml -q -o a.exr --stats -", 0, "\"samples\""),
     ] {
-        let run = Command::new("python3")
-            .current_dir(folder)
-            .args(["-c", spawn, env!("CARGO_BIN_EXE_candela")])
-            .args(arguments.split_whitespace())
-            .stdin(Stdio::null())
-            .output();
-        let output = match run {
+        let output = match at_a_terminal(folder, arguments).output() {
             Ok(output) => output,
             Err(error) => return println!("python3 is not here ({error}): no terminal is tried"),
         };

@@ -1,11 +1,13 @@
 //! The progress bar.
 
-use std::io::{self, IsTerminal};
+use std::io;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use candela::film::Window;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::cli::is_steerable;
 
 /// A run that takes longer than this shows a progress bar.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -21,10 +23,12 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// For a window's pixels; the bar shows itself only where it is `wanted` and stderr is a terminal.
+    /// For a window's pixels; the bar shows itself only where it is `wanted` and stderr is a terminal
+    /// that can remove it.
     pub(super) fn new(window: Window, wanted: bool) -> Self {
         let pixels = window.count();
-        let style = "{bar:40} {percent:>3} %, {eta} left";
+        // As wide as the terminal, be it narrow: a line that is broken cannot be removed.
+        let style = "{wide_bar} {percent:>3} %, {eta} left";
         let style = ProgressStyle::with_template(style).expect("the template is well-formed");
         let bar = ProgressBar::with_draw_target(Some(pixels), ProgressDrawTarget::hidden());
         Self {
@@ -32,7 +36,7 @@ impl Progress {
             start: Instant::now(),
             pixels,
             end: OnceLock::new(),
-            wanted: wanted && io::stderr().is_terminal(),
+            wanted: wanted && is_steerable(&io::stderr()),
         }
     }
 

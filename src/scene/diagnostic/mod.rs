@@ -11,6 +11,7 @@ use std::sync::Arc;
 use super::Source;
 use super::curve::CurveError;
 use super::mesh::MeshError;
+use super::opening::is_transient;
 use crate::memory::OutOfMemory;
 use crate::printable::{printable, printable_path};
 
@@ -353,26 +354,6 @@ impl Problem {
             | Self::OutOfMemory { .. } => None,
         }
     }
-}
-
-/// Whether reading may succeed another time, or on another machine.
-fn is_transient(error: &io::Error) -> bool {
-    use io::ErrorKind::{
-        InvalidData, InvalidFilename, InvalidInput, IsADirectory, NotADirectory, NotFound,
-        PermissionDenied, Unsupported,
-    };
-    // Of many kinds, and more to come, these are about what was written; others are the machine's.
-    !matches!(
-        error.kind(),
-        NotFound
-            | PermissionDenied
-            | IsADirectory
-            | NotADirectory
-            | InvalidData
-            | InvalidInput
-            | InvalidFilename
-            | Unsupported
-    )
 }
 
 /// The candidate that `name` is most likely a misspelling of.

@@ -50,7 +50,7 @@ impl Blocks {
         let lines = |number: u8| super::codec::compression(number).map(Codec::lines);
         let own_lines = lines(part.compression)?;
         check_sampling(part)?;
-        let geometry = Geometry::new(part, own_lines)?;
+        let geometry = Geometry::new(part, own_lines);
         let codec = Codec::new(part, geometry.size)?;
         codec.check_length(geometry.size, source.length())?;
 

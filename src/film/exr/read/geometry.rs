@@ -49,7 +49,7 @@ const fn side(first: i32, last: i32) -> u32 {
 
 impl Geometry {
     /// With so many lines in a block of scan lines.
-    pub(super) fn new(part: &Part, lines: u32) -> Result<Self, ExrProblem> {
+    pub(super) fn new(part: &Part, lines: u32) -> Self {
         let [left, top, right, bottom] = part.data_window;
         let [display_left, display_top, display_right, display_bottom] = part.display_window;
         let size = [side(left, right), side(top, bottom)];
@@ -57,12 +57,6 @@ impl Geometry {
             side(display_left, display_right),
             side(display_top, display_bottom),
         ];
-        let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-        let plausible = MAX_SPARSE_PIXELS.max(area(size).saturating_mul(MAX_SPARSITY));
-        if area(resolution) > plausible {
-            let [width, height] = resolution;
-            return Err(ExrProblem::TooLarge(width, height));
-        }
         let overlap = |data: [i32; 2], display: [i32; 2]| {
             let (first, last) = (data[0].max(display[0]), data[1].min(display[1]));
             (first <= last).then(|| (first, side(first, last)))
@@ -81,7 +75,7 @@ impl Geometry {
         let block = part
             .tiles
             .map_or([size[0], lines], |tiles| [tiles.width, tiles.height]);
-        Ok(Self {
+        Self {
             resolution,
             window,
             origin,
@@ -90,7 +84,18 @@ impl Geometry {
             block,
             blocks: [0, 1].map(|side| size[side].div_ceil(block[side])),
             is_tiled: part.tiles.is_some(),
-        })
+        }
+    }
+
+    /// Whether the display window is about as large as the data makes plausible.
+    pub(super) fn check_display(&self) -> Result<(), ExrProblem> {
+        let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+        let plausible = MAX_SPARSE_PIXELS.max(area(self.size).saturating_mul(MAX_SPARSITY));
+        let [width, height] = self.resolution;
+        if area(self.resolution) > plausible {
+            return Err(ExrProblem::TooLarge(width, height));
+        }
+        Ok(())
     }
 
     /// The block in this column and row of blocks.

@@ -42,6 +42,7 @@ use source::Source;
 
 use crate::film::Window;
 use crate::printable::{printable, printable_path};
+use crate::scene::is_transient;
 
 /// What an OpenEXR file shows: R, G, B, A inside the display window.
 #[derive(Clone, Debug)]
@@ -83,15 +84,7 @@ impl ExrError {
     /// gone amid the reading.
     pub fn is_transient(&self) -> bool {
         match &self.problem {
-            ExrProblem::Io(error) => !matches!(
-                error.kind(),
-                io::ErrorKind::NotFound
-                    | io::ErrorKind::PermissionDenied
-                    | io::ErrorKind::IsADirectory
-                    | io::ErrorKind::NotADirectory
-                    | io::ErrorKind::InvalidInput
-                    | io::ErrorKind::InvalidFilename
-            ),
+            ExrProblem::Io(error) => is_transient(error),
             ExrProblem::NoMemory { .. } => true,
             ExrProblem::NotExr
             | ExrProblem::NoRgb(_)
@@ -270,6 +263,16 @@ impl ExrReader {
         self.blocks.geometry.resolution
     }
 
+    /// Whether the display window is about as large as the data makes plausible: to be asked before
+    /// anything of its size is made.
+    ///
+    /// # Errors
+    /// [`ExrProblem::TooLarge`].
+    pub fn check_resolution(&self) -> Result<(), ExrError> {
+        let checked = self.blocks.geometry.check_display();
+        checked.map_err(|problem| self.error(problem))
+    }
+
     /// The part of the display window, from its top left, that there are pixels for.
     pub const fn window(&self) -> Option<Window> {
         self.blocks.geometry.window
@@ -352,6 +355,7 @@ impl ExrReader {
 /// See [`ExrProblem`].
 pub fn read(path: &Path) -> Result<ExrImage, ExrError> {
     let reader = ExrReader::open(path, None)?;
+    reader.check_resolution()?;
     let mut pixels = Vec::new();
     if let Some(window) = reader.window() {
         let width = window.width as usize;
