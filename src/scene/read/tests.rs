@@ -289,6 +289,11 @@ fn names_in_any_script() {
         "Schlüssel",
         "鍵",
         "Material.001",
+        // Letters with marks: decomposed as macOS writes them, Devanagari, Thai, Hebrew.
+        "e\u{301}t\u{e9}",
+        "हिन्दी",
+        "ไม้",
+        "שָׁלוֹם",
     ] {
         let text = format!("{FRAME}[materials.\"{name}\".phong]\n");
         assert_eq!(scene(&text).materials[0].name, name);
@@ -301,6 +306,11 @@ fn names_in_any_script() {
         "a\\tb",
         "\\\"",
         "a:b",
+        // A mark without a letter, a character without width, a picture.
+        "\u{301}a",
+        "a\u{200b}b",
+        "a\u{ad}b",
+        "☀",
         &"x".repeat(201),
     ] {
         let text = format!("{FRAME}[materials.\"{name}\".phong]\n");
@@ -321,6 +331,31 @@ fn places_with_windows_line_ends_tabs_and_wide_characters() {
         let places: Vec<_> = errors(&text).into_iter().map(|(_, place)| place).collect();
         assert_eq!(places, [place], "{text}");
     }
+}
+
+/// One error for each, none for the objects that have the material.
+#[test]
+fn a_dotted_name_without_quotes_stays_known() {
+    let text = format!(
+        "{FRAME}[materials.Material.phong]\n[materials.Material.001.phong]\n\
+         [materials.Material.002.normalized_phong]\n\
+         [objects.a.sphere]\nmaterial = \"Material.001\"\ncenter = [0, 0, 0]\nradius = 1\n\
+         [objects.b.sphere]\nmaterial = \"Material.002\"\ncenter = [0, 0, 0]\nradius = 1\n"
+    );
+    let reading = Reading::of_text(text, Path::new(PATH));
+    assert!(reading.is_known_material("Material.001"));
+    let errors = reading.complete().unwrap_err().to_string();
+    let errors: Vec<_> = (errors.lines())
+        .filter(|line| line.starts_with("error"))
+        .collect();
+    assert_eq!(
+        errors,
+        [
+            "error: a name with a dot stands in quotes: `[materials.\"Material.001\".phong]`",
+            "error: a name with a dot stands in quotes: \
+             `[materials.\"Material.002\".normalized_phong]`",
+        ]
+    );
 }
 
 #[test]
