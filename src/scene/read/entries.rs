@@ -150,6 +150,7 @@ impl<T> Section<T> {
                 name,
                 kind: self.kind,
                 path: &path,
+                names_channels: self.names_channels,
                 header,
             },
             table,
@@ -169,6 +170,8 @@ pub(super) struct Choice<'a> {
     pub(super) kind: &'static str,
     /// `objects.ball`
     pub(super) path: &'a str,
+    /// Whether its name becomes that of channels, which has no dot.
+    pub(super) names_channels: bool,
     pub(super) header: Span,
 }
 
@@ -210,12 +213,16 @@ pub(super) fn one_variant<T>(
             let kind = inner.and_then(|table| table.keys().find(|key| is_known(key.get_ref())));
             if let (Some(kind), Some((section, _))) = (kind, choice.path.split_once('.')) {
                 // `[objects.Plane.001.plane]`: the name has a dot.
-                let whole = format!("{}.{name}", choice.name);
-                let problem = Problem::Conflict(format!(
-                    "a name with a dot stands in quotes: `[{section}.{}.{}]`",
-                    as_key(&whole),
-                    kind.get_ref(),
-                ));
+                let (why, whole) = if choice.names_channels {
+                    let why = "the name of a light has no dot, which parts layer and channel in the EXR; \
+                               write";
+                    (why, format!("{}_{name}", choice.name).replace('.', "_"))
+                } else {
+                    let why = "a name with a dot stands in quotes:";
+                    (why, format!("{}.{name}", choice.name))
+                };
+                let (key, kind) = (as_key(&whole), kind.get_ref());
+                let problem = Problem::Conflict(format!("{why} `[{section}.{key}.{kind}]`"));
                 reader.report(header, problem);
                 sound = false;
                 continue;

@@ -358,6 +358,24 @@ fn a_dotted_name_without_quotes_stays_known() {
     );
 }
 
+/// Quotes would not help a light.
+#[test]
+fn a_dotted_name_of_a_light_is_answered_without_dot() {
+    let text = format!(
+        "{FRAME}[lights.Point.001.point]\nposition = [0, 0, 0]\nintensity = 1\n\
+         [lights.\"Spot é\".002.point]\nposition = [0, 0, 0]\nintensity = 1\n"
+    );
+    let messages: Vec<_> = errors(&text).into_iter().map(|(error, _)| error).collect();
+    let why = "the name of a light has no dot, which parts layer and channel in the EXR; write";
+    assert_eq!(
+        messages,
+        [
+            format!("{why} `[lights.Point_001.point]`"),
+            format!("{why} `[lights.\"Spot é_002\".point]`"),
+        ]
+    );
+}
+
 #[test]
 fn a_broken_material_stays_known() {
     let text = format!("{FRAME}[materials.clay.phong]\ndiffuse = true\n[materials.chalk.phong]\n");
