@@ -237,7 +237,7 @@ fn meshes_have_all_that_they_name() {
         ),
         (
             |mesh| mesh.normals = normal(3, Some(Vec::new())),
-            "the mesh has 1 triangles, but indices of normals for 0, expected as many",
+            "the mesh has 1 triangle, but indices of normals for 0, expected as many",
         ),
         (
             |mesh| {

@@ -209,7 +209,7 @@ const OPTIONS: [Advice; 20] = [
     ),
 ];
 
-const COMMANDS: [(&[&str], &str); 4] = [
+const COMMANDS: [(&[&str], &str); 6] = [
     (
         &[
             "convert", "view", "show", "display", "preview", "png", "topng", "develop", "expose",
@@ -229,6 +229,14 @@ const COMMANDS: [(&[&str], &str); 4] = [
     (
         &["trace", "raytrace", "run", "draw", "start"],
         "a scene is rendered by `candela render SCENE.toml`",
+    ),
+    (
+        &["init", "create", "template", "example", "demo"],
+        "a first scene is written by `candela new`",
+    ),
+    (
+        &["version"],
+        "the version is printed by `candela --version`",
     ),
 ];
 
@@ -301,7 +309,10 @@ fn of_command(word: &str) -> Option<String> {
         _ => {
             let word = word.to_lowercase();
             let known = COMMANDS.iter().find(|(words, _)| words.contains(&&*word));
-            known?.1.to_owned()
+            let is_file = !extension.is_empty() || word.contains(['/', '\\']);
+            let tip = known.map(|(_, tip)| *tip);
+            let any_file = "a scene is a TOML file, which `candela render SCENE.toml` renders";
+            tip.or(is_file.then_some(any_file))?.to_owned()
         }
     })
 }
@@ -419,6 +430,15 @@ mod tests {
                 "candela x.ply",
                 "a mesh is part of a scene: `[objects.NAME.mesh]` with `file = \"x.ply\"`",
             ),
+            (
+                "candela README.md",
+                "a scene is a TOML file, which `candela render SCENE.toml` renders",
+            ),
+            (
+                "candela scenes/",
+                "a scene is a TOML file, which `candela render SCENE.toml` renders",
+            ),
+            ("candela init", "a first scene is written by `candela new`"),
             (
                 "candela validate a.toml",
                 "what a scene holds, and whether it is legal, says `candela check SCENE.toml`",

@@ -64,8 +64,10 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         let (lights, materials) = (world.lights().len(), world.used_materials().len());
         writeln!(
             output,
-            "           {} products of the spectra of {lights} lights and {materials} materials",
-            Size(memory)
+            "           {} products of the spectra of {} and {}",
+            Size(memory),
+            counted(lights, "light", "lights"),
+            counted(materials, "material", "materials"),
         )?;
     }
     let shadow_rays = world.lights().len();

@@ -14,6 +14,7 @@ use candela::display::{self, Alpha, Frame};
 use candela::film::exr::{Compression, ExrOptions, Precision};
 use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Window};
 use candela::lanes::Door;
+use candela::memory::Size;
 use candela::output::{self, Staged, Unfinished};
 use candela::scene::Scene;
 use candela::visibility::Visibility;
@@ -374,12 +375,11 @@ fn fits_in_memory(
     if fits {
         return Ok(());
     }
-    let pixels = pixels as f64;
-    let table = table as f64 * size_of::<f64>() as f64;
-    let gigabytes = (pixels + table) / 1e9;
+    let table = table.saturating_mul(size_of::<f64>() as u64);
+    let size = Size(pixels.saturating_add(table));
     if table > pixels {
         return Err(format!(
-            "the bands of all lights on all materials take {gigabytes:.1} GB of memory, more than \
+            "the bands of all lights on all materials take {size} of memory, more than \
              there is; choose fewer --wavelengths, or fewer lights or materials",
         )
         .into());
@@ -392,7 +392,7 @@ fn fits_in_memory(
         ""
     };
     Err(format!(
-        "the rows of the image that are rendered at once take {gigabytes:.1} GB of memory, more than \
+        "the rows of the image that are rendered at once take {size} of memory, more than \
          there is; choose {fewer}a smaller `resolution`, or render it in parts with --crop",
     )
     .into())

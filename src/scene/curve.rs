@@ -52,7 +52,7 @@ pub enum CurveError {
         columns: usize,
     },
     /// Text where a number should be.
-    #[error("line {line}: `{}` is not a number{}", shortened(text), way_out(text))]
+    #[error("line {line}: {} is not a number{}", named(text), way_out(text))]
     NotANumber {
         /// Counted from 1.
         line: u64,
@@ -102,6 +102,15 @@ fn at_line(line: Option<u64>) -> String {
     line.map_or_else(String::new, |line| format!("line {line}: "))
 }
 
+/// A column as messages have it.
+fn named(text: &str) -> String {
+    if text.is_empty() {
+        "an empty column".to_owned()
+    } else {
+        format!("`{}`", shortened(text))
+    }
+}
+
 /// What to do about a text that is no number, if that can be told.
 fn way_out(text: &str) -> &'static str {
     if number(&text.replacen(',', ".", 1)).is_some() {
@@ -112,8 +121,8 @@ fn way_out(text: &str) -> &'static str {
 }
 
 /// Reads a curve file: two columns parted by blanks, tabs, commas or semicolons. What follows `#` or
-/// `//` on a line is a comment; the first line of others may name the columns. Beside the curve, the
-/// hash of the file.
+/// `//` on a line is a comment; the lines before the first number may name the file and its columns.
+/// Beside the curve, the hash of the file.
 ///
 /// # Errors
 /// A file that cannot be read, lines of other than two numbers, and points that do not make a
@@ -149,14 +158,10 @@ fn parse(bytes: &[u8]) -> Result<Curve, CurveError> {
     for column in [&mut wavelengths, &mut values] {
         column.try_reserve_exact(points).map_err(io::Error::from)?;
     }
-    let mut header = None;
-    for (index, (line, row)) in rows(bytes).enumerate() {
+    let heading = heading(bytes);
+    for (line, row) in rows(bytes).skip(heading) {
         let columns = columns(&row);
         let numbers = [0, 1].map(|i| columns.get(i).and_then(|text| number(text)));
-        if index == 0 && numbers == [None; 2] {
-            header = Some(line);
-            continue;
-        }
         let &[nm, value] = columns.as_slice() else {
             let columns = columns.len();
             return Err(CurveError::Columns { line, columns });
@@ -170,11 +175,37 @@ fn parse(bytes: &[u8]) -> Result<Curve, CurveError> {
     }
     Curve::new(wavelengths, values).map_err(|problem| CurveError::Illegal {
         line: problem.index().and_then(|index| {
-            let mut points = rows(bytes).filter(|&(line, _)| Some(line) != header);
+            let mut points = rows(bytes).skip(heading);
             points.nth(index).map(|(line, _)| line)
         }),
         problem,
     })
+}
+
+/// How many rows stand before the first that has a number, or something that begins like one: titles,
+/// names of columns, comments of other kinds. Where no row has a number, the second is wrong.
+fn heading(bytes: &[u8]) -> usize {
+    let is_like_number = |text: &&str| {
+        let text = text.trim_start_matches(['+', '-']);
+        text.trim_start_matches('.')
+            .starts_with(|c: char| c.is_ascii_digit())
+    };
+    let is_number = |text: &&str| number(&text.replacen(',', ".", 1)).is_some();
+    let mut heading = 0;
+    for (index, (_, row)) in rows(bytes).enumerate() {
+        let columns = columns(&row);
+        let mut first_two = columns.iter().take(2);
+        let is_point = if index == 0 {
+            first_two.any(is_number)
+        } else {
+            first_two.any(|text| is_number(text) || is_like_number(text))
+        };
+        if is_point {
+            return heading;
+        }
+        heading += 1;
+    }
+    heading.min(1)
 }
 
 /// The lines, counted from 1, that are neither empty nor comments, without blanks and comments at
@@ -267,6 +298,12 @@ mod tests {
             "400 0.1\r500.5 0.25\r700 1\r",
             "nm;R;\n400;0.1;\n500.5;0.25;;\n700;1;\n",
             "400 , 0.1\n500.5 ,0.25\n700,1",
+            // Titles and comments of other programs, and what Excel writes first.
+            "Sample 7, green\nmeasured at noon\n\nnm,R\n400,0.1\n500.5,0.25\n700,1",
+            "% measured\n% nm R\n400 0.1\n500.5 0.25\n700 1",
+            "; measured\n! nm R\n400 0.1\n500.5 0.25\n700 1",
+            "sep=;\nnm;R\n400;0.1\n500.5;0.25\n700;1\n",
+            "2° observer,CIE\nnm,R\n400,0.1\n500.5,0.25\n700,1",
         ] {
             assert_eq!(parse(text.as_bytes()).unwrap(), expected, "{text}");
         }
@@ -312,6 +349,28 @@ mod tests {
             ),
             ("400,0,1\n", format!("line 1: 3 columns, {PARTED}")),
             ("400\n", format!("line 1: one column, {PARTED}")),
+            ("400,\n500,1\n", "line 1: an empty column is not a number".to_owned()),
+            // Not a title: a point that would be lost.
+            (
+                "400,5;0,1\n500;0.2\n600;0.3\n",
+                "line 1: `400,5` is not a number, expected a decimal point".to_owned(),
+            ),
+            (
+                "nm R\n400nm 0.1\n500 0.2\n600 0.3\n",
+                "line 2: `400nm` is not a number".to_owned(),
+            ),
+            (
+                "nm R\n-4x 1%\n500 0.2\n600 0.3\n",
+                "line 2: `-4x` is not a number".to_owned(),
+            ),
+            (
+                "a title\nnm,R\n400,0.1\n500,red\n",
+                "line 4: `red` is not a number".to_owned(),
+            ),
+            (
+                "a title\nnm,R\n400,0.1\n500,-1\n",
+                "line 4: the value is -1, expected a number of at least 0".to_owned(),
+            ),
             ("a\nb\n", format!("line 2: one column, {PARTED}")),
             ("400 0.1 500 0.2", format!("line 1: 4 columns, {PARTED}")),
             (

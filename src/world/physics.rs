@@ -7,6 +7,7 @@ use std::fmt;
 use super::containment::contained;
 use super::material::Model;
 use super::{Material, Shape, World};
+use crate::printable::counted;
 use crate::scene::ColorSpace;
 use crate::scene::ShadowTerminator;
 use crate::spectrum::VISIBLE;
@@ -110,8 +111,8 @@ impl fmt::Display for Warning {
             ),
             Self::NotLookedInto { objects } => write!(
                 f,
-                "{objects} objects were not looked into for lights inside of them: lights times \
-                 triangles are too many",
+                "{} not looked into for lights inside: lights times triangles are too many",
+                counted(*objects, "object was", "objects were"),
             ),
             Self::NoLight => write!(f, "the scene has no light, so every surface is black"),
             Self::Degenerate {

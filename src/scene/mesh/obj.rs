@@ -291,6 +291,7 @@ impl Reader {
                         None => absent += 1,
                     }
                 }
+                scanner.skip_empty_places();
             }
             scanner.end_word(VERTEX)?;
             self.corners.push(vertex);

@@ -289,6 +289,18 @@ impl<'a> Scanner<'a> {
         Some(Index::Other)
     }
 
+    /// Goes past the slashes that end a word, behind which nothing stands.
+    #[inline]
+    pub(super) fn skip_empty_places(&mut self) {
+        if self.peek() == Some(b'/') {
+            let slashes = self.rest().iter().take_while(|&&byte| byte == b'/').count();
+            let after = self.bytes.get(self.position + slashes);
+            if after.is_none_or(|&byte| is_separator(byte) || matches!(byte, b'\\' | b'#')) {
+                self.position += slashes;
+            }
+        }
+    }
+
     /// Nothing but a blank, a line end, a comment or a line joined by `\` may follow.
     #[inline]
     pub(super) fn end_word(&self, expected: &'static str) -> Result<(), Box<Fault>> {

@@ -107,6 +107,13 @@ impl<T> Section<T> {
                 None => {
                     memory::reserve(&mut entries.broken, 1)?;
                     entries.broken.push(name.to_owned());
+                    // Of `[materials.Material.001.phong]` the name is `Material.001`.
+                    let parts = node.get_ref().as_table().into_iter().flatten();
+                    for (part, _) in parts.filter(|(_, node)| node.get_ref().is_table()) {
+                        memory::reserve(&mut entries.broken, 1)?;
+                        let whole = format!("{name}.{}", part.get_ref());
+                        entries.broken.push(whole);
+                    }
                 }
             }
         }
@@ -143,6 +150,7 @@ impl<T> Section<T> {
                 name,
                 kind: self.kind,
                 path: &path,
+                names_channels: self.names_channels,
                 header,
             },
             table,
@@ -162,6 +170,8 @@ pub(super) struct Choice<'a> {
     pub(super) kind: &'static str,
     /// `objects.ball`
     pub(super) path: &'a str,
+    /// Whether its name becomes that of channels, which has no dot.
+    pub(super) names_channels: bool,
     pub(super) header: Span,
 }
 
@@ -203,12 +213,16 @@ pub(super) fn one_variant<T>(
             let kind = inner.and_then(|table| table.keys().find(|key| is_known(key.get_ref())));
             if let (Some(kind), Some((section, _))) = (kind, choice.path.split_once('.')) {
                 // `[objects.Plane.001.plane]`: the name has a dot.
-                let whole = format!("{}.{name}", choice.name);
-                let problem = Problem::Conflict(format!(
-                    "a name with a dot stands in quotes: `[{section}.{}.{}]`",
-                    as_key(&whole),
-                    kind.get_ref(),
-                ));
+                let (why, whole) = if choice.names_channels {
+                    let why = "the name of a light has no dot, which parts layer and channel in the EXR; \
+                               write";
+                    (why, format!("{}_{name}", choice.name).replace('.', "_"))
+                } else {
+                    let why = "a name with a dot stands in quotes:";
+                    (why, format!("{}.{name}", choice.name))
+                };
+                let (key, kind) = (as_key(&whole), kind.get_ref());
+                let problem = Problem::Conflict(format!("{why} `[{section}.{key}.{kind}]`"));
                 reader.report(header, problem);
                 sound = false;
                 continue;
@@ -273,13 +287,15 @@ pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
 /// Why `name` cannot be used, if so. Names come back in messages, mattes and on command lines; those
 /// of lights, in EXR channels too, where a dot separates layer and channel.
 pub(crate) fn objection(name: &str, names_channels: bool) -> Option<Cow<'static, str>> {
-    let is_allowed =
-        |character: char| character.is_alphanumeric() || matches!(character, '_' | '-' | ' ' | '.');
+    let is_allowed = |(place, character): (usize, char)| {
+        let is_own = character.is_alphanumeric() || matches!(character, '_' | '-' | ' ' | '.');
+        is_own || place > 0 && is_mark(character)
+    };
     Some(Cow::Borrowed(if name.is_empty() {
         "names have at least one letter or digit"
     } else if name.len() > LONGEST_NAME {
         "names are at most 200 bytes long"
-    } else if !name.chars().all(is_allowed) {
+    } else if !name.char_indices().all(is_allowed) {
         if names_channels {
             "names are made of letters, digits, `_`, `-` and spaces"
         } else {
@@ -294,6 +310,17 @@ pub(crate) fn objection(name: &str, names_channels: bool) -> Option<Cow<'static,
     } else {
         return None;
     }))
+}
+
+/// Whether a character is a part of the letter before it: an accent, or the vowel and tone signs of
+/// scripts such as Thai and Devanagari. The standard library escapes these at the start of a text alone.
+fn is_mark(character: char) -> bool {
+    let is_printed = |text: &str| text.escape_debug().eq(text.chars());
+    let mut bytes = [b'a'; 5];
+    let length = character.encode_utf8(&mut bytes[1..]).len();
+    let behind_a_letter = std::str::from_utf8(&bytes[..=length]);
+    let is_printed_behind = behind_a_letter.is_ok_and(is_printed);
+    is_printed_behind && !character.escape_debug().eq([character])
 }
 
 /// A name as TOML writes it in a header: in quotes where it has more than ASCII letters, digits, `_`

@@ -289,6 +289,11 @@ fn names_in_any_script() {
         "Schlüssel",
         "鍵",
         "Material.001",
+        // Letters with marks: decomposed as macOS writes them, Devanagari, Thai, Hebrew.
+        "e\u{301}t\u{e9}",
+        "हिन्दी",
+        "ไม้",
+        "שָׁלוֹם",
     ] {
         let text = format!("{FRAME}[materials.\"{name}\".phong]\n");
         assert_eq!(scene(&text).materials[0].name, name);
@@ -301,6 +306,11 @@ fn names_in_any_script() {
         "a\\tb",
         "\\\"",
         "a:b",
+        // A mark without a letter, a character without width, a picture.
+        "\u{301}a",
+        "a\u{200b}b",
+        "a\u{ad}b",
+        "☀",
         &"x".repeat(201),
     ] {
         let text = format!("{FRAME}[materials.\"{name}\".phong]\n");
@@ -321,6 +331,49 @@ fn places_with_windows_line_ends_tabs_and_wide_characters() {
         let places: Vec<_> = errors(&text).into_iter().map(|(_, place)| place).collect();
         assert_eq!(places, [place], "{text}");
     }
+}
+
+/// One error for each, none for the objects that have the material.
+#[test]
+fn a_dotted_name_without_quotes_stays_known() {
+    let text = format!(
+        "{FRAME}[materials.Material.phong]\n[materials.Material.001.phong]\n\
+         [materials.Material.002.normalized_phong]\n\
+         [objects.a.sphere]\nmaterial = \"Material.001\"\ncenter = [0, 0, 0]\nradius = 1\n\
+         [objects.b.sphere]\nmaterial = \"Material.002\"\ncenter = [0, 0, 0]\nradius = 1\n"
+    );
+    let reading = Reading::of_text(text, Path::new(PATH));
+    assert!(reading.is_known_material("Material.001"));
+    let errors = reading.complete().unwrap_err().to_string();
+    let errors: Vec<_> = (errors.lines())
+        .filter(|line| line.starts_with("error"))
+        .collect();
+    assert_eq!(
+        errors,
+        [
+            "error: a name with a dot stands in quotes: `[materials.\"Material.001\".phong]`",
+            "error: a name with a dot stands in quotes: \
+             `[materials.\"Material.002\".normalized_phong]`",
+        ]
+    );
+}
+
+/// Quotes would not help a light.
+#[test]
+fn a_dotted_name_of_a_light_is_answered_without_dot() {
+    let text = format!(
+        "{FRAME}[lights.Point.001.point]\nposition = [0, 0, 0]\nintensity = 1\n\
+         [lights.\"Spot é\".002.point]\nposition = [0, 0, 0]\nintensity = 1\n"
+    );
+    let messages: Vec<_> = errors(&text).into_iter().map(|(error, _)| error).collect();
+    let why = "the name of a light has no dot, which parts layer and channel in the EXR; write";
+    assert_eq!(
+        messages,
+        [
+            format!("{why} `[lights.Point_001.point]`"),
+            format!("{why} `[lights.\"Spot é_002\".point]`"),
+        ]
+    );
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::printable::counted;
 use crate::scene::MeshFile;
 use crate::scene::mesh::{MeshGroup, MeshNormals};
 
@@ -63,8 +64,8 @@ fn check_normals(normals: &MeshNormals, triangles: &[[u32; 3]]) -> Result<(), St
         && own.len() != triangles.len()
     {
         return Err(format!(
-            "the mesh has {} triangles, but indices of normals for {}, expected as many",
-            triangles.len(),
+            "the mesh has {}, but indices of normals for {}, expected as many",
+            counted(triangles.len(), "triangle", "triangles"),
             own.len(),
         ));
     }

@@ -16,7 +16,7 @@ use super::spectra::{Products, Spectra};
 use super::{Camera, Named, Object, PointLight, Projection, World};
 use crate::math::{Normal, Point};
 use crate::memory::{self, OutOfMemory};
-use crate::printable::printable;
+use crate::printable::{counted, printable};
 use crate::scene::diagnostic::MOST_COLLECTED;
 use crate::scene::{
     self, Broken, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene, Span, Spanned,
@@ -243,9 +243,9 @@ impl<'a> Validator<'a> {
                 Ok(products) => world.products = Some(products),
                 Err(error) => {
                     let what = format!(
-                        "the products of the spectra of {} lights and {} materials",
-                        world.lights.len(),
-                        materials.len(),
+                        "the products of the spectra of {} and {}",
+                        counted(world.lights.len(), "light", "lights"),
+                        counted(materials.len(), "material", "materials"),
                     );
                     let way_out = "; use fewer of them, or `transport = \"rgb\"` in `[image]`, \
                                    which takes none";
@@ -286,10 +286,10 @@ impl<'a> Validator<'a> {
                 ..
             } = self.scene;
             let what = format!(
-                "a part of the scene's {} materials, {} lights and {} objects",
-                materials.len(),
-                lights.len(),
-                objects.len(),
+                "a part of the scene's {}, {} and {}",
+                counted(materials.len(), "material", "materials"),
+                counted(lights.len(), "light", "lights"),
+                counted(objects.len(), "object", "objects"),
             );
             self.out_of_memory(error.for_what(what), "");
             Reported

@@ -204,11 +204,12 @@ impl Body for Text<'_> {
         surface: &mut Surface,
     ) -> Result<(), MeshError> {
         let (before, others) = element.properties.split_at(indices);
+        let mark = element.unsigned_mark(indices);
         self.each(element, |scanner| {
             (before.iter()).try_for_each(|property| skip(scanner, property.kind))?;
             let mut strip = Strip::default();
             for _ in 0..list_length(scanner.integer(LENGTH)?)? {
-                strip_corner(scanner.integer(INDEX)?, &mut strip, surface)?;
+                strip_corner(scanner.integer(INDEX)?, mark, &mut strip, surface)?;
             }
             end_strip(&mut strip, surface);
             end_element(scanner, &others[1..], surface)

@@ -436,12 +436,13 @@ impl Window<'_> {
                 kind => self.skip_property(kind)?,
             }
         }
+        let mark = element.unsigned_mark(indices);
         let mut strip = Strip::default();
         if let Some((start, list)) = corners {
             let size = list.item.size();
             for (i, index) in list.items.chunks_exact(size).enumerate() {
                 (list.item.integer(index, self.endian, INDEX))
-                    .and_then(|index| strip_corner(index, &mut strip, surface))
+                    .and_then(|index| strip_corner(index, mark, &mut strip, surface))
                     .inspect_err(|_| self.position = start + i * size)?;
             }
         }

@@ -336,6 +336,19 @@ impl Element<'_> {
         }
     }
 
+    /// -1 as an unsigned integer of the type of the items of `property`, a list.
+    fn unsigned_mark(&self, property: usize) -> i64 {
+        match self.properties[property].kind {
+            Kind::List {
+                item: Scalar::U8, ..
+            } => i64::from(u8::MAX),
+            Kind::List {
+                item: Scalar::U16, ..
+            } => i64::from(u16::MAX),
+            Kind::List { .. } | Kind::Scalar(_) => i64::from(u32::MAX),
+        }
+    }
+
     /// Reads this element, faces or strips.
     fn surface(
         &self,
@@ -360,16 +373,21 @@ impl Element<'_> {
 /// The corners that every face has, at least, that becomes a triangle.
 const LEAST_CORNERS: usize = 3;
 
-/// The next corner of a triangle strip, or the mark of its end.
+/// The next corner of a triangle strip, or the mark of its end: -1, or what that is as an unsigned
+/// integer of the list's type, where it is no vertex.
 #[inline]
-fn strip_corner(index: i64, strip: &mut Strip, surface: &mut Surface) -> Result<(), Box<Fault>> {
-    /// -1, written as an unsigned integer.
-    const UNSIGNED_MARK: i64 = u32::MAX as i64;
-    if index == -1 || index == UNSIGNED_MARK {
+fn strip_corner(
+    index: i64,
+    unsigned_mark: i64,
+    strip: &mut Strip,
+    surface: &mut Surface,
+) -> Result<(), Box<Fault>> {
+    let vertices = surface.positions.len();
+    if index == -1 || (index == unsigned_mark && index >= vertices as i64) {
         end_strip(strip, surface);
         return Ok(());
     }
-    let vertex = checked_index(index, surface.positions.len())?;
+    let vertex = checked_index(index, vertices)?;
     if let Some(triangle) = strip.corner(vertex) {
         surface.room_for_triangles(1)?;
         surface.triangles.push(triangle);

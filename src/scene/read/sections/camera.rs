@@ -197,6 +197,7 @@ pub(in crate::scene::read) fn camera(
         name: "camera",
         kind: "kind of camera",
         path: "camera",
+        names_channels: false,
         header: header(reader.text, key.span().into(), node),
     };
     let camera = one_variant(reader, &choice, table, &CAMERAS)?;

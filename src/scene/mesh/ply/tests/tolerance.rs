@@ -23,13 +23,16 @@ fn strips_become_triangles() {
             ("char", Scalar::I8),
             ("float", Scalar::F32),
             ("uint", Scalar::U32),
+            ("ushort", Scalar::U16),
+            ("uchar", Scalar::U8),
         ] {
             let header = format!("element tristrips 2\nproperty list int {name} vertex_indices");
             let mut file = with_six_vertices(format, &header);
-            let mark = if scalar == Scalar::U32 {
-                f64::from(u32::MAX)
-            } else {
-                -1.0
+            let mark = match scalar {
+                Scalar::U8 => f64::from(u8::MAX),
+                Scalar::U16 => f64::from(u16::MAX),
+                Scalar::U32 => f64::from(u32::MAX),
+                _ => -1.0,
             };
             // Every second triangle is turned; the repeated corners join two parts; a mark ends a
             // strip wherever it is.
@@ -50,6 +53,19 @@ fn strips_become_triangles() {
             assert!(mesh.remarks.is_empty());
         }
     }
+}
+
+/// Of 256 vertices the last is 255, which then ends no strip.
+#[test]
+fn a_vertex_is_no_mark() {
+    let header = "element tristrips 1\nproperty list int uchar vertex_indices\n";
+    let vertices: String = (0..256).map(|i| format!("{i} {} 0\n", i * i)).collect();
+    let file = format!(
+        "ply\nformat ascii 1.0\nelement vertex 256\nproperty float x\nproperty float y\n\
+         property float z\n{header}end_header\n{vertices}4 0 1 255 2\n"
+    );
+    let mesh = MeshFile::parse(file.as_bytes(), Path::new("a.ply")).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 255], [255, 1, 2]]);
 }
 
 #[test]
