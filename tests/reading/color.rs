@@ -120,3 +120,16 @@ fn vectors_and_single_channels_have_no_color_space() {
     assert_pixels(&shown(&path, Some("N.X"), &NEAREST).unwrap(), &red);
     assert_pixels(&shown(&path, None, &NEAREST).unwrap(), &AS_ACESCG);
 }
+
+/// In XYZ, R = G = B is no gray, but luminance alone is one in every space.
+#[test]
+fn luminance_alone_is_gray_in_every_space() {
+    let folder = tempfile::tempdir().unwrap();
+    for chromaticities in [XYZ_XY, ACESCG_XY, ADOBE_XY] {
+        let luminance = super::file::channel("Y", |x, _| [0.05, 0.18, 0.5, 1.0][x as usize]);
+        let part = row(4, vec![luminance]).chromaticities(chromaticities);
+        let shown = shown(&write(folder.path(), &[part]), None, &NEAREST).unwrap();
+        assert_eq!(shown.pixels, [63, 118, 188, 255].map(|code| vec![code; 3]));
+        assert!(shown.report.warnings.is_empty());
+    }
+}
