@@ -10,7 +10,12 @@ use crate::film::Window;
 /// of any length.
 const MAX_SPARSE_PIXELS: u64 = 1 << 28;
 
-/// Display windows above [`MAX_SPARSE_PIXELS`] are plausible up to this multiple of the data.
+/// The longest side of a display window around a small data window: a row of the PNG is in memory
+/// as a whole, and of one pixel each there would be too many.
+const MAX_SPARSE_SIDE: u64 = 1 << 20;
+
+/// Display windows above [`MAX_SPARSE_PIXELS`] or [`MAX_SPARSE_SIDE`] are plausible up to this
+/// multiple of the data.
 const MAX_SPARSITY: u64 = 16;
 
 /// A rectangle of the data window.
@@ -58,8 +63,15 @@ impl Geometry {
             side(display_top, display_bottom),
         ];
         let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-        let plausible = MAX_SPARSE_PIXELS.max(area(size).saturating_mul(MAX_SPARSITY));
-        if area(resolution) > plausible {
+        let is_plausible = |shown: u64, data: u64, sparse: u64| {
+            shown <= sparse.max(data.saturating_mul(MAX_SPARSITY))
+        };
+        let side_is_plausible =
+            |side: usize| is_plausible(resolution[side].into(), size[side].into(), MAX_SPARSE_SIDE);
+        if !is_plausible(area(resolution), area(size), MAX_SPARSE_PIXELS)
+            || !side_is_plausible(0)
+            || !side_is_plausible(1)
+        {
             let [width, height] = resolution;
             return Err(ExrProblem::TooLarge(width, height));
         }
