@@ -205,10 +205,10 @@ impl Report {
             remarks.push("the picture is black: no pixel has any light".to_owned());
         } else if self.looks_black() {
             remarks.push(format!(
-                "the picture is black: its brightest pixel has a luminance of {:.2e}, where the \
-                 screen's white is {:.2e}; try --auto-exposure",
-                self.brightest,
-                1.0 / exposure::scale(self.ev),
+                "the picture is black: its brightest pixel has a luminance of {}, where the \
+                 screen's white is {}; try --auto-exposure",
+                digits(self.brightest),
+                digits(1.0 / exposure::scale(self.ev)),
             ));
         }
         if self.clipped >= MANY_CLIPPED {
@@ -219,6 +219,21 @@ impl Report {
             ));
         }
         remarks
+    }
+}
+
+/// About two significant digits of a number above 0, without an exponent where that is short.
+pub fn digits(number: f64) -> String {
+    let magnitude = number.log10().floor();
+    match magnitude {
+        -5.0..1.0 => {
+            let decimals = (1.0 - magnitude) as usize;
+            let text = format!("{number:.decimals$}");
+            let text = text.trim_end_matches('0');
+            text.trim_end_matches('.').to_owned()
+        }
+        1.0..=6.0 => format!("{number:.0}"),
+        _ => format!("{number:.1e}"),
     }
 }
 
@@ -313,6 +328,26 @@ mod tests {
 
     fn samples(pixels: &[[f32; 4]], has_alpha: bool, settings: Settings) -> Vec<u8> {
         tonemap(&row(pixels, has_alpha), &settings).samples
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, expected) in [
+            (0.000_31, "0.00031"),
+            (0.000_3, "0.0003"),
+            (0.019, "0.019"),
+            (1.0, "1"),
+            (2.54, "2.5"),
+            (10.0, "10"),
+            (9.96, "10"),
+            (16.0, "16"),
+            (1024.0, "1024"),
+            (3.2e-9, "3.2e-9"),
+            (1e20, "1.0e20"),
+            (0.0, "0.0e0"),
+        ] {
+            assert_eq!(digits(number), expected);
+        }
     }
 
     #[test]

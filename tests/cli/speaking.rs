@@ -312,6 +312,26 @@ fn a_picture_that_looks_black_is_said() {
     }
 }
 
+/// DWA leaves traces of light beside what is bright, where nothing covers a pixel. They are no background:
+/// the preview keeps its alpha.
+#[test]
+fn traces_of_compression_are_no_background() {
+    let folder = folder();
+    let folder = folder.path();
+    let changes = [
+        ("background = [0.1, 0.2, 0.4]", ""),
+        ("[30, 30, 30]", "3000"),
+    ];
+    write(folder, "void.toml", &changes);
+    let arguments = "render void.toml --preview void.png --exposure -7 --compression dwaa";
+    assert_eq!(warnings(folder, arguments), [""; 0]);
+    let image = read(&folder.join("void.exr")).unwrap();
+    let mut uncovered = image.pixels.iter().filter(|pixel| pixel[3] == 0.0);
+    assert!(uncovered.any(|pixel| pixel[..3].iter().any(|&light| light > 0.0)));
+    // The color type of a PNG with alpha.
+    assert_eq!(fs::read(folder.join("void.png")).unwrap()[25], 6);
+}
+
 #[test]
 fn a_picture_that_is_blown_out_is_said() {
     let folder = folder();
