@@ -51,21 +51,19 @@ impl Scene {
         }
     }
 
-    /// SHA-256 of all files that the picture depends on, which is that of what `sha256sum` prints of
-    /// them: a line "HASH  NAME" for the scene file, then for each file that the scene names, in the order
-    /// of [`Scene::inputs`], by their names in the scene. A scene that names no other file has a line
-    /// of its own, too. Of a scene made in code it is [`Scene::hash`], which covers its meshes and
-    /// curves.
+    /// SHA-256 of all files that the picture depends on: of the lines that are the hash of the scene
+    /// file, as `sha256sum` prints it, then of each file that the scene names, in the order of
+    /// [`Scene::inputs`]. A scene that names no other file has one line. Names are no part of it: those
+    /// of meshes and curves stand in the scene file. Of a scene made in code it is [`Scene::hash`], which
+    /// covers its meshes and curves.
     pub fn inputs_hash(&self) -> Hash {
         let hash = self.hash();
         if self.source.text.is_empty() {
             return hash;
         }
-        let name = self.source.path.file_name().unwrap_or_default();
         let mut lines = Hasher::default();
-        lines.line(&hash, &name.to_string_lossy());
-        for input in &self.inputs {
-            lines.line(&input.hash, &input.name);
+        for hash in std::iter::once(&hash).chain(self.inputs.iter().map(|input| &input.hash)) {
+            lines.line(hash);
         }
         lines.finish()
     }
@@ -116,14 +114,9 @@ impl fmt::Write for Hasher {
 }
 
 impl Hasher {
-    /// A line as `sha256sum` prints it, which escapes what would break the line.
-    fn line(&mut self, hash: &Hash, name: &str) {
-        let escaped = name
-            .replace('\\', r"\\")
-            .replace('\n', r"\n")
-            .replace('\r', r"\r");
-        let mark = if escaped == name { "" } else { "\\" };
-        writeln!(self, "{mark}{hash}  {escaped}").expect("a hash takes any text");
+    /// A hash on a line of its own.
+    fn line(&mut self, hash: &Hash) {
+        writeln!(self, "{hash}").expect("a hash takes any text");
     }
 
     /// A value with all its digits and names.

@@ -218,7 +218,11 @@ impl Draft<'_> {
         let points = self.random.count(2, 12);
         let mut nm = self.random.between(300.0, 450.0);
         let (mut wavelengths, mut values) = (Vec::new(), Vec::new());
-        for _ in 0..points {
+        for point in 0..points {
+            // A curve beside the range on which light is computed is an error.
+            if point + 1 == points && nm < 360.0 {
+                nm = self.random.between(360.0, 830.0);
+            }
             wavelengths.push(nm);
             // At times just beside, at times far away.
             nm += self.random.log_between(0.1, 150.0);
