@@ -133,3 +133,17 @@ fn luminance_alone_is_gray_in_every_space() {
         assert!(shown.report.warnings.is_empty());
     }
 }
+
+/// Strings of attributes have a length, and a zero at the end is none of them; an empty one says nothing.
+#[test]
+fn identifiers_may_end_with_a_zero() {
+    for (id, expected) in [
+        ("lin_ap1_scene\0", &AS_ACESCG),
+        ("lin_ap1_scene", &AS_ACESCG),
+        ("", &CODES),
+        ("\0", &CODES),
+    ] {
+        let part = part(&REC709).with("colorInteropID", "string", id);
+        assert_shows(part, expected, None);
+    }
+}
