@@ -100,6 +100,7 @@ pub fn convert_reader(
     let [width, height] = shown.resolution.map(f64::from);
     Ok(Report {
         ev,
+        is_auto: settings.exposure == Exposure::Auto,
         resolution: shown.resolution,
         brightest: noticed.seen.brightest,
         clipped: noticed.seen.clipped as f64 / (width * height),

@@ -286,6 +286,16 @@ fn a_picture_that_looks_black_is_said() {
         let said = warnings(&format!("--preview dim.png {cured}"));
         assert_eq!(said, [""; 0], "{cured}");
     }
+    // What the automatic exposure passes over has another way out.
+    lights(folder, "faint.toml", "1e-7", "0");
+    let faint = fs::read_to_string(folder.join("faint.toml")).unwrap();
+    let faint = faint.replace("background = [0.1, 0.2, 0.4]", "");
+    fs::write(folder.join("faint.toml"), faint).unwrap();
+    let said = self::warnings(folder, "render faint.toml --preview f.png --auto-exposure");
+    assert_eq!(said.len(), 1, "{said:?}");
+    let (_, ev) = said[0].split_once(": try --exposure ").unwrap();
+    let cured = format!("render faint.toml --preview f.png --exposure {ev}");
+    assert_eq!(self::warnings(folder, &cured), [""; 0]);
     // What is bright may be made dark.
     let said = self::warnings(folder, "render ball.toml --preview ball.png --exposure -20");
     assert_eq!(said.len(), 1, "{said:?}");

@@ -147,18 +147,27 @@ impl Summary<'_> {
         let white = 1.0 / scale(ev);
         if brightest < LOOKS_BLACK * white {
             return Some(format!(
-                "the brightest pixel has {} cd/m², where the screen's white is {}: try \
-                 --auto-exposure{tonemap}",
+                "the brightest pixel has {} cd/m², where the screen's white is {}: {}{tonemap}",
                 digits(brightest),
                 digits(white),
+                match &self.developed {
+                    Some(report) => report.way_out_of_black(),
+                    None => "try --auto-exposure".to_owned(),
+                },
             ));
         }
         if clipped >= MANY_CLIPPED {
             return Some(format!(
-                "{:.0} % of the picture is brighter than the screen, whose white is {} cd/m²: try a \
-                 lower --exposure, --auto-exposure or --view reinhard{tonemap}",
+                "{:.0} % of the picture is brighter than the screen, whose white is {} cd/m²: \
+                 {}{tonemap}",
                 100.0 * clipped,
                 digits(white),
+                match &self.developed {
+                    Some(report) => report.way_out_of_clipping(),
+                    None => {
+                        "try a lower --exposure, --auto-exposure or --view reinhard".to_owned()
+                    }
+                },
             ));
         }
         None
