@@ -510,8 +510,16 @@ fn claims_that_no_data_backs_are_errors() {
             "{what}: {problem}"
         );
     }
-    let sparse = with_attribute(&exr, "displayWindow", &[0, 0, 1 << 20, 1 << 20]);
-    assert!(matches!(problem(&sparse), ExrProblem::TooLarge(..)));
+    for [right, bottom] in [[1 << 20, 1 << 20], [1 << 20, 0], [0, 1 << 20]] {
+        let sparse = with_attribute(&exr, "displayWindow", &[0, 0, right, bottom]);
+        assert!(matches!(problem(&sparse), ExrProblem::TooLarge(..)));
+    }
+    for [right, bottom] in [[(1 << 20) - 1, 0], [0, (1 << 20) - 1], [16383, 16383]] {
+        let sparse = with_attribute(&exr, "displayWindow", &[0, 0, right, bottom]);
+        fs::write(folder.path().join("sparse.exr"), sparse).unwrap();
+        let resolution = read(&folder.path().join("sparse.exr")).unwrap().resolution;
+        assert_eq!(resolution, [right, bottom].map(|last| last as u32 + 1));
+    }
     for other in ["", "P", "\x76\x2f\x31", "not an EXR, but text"] {
         assert!(matches!(problem(other.as_bytes()), ExrProblem::NotExr));
     }

@@ -51,7 +51,10 @@ const MAY_USE: [(&str, &[&str]); 15] = [
             "memory",
         ],
     ),
-    ("display", &["film", "color", "output", "printable"]),
+    (
+        "display",
+        &["film", "color", "memory", "output", "printable"],
+    ),
     ("oracle", &["scene", "spectrum"]),
 ];
 

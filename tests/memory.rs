@@ -355,6 +355,16 @@ fn where_memory_ends_the_exit_code_says_so() {
         shell.env("RUST_MIN_STACK", "16777216");
         shell.env_remove("RAYON_NUM_THREADS").output().unwrap()
     };
+    // A small file with a display window of a million columns, whose rows are long.
+    write("long.toml", HEAD.to_owned() + &sphere(0));
+    let rendered = run(2048, "render long.toml --quiet --threads 2");
+    assert!(rendered.status.success());
+    let mut exr = std::fs::read(folder.path().join("long.exr")).unwrap();
+    let name = b"displayWindow\0box2i\0";
+    let place = exr.windows(name.len()).position(|bytes| bytes == name);
+    let right = place.unwrap() + name.len() + 4 + 8;
+    exr[right..right + 4].copy_from_slice(&((1_i32 << 20) - 1).to_le_bytes());
+    std::fs::write(folder.path().join("long.exr"), exr).unwrap();
     // Less than the program itself takes, before it has a say, is nothing to start with.
     let starts = |megabytes: &usize| run(*megabytes, "--version").status.success();
     let least = (8..).step_by(4).find(starts).unwrap();
@@ -365,6 +375,7 @@ fn where_memory_ends_the_exit_code_says_so() {
         "check spectral.toml",
         "probe spheres.toml --pixel 1,1",
         "render spheres.toml --quiet --threads 2",
+        "tonemap long.exr",
     ] {
         let (mut done, mut refused) = (0, 0);
         // From what the program itself hardly starts with to what is enough.

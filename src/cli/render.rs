@@ -293,10 +293,11 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             let settings = display::Settings {
                 exposure: arguments.development.exposure(),
                 view: arguments.development.view,
+                // Where there is none, what light is there is of the compression.
                 alpha: if has_background {
                     Alpha::Opaque
                 } else {
-                    Alpha::default()
+                    Alpha::Keep
                 },
                 dither: arguments.development.dither,
                 // Of a part, the part; of the whole that is the whole.

@@ -161,8 +161,10 @@ impl Image {
 /// What was done with an EXR file, and what was noticed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// The exposure in EV, which may have been chosen from the picture.
+    /// The exposure in EV.
     pub ev: f64,
+    /// Whether it was chosen from the picture.
+    pub is_auto: bool,
     /// Width and height of the PNG.
     pub resolution: [u32; 2],
     /// The largest luminance Y of a pixel as the file has it, before the exposure, in Rec.709, RGB divided
@@ -197,6 +199,25 @@ impl Report {
         format!("{:.3} EV", thousandths / 1000.0 + 0.0)
     }
 
+    /// What to try where [`Report::looks_black`].
+    pub fn way_out_of_black(&self) -> String {
+        // What is so faint, or has no coverage, does not count for the automatic one.
+        if self.is_auto || self.brightest <= exposure::DELTA {
+            format!("try --exposure {:.0}", -self.brightest.log2())
+        } else {
+            "try --auto-exposure".to_owned()
+        }
+    }
+
+    /// What to try where much of the picture clips.
+    pub fn way_out_of_clipping(&self) -> String {
+        if self.is_auto {
+            format!("try --view reinhard, or an --exposure below {:.1}", self.ev)
+        } else {
+            "try --auto-exposure, a lower --exposure, or --view reinhard".to_owned()
+        }
+    }
+
     /// What there is to say of a picture that is black or blown out, with the way out; a sentence
     /// each.
     pub fn remarks(&self) -> Vec<String> {
@@ -205,20 +226,36 @@ impl Report {
             remarks.push("the picture is black: no pixel has any light".to_owned());
         } else if self.looks_black() {
             remarks.push(format!(
-                "the picture is black: its brightest pixel has a luminance of {:.2e}, where the \
-                 screen's white is {:.2e}; try --auto-exposure",
-                self.brightest,
-                1.0 / exposure::scale(self.ev),
+                "the picture is black: its brightest pixel has a luminance of {}, where the \
+                 screen's white is {}; {}",
+                digits(self.brightest),
+                digits(1.0 / exposure::scale(self.ev)),
+                self.way_out_of_black(),
             ));
         }
         if self.clipped >= MANY_CLIPPED {
             remarks.push(format!(
-                "{:.0} % of the picture is brighter than the screen and clips; try \
-                 --auto-exposure, a lower --exposure, or --view reinhard",
+                "{:.0} % of the picture is brighter than the screen and clips; {}",
                 100.0 * self.clipped,
+                self.way_out_of_clipping(),
             ));
         }
         remarks
+    }
+}
+
+/// About two significant digits of a number above 0, without an exponent where that is short.
+pub fn digits(number: f64) -> String {
+    let magnitude = number.log10().floor();
+    match magnitude {
+        -5.0..1.0 => {
+            let decimals = (1.0 - magnitude) as usize;
+            let text = format!("{number:.decimals$}");
+            let text = text.trim_end_matches('0');
+            text.trim_end_matches('.').to_owned()
+        }
+        1.0..=6.0 => format!("{number:.0}"),
+        _ => format!("{number:.1e}"),
     }
 }
 
@@ -313,6 +350,26 @@ mod tests {
 
     fn samples(pixels: &[[f32; 4]], has_alpha: bool, settings: Settings) -> Vec<u8> {
         tonemap(&row(pixels, has_alpha), &settings).samples
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, expected) in [
+            (0.000_31, "0.00031"),
+            (0.000_3, "0.0003"),
+            (0.019, "0.019"),
+            (1.0, "1"),
+            (2.54, "2.5"),
+            (10.0, "10"),
+            (9.96, "10"),
+            (16.0, "16"),
+            (1024.0, "1024"),
+            (3.2e-9, "3.2e-9"),
+            (1e20, "1.0e20"),
+            (0.0, "0.0e0"),
+        ] {
+            assert_eq!(digits(number), expected);
+        }
     }
 
     #[test]

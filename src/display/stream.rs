@@ -16,10 +16,15 @@ use super::png::{encoder, into_io, pixel_dimensions};
 use super::{Alpha, DisplayError, Exposure, Frame, Report, Settings};
 use crate::film::Window;
 use crate::film::exr::{ExrError, ExrReader};
+use crate::memory;
 use crate::output::{self, Sink, Unfinished};
 
 /// Bytes of the PNG that are encoded at a time, before compression.
 const ENCODED: usize = 1 << 22;
+
+/// So many rows of the PNG are in memory while it is encoded, where they are wide: a blank one, the
+/// one that is developed, and those of the encoder with its filters.
+const ROWS: usize = 10;
 
 /// Makes a PNG of an EXR file, whole or not at all.
 ///
@@ -84,8 +89,8 @@ pub fn convert_reader(
     warnings.extend(noticed.repaired.warnings());
     if is_auto && is_uncovered {
         warnings.push(
-            "there is light where coverage is 0, a background: the PNG has no alpha, \
-             unless it is asked for"
+            "there is light where coverage is 0, such as a background, a glow, or traces of a \
+             lossy compression: the PNG has no alpha, unless --alpha keep asks for it"
                 .to_owned(),
         );
     }
@@ -99,6 +104,7 @@ pub fn convert_reader(
     let [width, height] = shown.resolution.map(f64::from);
     Ok(Report {
         ev,
+        is_auto: settings.exposure == Exposure::Auto,
         resolution: shown.resolution,
         brightest: noticed.seen.brightest,
         clipped: noticed.seen.clipped as f64 / (width * height),
@@ -210,6 +216,13 @@ impl Conversion<'_> {
     fn write_to(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
         let resolution @ [_, height] = self.shown.resolution;
         let (bits, has_alpha) = (self.develop.bits(), self.develop.has_alpha());
+        let rows = (ROWS * self.row_bytes()) as u64;
+        memory::look_for(rows).map_err(|error| {
+            io::Error::new(
+                io::ErrorKind::OutOfMemory,
+                error.for_what("rows of the PNG"),
+            )
+        })?;
         let mut encoder = encoder(sink, resolution, has_alpha, bits);
         encoder.set_pixel_dims(pixel_dimensions(self.exr.pixel_aspect()));
         let mut writer = encoder.write_header().map_err(into_io)?;

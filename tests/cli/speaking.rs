@@ -305,6 +305,16 @@ fn a_picture_that_looks_black_is_said() {
         let said = warnings(&format!("--preview dim.png {cured}"));
         assert_eq!(said, [""; 0], "{cured}");
     }
+    // What the automatic exposure passes over has another way out.
+    lights(folder, "faint.toml", "1e-7", "0");
+    let faint = fs::read_to_string(folder.join("faint.toml")).unwrap();
+    let faint = faint.replace("background = [0.1, 0.2, 0.4]", "");
+    fs::write(folder.join("faint.toml"), faint).unwrap();
+    let said = self::warnings(folder, "render faint.toml --preview f.png --auto-exposure");
+    assert_eq!(said.len(), 1, "{said:?}");
+    let (_, ev) = said[0].split_once(": try --exposure ").unwrap();
+    let cured = format!("render faint.toml --preview f.png --exposure {ev}");
+    assert_eq!(self::warnings(folder, &cured), [""; 0]);
     // What is bright may be made dark.
     let said = self::warnings(folder, "render ball.toml --preview ball.png --exposure -20");
     assert_eq!(said.len(), 1, "{said:?}");
@@ -329,6 +339,26 @@ fn a_picture_that_looks_black_is_said() {
             "{said:?}"
         );
     }
+}
+
+/// DWA leaves traces of light beside what is bright, where nothing covers a pixel. They are no background:
+/// the preview keeps its alpha.
+#[test]
+fn traces_of_compression_are_no_background() {
+    let folder = folder();
+    let folder = folder.path();
+    let changes = [
+        ("background = [0.1, 0.2, 0.4]", ""),
+        ("[30, 30, 30]", "3000"),
+    ];
+    write(folder, "void.toml", &changes);
+    let arguments = "render void.toml --preview void.png --exposure -7 --compression dwaa";
+    assert_eq!(warnings(folder, arguments), [""; 0]);
+    let image = read(&folder.join("void.exr")).unwrap();
+    let mut uncovered = image.pixels.iter().filter(|pixel| pixel[3] == 0.0);
+    assert!(uncovered.any(|pixel| pixel[..3].iter().any(|&light| light > 0.0)));
+    // The color type of a PNG with alpha.
+    assert_eq!(fs::read(folder.join("void.png")).unwrap()[25], 6);
 }
 
 #[test]

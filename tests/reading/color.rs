@@ -120,3 +120,30 @@ fn vectors_and_single_channels_have_no_color_space() {
     assert_pixels(&shown(&path, Some("N.X"), &NEAREST).unwrap(), &red);
     assert_pixels(&shown(&path, None, &NEAREST).unwrap(), &AS_ACESCG);
 }
+
+/// In XYZ, R = G = B is no gray, but luminance alone is one in every space.
+#[test]
+fn luminance_alone_is_gray_in_every_space() {
+    let folder = tempfile::tempdir().unwrap();
+    for chromaticities in [XYZ_XY, ACESCG_XY, ADOBE_XY] {
+        let luminance = super::file::channel("Y", |x, _| [0.05, 0.18, 0.5, 1.0][x as usize]);
+        let part = row(4, vec![luminance]).chromaticities(chromaticities);
+        let shown = shown(&write(folder.path(), &[part]), None, &NEAREST).unwrap();
+        assert_eq!(shown.pixels, [63, 118, 188, 255].map(|code| vec![code; 3]));
+        assert!(shown.report.warnings.is_empty());
+    }
+}
+
+/// Strings of attributes have a length, and a zero at the end is none of them; an empty one says nothing.
+#[test]
+fn identifiers_may_end_with_a_zero() {
+    for (id, expected) in [
+        ("lin_ap1_scene\0", &AS_ACESCG),
+        ("lin_ap1_scene", &AS_ACESCG),
+        ("", &CODES),
+        ("\0", &CODES),
+    ] {
+        let part = part(&REC709).with("colorInteropID", "string", id);
+        assert_shows(part, expected, None);
+    }
+}

@@ -137,6 +137,42 @@ fn parts_are_shown_by_their_names() {
     );
 }
 
+/// As Nuke and others write them, in either case, with and without a layer.
+#[test]
+fn colors_by_their_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = |names: [&str; 4]| {
+        let [alpha, rgb @ ..] = names;
+        let mut channels = vec![channel(alpha, |_, _| 1.0)];
+        for (place, name) in rgb.into_iter().enumerate() {
+            channels.push(channel(name, move |x, _| OTHER[x as usize][place]));
+        }
+        channels
+    };
+    let opaque = [[255, 0, 0, 255], [0, 255, 0, 255]];
+    for names in [
+        ["alpha", "red", "green", "blue"],
+        ["Alpha", "Red", "Green", "Blue"],
+    ] {
+        let path = write(folder.path(), &[row(2, words(names))]);
+        assert_eq!(shown(&path, None, &NEAREST).unwrap().pixels, opaque);
+        assert!(refused(&path, Some("x")).ends_with("it has nothing else that can be shown"));
+    }
+    let layered = ["d.alpha", "d.red", "d.green", "d.blue"];
+    let path = write(folder.path(), &[row(2, words(layered))]);
+    assert_eq!(shown(&path, Some("d"), &NEAREST).unwrap().pixels, opaque);
+    assert!(refused(&path, None).contains("it has d; show"));
+    // R, G, B go before words, and words do not mix with them.
+    let mut both = words(["alpha", "red", "green", "blue"]);
+    both.extend(rgb("", &COLORS));
+    let path = write(folder.path(), &[row(2, both)]);
+    let grays = [[118, 118, 118, 255], [188, 188, 188, 255]];
+    assert_eq!(shown(&path, None, &NEAREST).unwrap().pixels, grays);
+    let mixed = ["R", "green", "B"].map(|name| channel(name, |_, _| 0.0));
+    let path = write(folder.path(), &[row(1, mixed.into())]);
+    assert!(refused(&path, None).contains("it has no channels R, G, B"));
+}
+
 /// Arnold's main layer.
 #[test]
 fn a_layer_called_rgba() {

@@ -131,15 +131,16 @@ fn pixels_that_are_not_square_are_tagged() {
 #[test]
 fn black_and_blown_out_pictures_are_remarked() {
     let folder = tempfile::tempdir().unwrap();
-    let of = |values: &'static [f32], ev: f64| {
+    let with = |values: &'static [f32], exposure| {
         let channels = vec![channel("Y", |x, _| values[x as usize])];
         let path = write(folder.path(), &[row(values.len() as i32, channels)]);
         let settings = Settings {
-            exposure: Exposure::Ev(ev),
+            exposure,
             ..NEAREST
         };
         shown(&path, None, &settings).unwrap().report
     };
+    let of = |values, ev| with(values, Exposure::Ev(ev));
     let black = of(&[0.0; 4], 0.0);
     assert_eq!(black.brightest, 0.0);
     assert_eq!(
@@ -149,13 +150,33 @@ fn black_and_blown_out_pictures_are_remarked() {
     let dark = of(&[0.0, 0.0003], 0.0);
     assert!((dark.brightest - 0.0003).abs() < 1e-9);
     assert!(dark.looks_black());
-    assert!(dark.remarks()[0].contains("3.00e-4") && dark.remarks()[0].contains("--auto-exposure"));
+    assert_eq!(
+        dark.remarks(),
+        [
+            "the picture is black: its brightest pixel has a luminance of 0.0003, where the screen's \
+          white is 1; try --auto-exposure"
+        ]
+    );
     let lifted = of(&[0.0, 0.0003], 10.0);
     assert!(!lifted.looks_black() && lifted.remarks().is_empty());
     let bright = of(&[1.0, 2.0, 0.5, f32::INFINITY, 0.2, 0.2, 0.2, 0.2], 0.0);
     assert_eq!((bright.brightest, bright.clipped), (2.0, 0.25));
     assert!(bright.remarks()[0].starts_with("25 % of the picture is brighter than the screen"));
     assert!(of(&[1.0, 0.5], 0.0).remarks().is_empty());
+
+    // What the automatic exposure did not cure, it is not said to cure. log2(1e8) = 26.6, and the
+    // log-average of the four is 0.1: log2(0.18 / 0.1) = 0.85.
+    for exposure in [Exposure::Auto, Exposure::Ev(0.0)] {
+        let remark = &with(&[0.0, 1e-8], exposure).remarks()[0];
+        assert!(remark.ends_with("; try --exposure 27"), "{remark}");
+    }
+    assert_eq!(
+        with(&[0.01, 0.01, 0.01, 100.0], Exposure::Auto).remarks(),
+        [
+            "25 % of the picture is brighter than the screen and clips; try --view reinhard, or an \
+          --exposure below 0.8"
+        ]
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use candela::display::exposure::scale;
-use candela::display::{self, Exposure, LOOKS_BLACK, MANY_CLIPPED};
+use candela::display::{self, Exposure, LOOKS_BLACK, MANY_CLIPPED, digits};
 use candela::film::exr::ExrReport;
 use candela::film::{Counts, Window};
 use candela::printable::printable_path;
@@ -147,18 +147,27 @@ impl Summary<'_> {
         let white = 1.0 / scale(ev);
         if brightest < LOOKS_BLACK * white {
             return Some(format!(
-                "the brightest pixel has {} cd/m², where the screen's white is {}: try \
-                 --auto-exposure{tonemap}",
+                "the brightest pixel has {} cd/m², where the screen's white is {}: {}{tonemap}",
                 digits(brightest),
                 digits(white),
+                match &self.developed {
+                    Some(report) => report.way_out_of_black(),
+                    None => "try --auto-exposure".to_owned(),
+                },
             ));
         }
         if clipped >= MANY_CLIPPED {
             return Some(format!(
-                "{:.0} % of the picture is brighter than the screen, whose white is {} cd/m²: try a \
-                 lower --exposure, --auto-exposure or --view reinhard{tonemap}",
+                "{:.0} % of the picture is brighter than the screen, whose white is {} cd/m²: \
+                 {}{tonemap}",
                 100.0 * clipped,
                 digits(white),
+                match &self.developed {
+                    Some(report) => report.way_out_of_clipping(),
+                    None => {
+                        "try a lower --exposure, --auto-exposure or --view reinhard".to_owned()
+                    }
+                },
             ));
         }
         None
@@ -217,45 +226,5 @@ fn name(path: &Path) -> String {
         "standard output".to_owned()
     } else {
         printable_path(path)
-    }
-}
-
-/// About two significant digits, without an exponent where that is short.
-fn digits(number: f64) -> String {
-    let magnitude = number.log10().floor();
-    match magnitude {
-        -5.0..1.0 => {
-            let decimals = (1.0 - magnitude) as usize;
-            let text = format!("{number:.decimals$}");
-            let text = text.trim_end_matches('0');
-            text.trim_end_matches('.').to_owned()
-        }
-        1.0..=6.0 => format!("{number:.0}"),
-        _ => format!("{number:.1e}"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        for (number, expected) in [
-            (0.000_31, "0.00031"),
-            (0.000_3, "0.0003"),
-            (0.019, "0.019"),
-            (1.0, "1"),
-            (2.54, "2.5"),
-            (10.0, "10"),
-            (9.96, "10"),
-            (16.0, "16"),
-            (1024.0, "1024"),
-            (3.2e-9, "3.2e-9"),
-            (1e20, "1.0e20"),
-            (0.0, "0.0e0"),
-        ] {
-            assert_eq!(digits(number), expected);
-        }
     }
 }

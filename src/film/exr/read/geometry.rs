@@ -10,7 +10,12 @@ use crate::film::Window;
 /// of any length.
 const MAX_SPARSE_PIXELS: u64 = 1 << 28;
 
-/// Display windows above [`MAX_SPARSE_PIXELS`] are plausible up to this multiple of the data.
+/// The longest side of a display window around a small data window: a row of the PNG is in memory
+/// as a whole, and of one pixel each there would be too many.
+const MAX_SPARSE_SIDE: u64 = 1 << 20;
+
+/// Display windows above [`MAX_SPARSE_PIXELS`] or [`MAX_SPARSE_SIDE`] are plausible up to this
+/// multiple of the data.
 const MAX_SPARSITY: u64 = 16;
 
 /// A rectangle of the data window.
@@ -90,12 +95,21 @@ impl Geometry {
     /// Whether the display window is about as large as the data makes plausible.
     pub(super) fn check_display(&self) -> Result<(), ExrProblem> {
         let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-        let plausible = MAX_SPARSE_PIXELS.max(area(self.size).saturating_mul(MAX_SPARSITY));
-        let [width, height] = self.resolution;
-        if area(self.resolution) > plausible {
-            return Err(ExrProblem::TooLarge(width, height));
+        let is_plausible = |shown: u64, data: u64, sparse: u64| {
+            shown <= sparse.max(data.saturating_mul(MAX_SPARSITY))
+        };
+        let side_is_plausible = |side: usize| {
+            let (shown, data) = (self.resolution[side], self.size[side]);
+            is_plausible(shown.into(), data.into(), MAX_SPARSE_SIDE)
+        };
+        if is_plausible(area(self.resolution), area(self.size), MAX_SPARSE_PIXELS)
+            && side_is_plausible(0)
+            && side_is_plausible(1)
+        {
+            return Ok(());
         }
-        Ok(())
+        let [width, height] = self.resolution;
+        Err(ExrProblem::TooLarge(width, height))
     }
 
     /// The block in this column and row of blocks.

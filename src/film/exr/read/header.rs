@@ -232,7 +232,10 @@ impl Attributes {
                 (id, b"string") if id == COLOR_INTEROP_ID.as_bytes() => {
                     let id = cursor.bytes(size.min(MAX_TEXT))?;
                     cursor.skip(size.saturating_sub(MAX_TEXT) as u64)?;
-                    self.color.interop_id = Some(String::from_utf8_lossy(&id).into_owned());
+                    // Strings have a length; some writers end them with a zero as well.
+                    let id = String::from_utf8_lossy(&id);
+                    let id = id.trim_end_matches('\0');
+                    self.color.interop_id = (!id.is_empty()).then(|| id.to_owned());
                 }
                 _ => cursor.skip(size as u64)?,
             }

@@ -37,11 +37,19 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Whether it is light, and its color space counts.
-    pub(super) const fn is_color(self) -> bool {
+    /// Whether it is light.
+    pub(super) const fn is_light(self) -> bool {
         match self {
             Self::Rgb(_) | Self::Gray(_) | Self::LumaChroma(_) => true,
             Self::Vector(_) | Self::Single(_) => false,
+        }
+    }
+
+    /// Whether its color space counts. Luminance alone is the same gray in all.
+    pub(super) const fn is_color(self) -> bool {
+        match self {
+            Self::Rgb(_) | Self::LumaChroma(_) => true,
+            Self::Gray(_) | Self::Vector(_) | Self::Single(_) => false,
         }
     }
 
@@ -98,8 +106,9 @@ fn shape_of(part: &Part, layer: &[u8], places: &[usize]) -> Option<Together> {
         let [a, b, c] = names.map(find);
         Some([a?, b?, c?])
     };
-    let alpha = find("A");
-    if let Some(rgb) = all(["R", "G", "B"]) {
+    let alpha = find("A").or_else(|| find("alpha"));
+    // Some programs write the words.
+    if let Some(rgb) = all(["R", "G", "B"]).or_else(|| all(["red", "green", "blue"])) {
         return Some((Shape::Rgb(rgb), alpha));
     }
     if let Some(yca) = all(["Y", "RY", "BY"]) {
@@ -127,7 +136,7 @@ pub(super) fn unnamed(headers: &Headers) -> Result<Shown, ExrProblem> {
         shown.next()
     };
     found(|shape| matches!(shape, Shape::Rgb(_)))
-        .or_else(|| found(Shape::is_color))
+        .or_else(|| found(Shape::is_light))
         .ok_or_else(|| ExrProblem::NoRgb(names(headers)))
 }
 
@@ -216,7 +225,9 @@ fn names(headers: &Headers) -> Vec<String> {
 
 /// Whether a channel without a layer belongs to the part's color.
 fn is_of_color(name: &[u8]) -> bool {
-    let names = ["R", "G", "B", "A", "Y", "RY", "BY"];
+    let names = [
+        "R", "G", "B", "A", "red", "green", "blue", "alpha", "Y", "RY", "BY",
+    ];
     names
         .iter()
         .any(|color| name.eq_ignore_ascii_case(color.as_bytes()))
