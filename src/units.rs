@@ -20,8 +20,10 @@ impl Rgb {
     /// No light.
     pub const BLACK: Self = Self([0.0; 3]);
 
+    #[inline]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+        let ([r, g, b], [other_r, other_g, other_b]) = (self.0, other.0);
+        Self([f(r, other_r), f(g, other_g), f(b, other_b)])
     }
 }
 
@@ -46,6 +48,7 @@ pub struct Radiance(pub Rgb);
 
 impl Intensity {
     /// The part of L3 and L8 that does not depend on the place: I · k.
+    #[inline]
     pub fn reflected(self, reflectance: Reflectance) -> ReflectedIntensity {
         ReflectedIntensity(self.0.zip(reflectance.0, |i, k| i * k))
     }
@@ -53,7 +56,9 @@ impl Intensity {
 
 impl Reflectance {
     /// Whether nothing is reflected.
+    #[inline]
     pub fn is_black(self) -> bool {
-        self.0 == Rgb::BLACK
+        let [r, g, b] = self.0.0;
+        r == 0.0 && g == 0.0 && b == 0.0
     }
 }

@@ -178,6 +178,7 @@ impl Shaded {
                         continue;
                     }
                     let geometry = geometry(simd, &ends, position, groups.get());
+                    let reflected = world.reflected_from(light);
                     for &Group {
                         material, members, ..
                     } in groups.get()
@@ -185,7 +186,7 @@ impl Shaded {
                         let is_lit = Mask::from_bits(simd, bits & members);
                         let diffuse = is_lit.select(geometry.diffuse, zero);
                         let specular = is_lit.select(geometry.specular, zero);
-                        let reflected = world.reflected(light, material as usize);
+                        let reflected = reflected(material as usize);
                         let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
                         sums[0] = sums[0] + (diffuse * kd[0] + specular * ks[0]);
                         sums[1] = sums[1] + (diffuse * kd[1] + specular * ks[1]);

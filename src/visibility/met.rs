@@ -81,7 +81,7 @@ impl<S: Simd> Shown<S> {
     ) -> Lanes<S> {
         let asked = Mask::from_bits(simd, bits);
         if let Some(lie) = &self.lie {
-            let (_, t) = triangle::met(simd, lie, rays, asked);
+            let (_, t) = triangle::met(lie, rays, asked);
             t
         } else if self.slot >= PLANES {
             let plane = &visibility.world.planes()[(self.slot - PLANES) as usize];
@@ -122,7 +122,7 @@ pub(super) fn meet_triangles<S: Simd>(
                 |lane| triangles.get(slots[lane]).vertices(),
             );
             let lie = Lie::new(corners, rays.origin);
-            let (_, t) = triangle::met(simd, &lie, rays, Mask::from_bits(simd, bits));
+            let (_, t) = triangle::met(&lie, rays, Mask::from_bits(simd, bits));
             let [a, ..] = corners;
             let square = lie.normal.dot(lie.normal);
             let inverse = square.inverse_root(simd);

@@ -175,8 +175,36 @@ fn along<S: Simd>(is_x: Mask<S>, is_y: Mask<S>, vectors: Vectors<S>) -> Lanes<S>
 
 /// L2: where rays that pass through triangles, `asked`, meet them; and whether that is at t above 0 and
 /// seen at all.
+#[inline(always)]
+pub(super) fn met<S: Simd>(lie: &Lie<S>, rays: &Rays<S>, asked: Mask<S>) -> (Mask<S>, Lanes<S>) {
+    let d = rays.direction;
+    let speed = d.dot(lie.normal);
+    // Seen edge-on, as far as can be told, a triangle has no extent.
+    let is_seen = (speed * speed).gt(rays.square * lie.rounding);
+    let t = lie.height / speed;
+    // The hit is between the corners, also where the normal of a sliver is not worth much.
+    let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
+    let is_x = x.ge(y) & x.ge(z);
+    let is_y = y.ge(z);
+    let direction = along(is_x, is_y, d);
+    let to_least = along(is_x, is_y, lie.least);
+    let to_most = along(is_x, is_y, lie.most);
+    let way = direction * t;
+    let is_between = way.ge(to_least) & way.le(to_most);
+    let t = if (asked & !is_between).any() {
+        let (to_least, to_most) = (to_least / direction, to_most / direction);
+        let near = to_least.min(to_most);
+        let far = to_most.max(to_least);
+        is_between.select(t, t.max(near).min(far))
+    } else {
+        t
+    };
+    (is_seen & t.is_positive(), t)
+}
+
+/// The same in a function of its own, for those who seldom ask.
 #[inline(never)]
-pub(super) fn met<S: Simd>(
+fn met_apart<S: Simd>(
     simd: S,
     lie: &Lie<S>,
     rays: &Rays<S>,
@@ -184,31 +212,7 @@ pub(super) fn met<S: Simd>(
 ) -> (Mask<S>, Lanes<S>) {
     simd.vectorize(
         #[inline(always)]
-        || {
-            let d = rays.direction;
-            let speed = d.dot(lie.normal);
-            // Seen edge-on, as far as can be told, a triangle has no extent.
-            let is_seen = (speed * speed).gt(rays.square * lie.rounding);
-            let t = lie.height / speed;
-            // The hit is between the corners, also where the normal of a sliver is not worth much.
-            let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
-            let is_x = x.ge(y) & x.ge(z);
-            let is_y = y.ge(z);
-            let direction = along(is_x, is_y, d);
-            let to_least = along(is_x, is_y, lie.least);
-            let to_most = along(is_x, is_y, lie.most);
-            let way = direction * t;
-            let is_between = way.ge(to_least) & way.le(to_most);
-            let t = if (asked & !is_between).any() {
-                let (to_least, to_most) = (to_least / direction, to_most / direction);
-                let near = to_least.min(to_most);
-                let far = to_most.max(to_least);
-                is_between.select(t, t.max(near).min(far))
-            } else {
-                t
-            };
-            (is_seen & t.is_positive(), t)
-        },
+        || met(lie, rays, asked),
     )
 }
 
@@ -333,7 +337,7 @@ impl Shape for Facet {
             Vectors::splat(simd, c),
         ];
         let lie = Lie::new(corners, packet.rays.origin);
-        let (is_met, t) = met(simd, &lie, &packet.rays, passes);
+        let (is_met, t) = met_apart(simd, &lie, &packet.rays, passes);
         nearest.offer(simd, passes & is_met, t, self.primitive);
     }
 

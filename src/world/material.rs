@@ -67,21 +67,25 @@ impl Material {
     }
 
     /// Which model it is.
+    #[inline]
     pub fn model(&self) -> Model {
         self.model
     }
 
     /// k_d and k_s of the formula above, per primary.
+    #[inline]
     pub fn reflectance(&self) -> Lobes<Reflectance> {
         self.reflectance
     }
 
     /// n. Range: above 0.
+    #[inline]
     pub fn shininess(&self) -> f64 {
         self.shininess
     }
 
     /// Whether the material has a specular lobe at all.
+    #[inline]
     pub fn is_specular(&self) -> bool {
         !self.reflectance.specular.is_black()
     }

@@ -247,14 +247,27 @@ impl World {
     /// for: a table of it would be as large as lights times materials.
     #[inline]
     pub fn reflected(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
-        if let Some(products) = &self.products {
-            return products.of(light, material);
-        }
+        self.reflected_from(light)(material)
+    }
+
+    /// [`World::reflected`] of one light, for each material that is asked for.
+    #[inline(always)]
+    pub(crate) fn reflected_from(
+        &self,
+        light: usize,
+    ) -> impl Fn(usize) -> Lobes<ReflectedIntensity> + '_ {
+        let products = self.products.as_ref();
         let intensity = self.lights[light].value.intensity;
-        let reflectance = self.materials[material].value.reflectance();
-        Lobes {
-            diffuse: intensity.reflected(reflectance.diffuse),
-            specular: intensity.reflected(reflectance.specular),
+        #[inline(always)]
+        move |material| match products {
+            Some(products) => products.of(light, material),
+            None => {
+                let reflectance = self.materials[material].value.reflectance();
+                Lobes {
+                    diffuse: intensity.reflected(reflectance.diffuse),
+                    specular: intensity.reflected(reflectance.specular),
+                }
+            }
         }
     }
 
