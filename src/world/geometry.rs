@@ -69,7 +69,7 @@ pub struct MeshNormals {
 
 /// The same triangle, its corner between the two shorter edges first. The cross product of two
 /// long and nearly parallel edges would lose the short one's digits.
-#[inline]
+#[inline(always)]
 pub(crate) fn from_shorter_edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     let [ab, bc, ca] = all_three([b - a, c - b, a - c], DVec3::length_squared);
     if bc >= ab && bc >= ca {
@@ -83,14 +83,14 @@ pub(crate) fn from_shorter_edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
 
 /// Normal times twice the area of a triangle that starts at the corner
 /// [between its shorter edges](from_shorter_edges).
-#[inline]
+#[inline(always)]
 pub(crate) fn area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
 /// The normal of a triangle, on the side from which its corners are counter-clockwise; `None`
 /// where it has no area.
-#[inline]
+#[inline(always)]
 pub(crate) fn triangle_normal(vertices: [DVec3; 3]) -> Option<Normal> {
     Normal::new(area_vector(from_shorter_edges(vertices)))
 }
