@@ -145,6 +145,23 @@ fn unused_materials_take_nothing() {
     assert_eq!(world.reflected(3999, 3999), alone.reflected(0, 0));
 }
 
+/// Pairs beyond the limit are refused at once: to integrate them would take minutes.
+#[test]
+fn spectral_pairs_have_a_limit() {
+    let text = HEAD.replace("[2, 2]", "[2, 2]\ntransport = \"spectral\"")
+        + &repeated(6000, light)
+        + &repeated(6000, |n| {
+            format!("[materials.material{n}.phong]\ndiffuse = 0.5\n")
+        })
+        + &repeated(6000, |n| sphere(n, n));
+    let scene = Scene::parse(&text, "many.toml").unwrap();
+    let error = World::new(&scene).unwrap_err().to_string();
+    let expected = "6000 lights and 6000 materials are 36000000 pairs, expected at most 33554432";
+    assert!(error.contains(expected), "{error}");
+    let rgb = text.replace("\"spectral\"", "\"rgb\"");
+    assert!(World::new(&Scene::parse(&rgb, "many.toml").unwrap()).is_ok());
+}
+
 /// Products that there is no room for are an error with the figure, and another machine may do.
 #[cfg(target_os = "linux")]
 #[test]
@@ -163,7 +180,8 @@ fn too_many_products_are_an_error() {
     );
     let mut shell = Command::new("sh");
     let shell = shell.args(["-c", &limited]).current_dir(folder.path());
-    let output = shell.env("RAYON_NUM_THREADS", "2").output().unwrap();
+    let shell = shell.env("RAYON_NUM_THREADS", "2");
+    let output = shell.env_remove("RUST_MIN_STACK").output().unwrap();
     assert_eq!(output.status.code(), Some(75));
     assert_eq!(
         String::from_utf8(output.stderr).unwrap(),

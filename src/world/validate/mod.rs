@@ -29,6 +29,10 @@ use crate::units::{Intensity, Radiance, Rgb};
 /// triangles have, still fit an f64 with room to spare.
 const LARGEST: f64 = 1e30;
 
+/// The most pairs of a light and a material where light is carried spectrally: each is an integral of 0.7 µs,
+/// so that these take about 20 s of a processor, and 1.6 GB.
+const MOST_PRODUCTS: u64 = 1 << 25;
+
 /// Validates a whole scene.
 pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
     let (world, diagnostics) = Validator::run(scene, &Broken::default());
@@ -228,6 +232,18 @@ impl<'a> Validator<'a> {
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
             let materials = world.used_materials();
+            let pairs = world.lights.len() as u64 * materials.len() as u64;
+            if pairs > MOST_PRODUCTS {
+                let conflict = format!(
+                    "light is carried spectrally, and {} and {} are {pairs} pairs, expected at most \
+                     {MOST_PRODUCTS}; use fewer of them, or `transport = \"rgb\"` in `[image]`, which \
+                     has no limit",
+                    counted(world.lights.len(), "light", "lights"),
+                    counted(materials.len(), "material", "materials"),
+                );
+                self.report(self.scene.image.transport.span, Problem::Conflict(conflict));
+                return world;
+            }
             let mut used = vec![false; world.materials.len()];
             for &material in &materials {
                 used[material] = true;
