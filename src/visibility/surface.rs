@@ -84,7 +84,7 @@ pub struct Points {
     pub(super) bounds: [DVec3; 2],
     /// Which of them have shadow rays that start elsewhere, and where.
     pub(super) lifts: Lifts,
-    /// Its material, an index into [`World::materials`].
+    /// Its material, an index into [`World::materials`](crate::world::World::materials).
     pub(crate) material: [u32; BATCH],
     /// For each packet, whether all its points have one material.
     pub(crate) is_uniform: [bool; PACKETS],
