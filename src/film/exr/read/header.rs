@@ -1,7 +1,7 @@
 //! The headers of an OpenEXR file: what each of its parts is.
 //!
 //! Only what is needed to show a picture is kept; other attributes, previews among them, are passed over
-//! unread. Layout: "OpenEXR File Layout", https://openexr.com/en/latest/OpenEXRFileLayout.html
+//! unread. Layout: "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>
 
 use super::source::{Cursor, Source};
 use super::{ColorTag, ExrProblem, damaged};
