@@ -38,7 +38,8 @@ pub struct Reflectance(pub Rgb);
 
 /// I · k: a light's intensity after one lobe of one material, per primary.
 ///
-/// A pixel is linear in these products, so they are made once per pair of light and material.
+/// A pixel is linear in these products. Where light is carried as RGB they are made when they are asked for,
+/// and where it is spectral once for each pair of a light and a material that objects have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReflectedIntensity(pub Rgb);
 
