@@ -24,7 +24,7 @@ use candela::film::{self, Options, Window};
 use candela::memory;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
 use candela::printable::printable_path;
-use clap::{Parser, Subcommand};
+use clap::{ColorChoice, Parser, Subcommand};
 use failure::{Failure, StandardOutput};
 
 /// More threads than any machine makes use of.
@@ -35,7 +35,7 @@ const MAX_THREADS: u32 = 1024;
 /// Renders a scene file to a linear OpenEXR image in cd/m² and makes a PNG of it in a step of its
 /// own.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 100)]
+#[command(version, max_term_width = 100, color = color_choice())]
 #[command(after_long_help = "\
 Examples:
   candela render
@@ -175,9 +175,29 @@ fn threads(asked: Option<u32>, variable: Option<&str>) -> usize {
     threads.clamp(1, MAX_THREADS as usize)
 }
 
-/// Whether a stream is a terminal that takes sequences for colors and for moving back.
+/// Whether terminals take sequences for colors and for moving back.
+fn terminals_are_steerable() -> bool {
+    std::env::var_os("TERM").is_none_or(|name| name != "dumb")
+}
+
+/// Whether a stream is a terminal that takes such sequences.
 fn is_steerable(stream: &impl IsTerminal) -> bool {
-    stream.is_terminal() && std::env::var_os("TERM").is_none_or(|name| name != "dumb")
+    stream.is_terminal() && terminals_are_steerable()
+}
+
+/// Whether the user asks for no colors (no-color.org).
+fn is_without_color() -> bool {
+    std::env::var_os("NO_COLOR").is_some_and(|set| !set.is_empty())
+}
+
+/// Where clap prints in color: its own rule, but that it also colors "dumb" terminals where `CI` is
+/// set.
+fn color_choice() -> ColorChoice {
+    if is_without_color() || !terminals_are_steerable() {
+        ColorChoice::Never
+    } else {
+        ColorChoice::Auto
+    }
 }
 
 /// Refuses to write over a file that is read, or two files to one place.
