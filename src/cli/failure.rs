@@ -47,7 +47,8 @@ pub(super) fn report(failure: &Failure) -> ExitCode {
 /// Prints a failure, with lines of the scene file where it is about one.
 fn print(failure: &(dyn Error + 'static)) {
     let stderr = io::stderr();
-    let color = !super::is_without_color() && super::is_steerable(&stderr);
+    let has_color = std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty());
+    let color = has_color && super::is_steerable(&stderr);
     let message = match failure.downcast_ref::<Diagnostics>() {
         Some(diagnostics) => diagnostics.render(color),
         None => format!("error: {failure}"),

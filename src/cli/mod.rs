@@ -185,18 +185,13 @@ fn is_steerable(stream: &impl IsTerminal) -> bool {
     stream.is_terminal() && terminals_are_steerable()
 }
 
-/// Whether the user asks for no colors (no-color.org).
-fn is_without_color() -> bool {
-    std::env::var_os("NO_COLOR").is_some_and(|set| !set.is_empty())
-}
-
-/// Where clap prints in color: its own rule, but that it also colors "dumb" terminals where `CI` is
-/// set.
+/// Where clap prints in color: by its own rule, which heeds NO_COLOR, but never at terminals that are
+/// dumb. Alone it would color these too where `CI` is set.
 fn color_choice() -> ColorChoice {
-    if is_without_color() || !terminals_are_steerable() {
-        ColorChoice::Never
-    } else {
+    if terminals_are_steerable() {
         ColorChoice::Auto
+    } else {
+        ColorChoice::Never
     }
 }
 
