@@ -34,7 +34,7 @@
 //! | --- | --- |
 //! | [`units`] | photometric quantities as types: candela, lux, cd/m² |
 //! | [`math`] | points, directions, normals and rays in f64 |
-//! | [`lanes`] | sixteen numbers side by side, on any instruction set |
+//! | [`simd`] | sixteen numbers side by side, on any instruction set |
 //! | [`color`] | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
 //! | [`output`] | files that appear whole or not at all |
 //! | [`printable`] | text from files and command lines as it may be shown on a terminal |
@@ -117,7 +117,6 @@
 pub mod color;
 pub mod display;
 pub mod film;
-pub mod lanes;
 pub mod math;
 pub mod memory;
 pub mod oracle;
@@ -125,6 +124,7 @@ pub mod output;
 pub mod printable;
 pub mod scene;
 pub mod shading;
+pub mod simd;
 pub mod spectrum;
 pub mod units;
 pub mod visibility;

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use candela::film::exr::ExrOptions;
 use candela::film::{Film, Options, Window, render};
-use candela::lanes::Door;
 use candela::oracle::{Oracle, Sample};
 use candela::output::Unfinished;
 use candela::scene::{Object, Scene};
+use candela::simd::SimdLevel;
 use candela::world::World;
 use rayon::prelude::*;
 
@@ -402,17 +402,17 @@ fn any_instruction_set_gives_the_same_bits() {
     scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 200)));
     for (name, scene) in scenes {
         let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-        let rendered = |door| {
+        let rendered = |simd| {
             let options = Options {
                 samples: 3,
-                door,
+                simd,
                 ..Options::default()
             };
             bits(&render(&world, &options))
         };
-        let widest = rendered(Door::default());
-        for (instructions, door) in Door::available() {
-            assert!(rendered(door) == widest, "{name} on {instructions}");
+        let widest = rendered(SimdLevel::default());
+        for (instructions, simd) in SimdLevel::available() {
+            assert!(rendered(simd) == widest, "{name} on {instructions}");
         }
     }
 }

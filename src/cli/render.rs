@@ -13,10 +13,10 @@ use std::time::Instant;
 use candela::display::{self, Alpha, Frame};
 use candela::film::exr::{Compression, ExrOptions, Precision};
 use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Window};
-use candela::lanes::Door;
 use candela::memory::Size;
 use candela::output::{self, Staged, Unfinished};
 use candela::scene::Scene;
+use candela::simd::SimdLevel;
 use candela::visibility::Visibility;
 use candela::world::{Bands, Plan, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -112,9 +112,9 @@ pub(crate) struct Arguments {
     /// Instructions to render with; the image is the same to the bit with all [default: the widest
     /// of this machine]
     #[arg(long, value_name = "NAME")]
-    #[arg(value_parser = PossibleValuesParser::new(Door::available().into_iter().map(|(name, _)| name))
-        .try_map(|name| name.parse::<Door>()))]
-    simd: Option<Door>,
+    #[arg(value_parser = PossibleValuesParser::new(SimdLevel::available().into_iter().map(|(name, _)| name))
+        .try_map(|name| name.parse::<SimdLevel>()))]
+    simd: Option<SimdLevel>,
 
     /// Write counts and times as JSON
     #[arg(long, value_name = "FILE.json", value_parser = named("json"))]
@@ -259,7 +259,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         samples: arguments.samples,
         window,
         layers,
-        door: arguments.simd.unwrap_or_default(),
+        simd: arguments.simd.unwrap_or_default(),
     };
     let progress = Progress::new(whole, !arguments.quiet);
     let advance = |pixels| progress.advance(pixels);

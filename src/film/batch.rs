@@ -6,8 +6,8 @@ use fearless_simd::Simd;
 
 use super::Window;
 use super::sampling::Sampler;
-use crate::lanes::{LANES, Words};
 use crate::math::both;
+use crate::simd::{LANES, U32x16};
 use crate::visibility::{BATCH, Column, Samples};
 
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
@@ -97,10 +97,10 @@ impl Batch {
                 pixels.count += 1;
             }
         }
-        let corner = [Words::splat(simd, tile.x), Words::splat(simd, tile.y)];
+        let corner = [U32x16::splat(simd, tile.x), U32x16::splat(simd, tile.y)];
         for first in (0..pixels.count).step_by(LANES) {
-            let column = Words::load(simd, &pixels.in_tile[0][first..]) + corner[0];
-            let row = Words::load(simd, &pixels.in_tile[1][first..]) + corner[1];
+            let column = U32x16::load(simd, &pixels.in_tile[0][first..]) + corner[0];
+            let row = U32x16::load(simd, &pixels.in_tile[1][first..]) + corner[1];
             column.store(&mut pixels.in_image[0][first..]);
             row.store(&mut pixels.in_image[1][first..]);
             let [seeds_x, seeds_y] = sampler.seeds(simd, [column, row]);
@@ -138,7 +138,7 @@ impl Batch {
             for first in (0..self.len).step_by(LANES) {
                 let sequence = &self.sequence[dimension][first..];
                 let seeds = &self.seeds[dimension][first..];
-                let corner = Words::load(simd, &self.corners[dimension][first..]);
+                let corner = U32x16::load(simd, &self.corners[dimension][first..]);
                 let place = corner.widened(simd) + sampler.offsets(simd, sequence, seeds);
                 place.store(&mut self.positions[dimension][first..]);
             }
@@ -257,7 +257,7 @@ impl SampleRange {
             Some((8, pixels)) => spread_over::<8>(&numbers[pixels], column),
             Some((LANES, pixels)) => {
                 for (place, &number) in numbers[pixels].iter().enumerate() {
-                    Words::splat(simd, number).store(&mut column[place * LANES..]);
+                    U32x16::splat(simd, number).store(&mut column[place * LANES..]);
                 }
             }
             _ => {
@@ -298,7 +298,7 @@ const Z_ORDER: [[u32; 2]; PIXELS] = {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Door, Kernel};
+    use crate::simd::{Kernel, SimdLevel};
 
     struct Spread<'n>(SampleRange, &'n PerPixel);
 
@@ -327,7 +327,7 @@ mod tests {
                 if range.last_pixel() >= PIXELS {
                     continue;
                 }
-                let column = Door::default().run(Spread(range, &numbers));
+                let column = SimdLevel::default().run(Spread(range, &numbers));
                 let expected = |slot: usize| (first + slot) / samples;
                 for (slot, pixel) in range.pixels().enumerate() {
                     assert_eq!(pixel, expected(slot));

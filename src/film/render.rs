@@ -7,10 +7,10 @@ use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
-use crate::lanes::{
-    Door, Kernel, LANES, Lanes, SingleMask, Singles, Words, every_nth, side_by_side,
-};
 use crate::shading::{self, Shaded, Terms};
+use crate::simd::{
+    F32x16, F64x16, Kernel, LANES, Mask32x16, SimdLevel, U32x16, every_nth, side_by_side,
+};
 use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
 
@@ -35,7 +35,7 @@ pub struct Options {
     pub layers: Layers,
     /// The instructions to render with, which make no difference to the image. Default: the widest
     /// that the machine has.
-    pub door: Door,
+    pub simd: SimdLevel,
 }
 
 /// What a render took and met. The same for any number of threads and any instructions.
@@ -82,7 +82,7 @@ impl Default for Options {
             samples: 1,
             window: None,
             layers: Layers::default(),
-            door: Door::default(),
+            simd: SimdLevel::default(),
         }
     }
 }
@@ -158,7 +158,7 @@ pub(super) fn set_up<T>(
         world,
         visibility,
         samples: options.samples,
-        door: options.door,
+        simd: options.simd,
         sampler: &sampler,
         passes: Passes::new(world, options.layers, bands.as_ref()),
     };
@@ -203,7 +203,7 @@ pub(super) struct Work<'w> {
     world: &'w World,
     visibility: &'w Visibility<'w>,
     samples: u32,
-    door: Door,
+    simd: SimdLevel,
     sampler: &'w Sampler,
     passes: Option<Passes<'w>>,
 }
@@ -237,7 +237,7 @@ impl Kernel for TileKernel<'_, '_, '_> {
 impl Work<'_> {
     /// Fills a tile.
     pub(super) fn tile(self, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
-        self.door.run(TileKernel {
+        self.simd.run(TileKernel {
             work: self,
             tile,
             space,
@@ -379,13 +379,13 @@ impl PixelSums {
         samples: u32,
     ) -> ([[f32; 4]; LANES], Counts) {
         let samples = f64::from(samples);
-        let hits = Words::load(simd, &self.hits[first..]).widened(simd);
+        let hits = U32x16::load(simd, &self.hits[first..]).widened(simd);
         let alpha = (hits / samples).narrowed(simd);
         let mut means = [alpha; 4];
         let mut clamped = 0;
         for (narrow, column) in means.iter_mut().zip(&self.radiance) {
-            let mean = Lanes::load(simd, &column[first..]) / samples;
-            let largest = Lanes::splat(simd, f64::from(f32::MAX));
+            let mean = F64x16::load(simd, &column[first..]) / samples;
+            let largest = F64x16::splat(simd, f64::from(f32::MAX));
             if (!mean.abs().le(largest)).any() {
                 let mut values = [0.0; LANES];
                 for (value, mean) in values.iter_mut().zip(mean.to_array()).take(count) {
@@ -393,15 +393,15 @@ impl PixelSums {
                     *value = narrow;
                     clamped += u64::from(is_clamped);
                 }
-                *narrow = Singles::load(simd, &values);
+                *narrow = F32x16::load(simd, &values);
             } else {
                 *narrow = mean.narrowed(simd);
             }
         }
         let [r, g, b, _] = means;
-        let is_counted = SingleMask::from_bits(simd, u32::MAX >> (u32::BITS - count as u32));
-        let largest = is_counted.select(r.max(g).max(b), Singles::splat(simd, 0.0));
-        let is_beyond = largest.gt(Singles::splat(simd, BEYOND_WHITE));
+        let is_counted = Mask32x16::from_bits(simd, u32::MAX >> (u32::BITS - count as u32));
+        let largest = is_counted.select(r.max(g).max(b), F32x16::splat(simd, 0.0));
+        let is_beyond = largest.gt(F32x16::splat(simd, BEYOND_WHITE));
         let met = Counts {
             hits: self.hits[first..][..count]
                 .iter()
@@ -421,11 +421,11 @@ impl PixelSums {
 #[inline(always)]
 fn add_each<S: Simd, const N: usize>(simd: S, sums: &mut [f64], column: &Column) {
     for (first, sums) in (0..BATCH).step_by(N * LANES).zip(sums.chunks_mut(LANES)) {
-        let mut rows = [Lanes::splat(simd, 0.0); N];
+        let mut rows = [F64x16::splat(simd, 0.0); N];
         for (place, row) in rows.iter_mut().enumerate() {
-            *row = Lanes::load(simd, &column[first + place * LANES..]);
+            *row = F64x16::load(simd, &column[first + place * LANES..]);
         }
-        let mut sum = Lanes::load(simd, sums);
+        let mut sum = F64x16::load(simd, sums);
         for row in every_nth(rows) {
             sum = sum + row;
         }

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use crate::lanes::{Lanes, Words};
+use crate::simd::{F64x16, U32x16};
 
 /// The sample positions of pixels: the same on every machine and in every run.
 ///
@@ -31,14 +31,14 @@ impl Sampler {
 
     /// What scrambles the two dimensions for the pixels at some columns x and rows y.
     #[inline(always)]
-    pub(super) fn seeds<S: Simd>(&self, simd: S, [x, y]: [Words<S>; 2]) -> [Words<S>; 2] {
+    pub(super) fn seeds<S: Simd>(&self, simd: S, [x, y]: [U32x16<S>; 2]) -> [U32x16<S>; 2] {
         if self.sequence.len() == 1 {
-            return [Words::splat(simd, 0); 2];
+            return [U32x16::splat(simd, 0); 2];
         }
         let seed = hash(simd, hash(simd, x) ^ y);
         [
-            hash(simd, seed ^ Words::splat(simd, 1)),
-            hash(simd, seed ^ Words::splat(simd, 2)),
+            hash(simd, seed ^ U32x16::splat(simd, 1)),
+            hash(simd, seed ^ U32x16::splat(simd, 2)),
         ]
     }
 
@@ -50,12 +50,12 @@ impl Sampler {
     /// Positions of samples within their pixels, from 0 to 1, dimension by dimension: from the sequence
     /// and the pixels' seeds.
     #[inline(always)]
-    pub(super) fn offsets<S: Simd>(&self, simd: S, sequence: &[u32], seeds: &[u32]) -> Lanes<S> {
+    pub(super) fn offsets<S: Simd>(&self, simd: S, sequence: &[u32], seeds: &[u32]) -> F64x16<S> {
         if self.sequence.len() == 1 {
-            return Lanes::splat(simd, 0.5);
+            return F64x16::splat(simd, 0.5);
         }
-        let sequence = Words::load(simd, sequence);
-        let scrambled = scrambled(simd, sequence, Words::load(simd, seeds));
+        let sequence = U32x16::load(simd, sequence);
+        let scrambled = scrambled(simd, sequence, U32x16::load(simd, seeds));
         // A fraction of 2³² as a number from 0 to below 1, exactly.
         scrambled.widened(simd) * (1.0 / 4_294_967_296.0)
     }
@@ -78,18 +78,18 @@ fn sobol(index: u32) -> u32 {
 /// Nested uniform (Owen) scrambling of fractions of 2³², given with the highest bits last: each bit is
 /// flipped by a hash of the bits above it.
 #[inline(always)]
-fn scrambled<S: Simd>(simd: S, bits: Words<S>, seed: Words<S>) -> Words<S> {
-    let odd = seed.shifted_down(16) | Words::splat(simd, 1);
-    let bits = bits ^ (bits * Words::splat(simd, 0x3d20_adea));
+fn scrambled<S: Simd>(simd: S, bits: U32x16<S>, seed: U32x16<S>) -> U32x16<S> {
+    let odd = seed.shifted_down(16) | U32x16::splat(simd, 1);
+    let bits = bits ^ (bits * U32x16::splat(simd, 0x3d20_adea));
     let bits = (bits + seed) * odd;
-    let bits = bits ^ (bits * Words::splat(simd, 0x0552_6c56));
-    let bits = bits ^ (bits * Words::splat(simd, 0x53a2_2864));
+    let bits = bits ^ (bits * U32x16::splat(simd, 0x0552_6c56));
+    let bits = bits ^ (bits * U32x16::splat(simd, 0x53a2_2864));
     reversed(simd, bits)
 }
 
 /// The bits of each in the opposite order: neighbors change places, then pairs, and so on.
 #[inline(always)]
-fn reversed<S: Simd>(simd: S, bits: Words<S>) -> Words<S> {
+fn reversed<S: Simd>(simd: S, bits: U32x16<S>) -> U32x16<S> {
     let bits = swapped(simd, bits, 1, 0x5555_5555);
     let bits = swapped(simd, bits, 2, 0x3333_3333);
     let bits = swapped(simd, bits, 4, 0x0f0f_0f0f);
@@ -99,26 +99,26 @@ fn reversed<S: Simd>(simd: S, bits: Words<S>) -> Words<S> {
 
 /// Groups of `width` bits change places with their neighbors; `mask` has every other group.
 #[inline(always)]
-fn swapped<S: Simd>(simd: S, bits: Words<S>, width: u32, mask: u32) -> Words<S> {
-    let mask = Words::splat(simd, mask);
+fn swapped<S: Simd>(simd: S, bits: U32x16<S>, width: u32, mask: u32) -> U32x16<S> {
+    let mask = U32x16::splat(simd, mask);
     (bits & mask).shifted_up(width) | (bits.shifted_down(width) & mask)
 }
 
 /// A hash of 32 bits with full avalanche (Wellons 2018, "Prospecting for Hash Functions":
 /// lowbias32).
 #[inline(always)]
-fn hash<S: Simd>(simd: S, bits: Words<S>) -> Words<S> {
+fn hash<S: Simd>(simd: S, bits: U32x16<S>) -> U32x16<S> {
     let bits = bits ^ bits.shifted_down(16);
-    let bits = bits * Words::splat(simd, 0x7feb_352d);
+    let bits = bits * U32x16::splat(simd, 0x7feb_352d);
     let bits = bits ^ bits.shifted_down(15);
-    let bits = bits * Words::splat(simd, 0x846c_a68b);
+    let bits = bits * U32x16::splat(simd, 0x846c_a68b);
     bits ^ bits.shifted_down(16)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Door, Kernel, LANES};
+    use crate::simd::{Kernel, LANES, SimdLevel};
 
     struct Offsets<'s>(&'s Sampler, [u32; 2]);
 
@@ -129,7 +129,7 @@ mod tests {
         fn run<S: Simd>(self, simd: S) -> Self::Output {
             let Self(sampler, pixel) = self;
             let [x, y] = pixel;
-            let seeds = sampler.seeds(simd, [Words::splat(simd, x), Words::splat(simd, y)]);
+            let seeds = sampler.seeds(simd, [U32x16::splat(simd, x), U32x16::splat(simd, y)]);
             let mut columns = [[0; LANES]; 2];
             for (column, seeds) in columns.iter_mut().zip(seeds) {
                 seeds.store(column);
@@ -148,7 +148,7 @@ mod tests {
     }
 
     fn offsets(pixel: [u32; 2], samples: u32) -> Vec<[f64; 2]> {
-        Door::default().run(Offsets(&Sampler::new(samples), pixel))
+        SimdLevel::default().run(Offsets(&Sampler::new(samples), pixel))
     }
 
     #[test]

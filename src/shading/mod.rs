@@ -8,8 +8,8 @@ use fearless_simd::Simd;
 pub use power::power;
 use reflectance::{Ends, Gloss, geometry};
 
-use crate::lanes::{LANES, Lanes, Mask, ones};
 use crate::math::Point;
+use crate::simd::{F64x16, LANES, Mask64x16, ones};
 use crate::visibility::{Column, Facing, PACKETS, Points, Visibility, Workspace};
 use crate::world::{Lobes, World};
 
@@ -157,7 +157,7 @@ impl Shaded {
         points: &Points,
         mut each: Option<&mut dyn FnMut(Terms<'_>)>,
     ) {
-        let zero = Lanes::splat(simd, 0.0);
+        let zero = F64x16::splat(simd, 0.0);
         let background = world.background().0.0;
         for (packet, &hit) in points.hit.iter().enumerate() {
             let first = packet * LANES;
@@ -183,7 +183,7 @@ impl Shaded {
                         material, members, ..
                     } in groups.get()
                     {
-                        let is_lit = Mask::from_bits(simd, bits & members);
+                        let is_lit = Mask64x16::from_bits(simd, bits & members);
                         let diffuse = is_lit.select(geometry.diffuse, zero);
                         let specular = is_lit.select(geometry.specular, zero);
                         let reflected = reflected(material as usize);
@@ -206,9 +206,9 @@ impl Shaded {
                     }
                 }
             }
-            let is_hit = Mask::from_bits(simd, hit);
+            let is_hit = Mask64x16::from_bits(simd, hit);
             for channel in 0..3 {
-                let background = Lanes::splat(simd, background[channel]);
+                let background = F64x16::splat(simd, background[channel]);
                 let radiance = is_hit.select(sums[channel], background);
                 radiance.store(&mut self.radiance[channel][first..]);
             }

@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
 use fearless_simd::Simd;
 
-use crate::lanes::{Door, Kernel, LANES, Lanes};
+use crate::simd::{F64x16, Kernel, LANES, SimdLevel};
 
 /// 1/(2k + 1), the coefficients of artanh(s)/s in s². s² is at most (3 − 2√2)² ≈ 0.0295, so the
 /// first term left out is below 0.0295⁷ / 15 ≈ 1.3e-12 of the sum.
@@ -46,7 +46,7 @@ const MANTISSA: u64 = (1 << 52) - 1;
 ///
 /// A base above 1, as a cosine may be by rounding, counts as 1.
 pub fn power(base: f64, exponent: f64) -> f64 {
-    let [result, ..] = Door::default().run(Power { base, exponent });
+    let [result, ..] = SimdLevel::default().run(Power { base, exponent });
     result
 }
 
@@ -61,17 +61,17 @@ impl Kernel for Power {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let base = Lanes::splat(simd, self.base);
-        powers(simd, base, Lanes::splat(simd, self.exponent)).to_array()
+        let base = F64x16::splat(simd, self.base);
+        powers(simd, base, F64x16::splat(simd, self.exponent)).to_array()
     }
 }
 
 /// [`power`] in every lane.
 #[inline(always)]
-pub(super) fn powers<S: Simd>(simd: S, base: Lanes<S>, exponent: Lanes<S>) -> Lanes<S> {
-    let one = Lanes::splat(simd, 1.0);
-    let zero = Lanes::splat(simd, 0.0);
-    let is_above_zero = base.ge(Lanes::splat(simd, f64::MIN_POSITIVE));
+pub(super) fn powers<S: Simd>(simd: S, base: F64x16<S>, exponent: F64x16<S>) -> F64x16<S> {
+    let one = F64x16::splat(simd, 1.0);
+    let zero = F64x16::splat(simd, 0.0);
+    let is_above_zero = base.ge(F64x16::splat(simd, f64::MIN_POSITIVE));
     if !is_above_zero.any() {
         return zero;
     }
@@ -93,9 +93,9 @@ pub(super) fn whole_exponent(exponent: f64) -> Option<u32> {
 /// baseⁿ in every lane for n from 1 to [`LARGEST_WHOLE`], by squares: a base below 0 counts as 0, one above 1
 /// as 1.
 #[inline(always)]
-pub(super) fn whole_powers<S: Simd>(simd: S, base: Lanes<S>, exponent: u32) -> Lanes<S> {
-    let base = base.max(Lanes::splat(simd, 0.0));
-    let base = base.min(Lanes::splat(simd, 1.0));
+pub(super) fn whole_powers<S: Simd>(simd: S, base: F64x16<S>, exponent: u32) -> F64x16<S> {
+    let base = base.max(F64x16::splat(simd, 0.0));
+    let base = base.min(F64x16::splat(simd, 1.0));
     let mut result = base;
     for bit in (0..exponent.ilog2()).rev() {
         result = result * result;
@@ -109,14 +109,14 @@ pub(super) fn whole_powers<S: Simd>(simd: S, base: Lanes<S>, exponent: u32) -> L
 /// log₂ x of normal numbers: with x = 2ᵉ m, m from 1/√2 to √2, log₂ x = e + 2 log₂ e · artanh(s),
 /// s = (m − 1)/(m + 1).
 #[inline(always)]
-fn log2<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
+fn log2<S: Simd>(simd: S, x: F64x16<S>) -> F64x16<S> {
     let bits = x.to_bits();
     // An integer below 2⁵² in the digits of 2⁵² is that much more.
     const INTEGERS: f64 = (1_u64 << 52) as f64;
     let exponent =
-        Lanes::from_bits(bits.shifted_down(52).or(INTEGERS.to_bits())) - (INTEGERS + 1023.0);
-    let mantissa = Lanes::from_bits(bits.and(MANTISSA).or(1.0_f64.to_bits()));
-    let is_large = mantissa.gt(Lanes::splat(simd, SQRT_2));
+        F64x16::from_bits(bits.shifted_down(52).or(INTEGERS.to_bits())) - (INTEGERS + 1023.0);
+    let mantissa = F64x16::from_bits(bits.and(MANTISSA).or(1.0_f64.to_bits()));
+    let is_large = mantissa.gt(F64x16::splat(simd, SQRT_2));
     let exponent = is_large.select(exponent + 1.0, exponent);
     let mantissa = is_large.select(mantissa * 0.5, mantissa);
     let s = (mantissa - 1.0) / (mantissa + 1.0);
@@ -126,21 +126,25 @@ fn log2<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
 /// 2ˣ for x up to 1023: the integer part by the exponent's bits, the rest, at most ½, by the series
 /// of e^(x ln 2).
 #[inline(always)]
-fn exp2<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
-    let is_tiny = x.lt(Lanes::splat(simd, LOWEST_EXPONENT));
+fn exp2<S: Simd>(simd: S, x: F64x16<S>) -> F64x16<S> {
+    let is_tiny = x.lt(F64x16::splat(simd, LOWEST_EXPONENT));
     let rounded = x + ROUNDS;
     let rest = (x - (rounded - ROUNDS)) * LN_2;
     // The lowest digits of `rounded` are the integer.
-    let power = Lanes::from_bits(rounded.to_bits().plus(1023).shifted_up(52));
+    let power = F64x16::from_bits(rounded.to_bits().plus(1023).shifted_up(52));
     let result = polynomial(simd, &EXPONENTIAL, rest) * power;
-    is_tiny.select(Lanes::splat(simd, 0.0), result)
+    is_tiny.select(F64x16::splat(simd, 0.0), result)
 }
 
 /// Σ c_k xᵏ, even and odd powers apart: two chains of dependent sums in place of one.
 #[inline(always)]
-fn polynomial<S: Simd, const N: usize>(simd: S, coefficients: &[f64; N], x: Lanes<S>) -> Lanes<S> {
+fn polynomial<S: Simd, const N: usize>(
+    simd: S,
+    coefficients: &[f64; N],
+    x: F64x16<S>,
+) -> F64x16<S> {
     let x2 = x * x;
-    let (mut even, mut odd) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.0));
+    let (mut even, mut odd) = (F64x16::splat(simd, 0.0), F64x16::splat(simd, 0.0));
     for pair in coefficients.chunks(2).rev() {
         even = even * x2 + pair[0];
         odd = odd * x2 + pair.get(1).copied().unwrap_or(0.0);
@@ -186,7 +190,7 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
-            whole_powers(simd, Lanes::splat(simd, self.0), self.1).to_array()
+            whole_powers(simd, F64x16::splat(simd, self.0), self.1).to_array()
         }
     }
 
@@ -198,13 +202,13 @@ mod tests {
             assert_eq!(whole_exponent(f64::from(exponent)), Some(exponent));
             for step in 0..=1000 {
                 let base = 1.0 - f64::from(step) / (300.0 + f64::from(exponent) * 5.0);
-                let [power, ..] = Door::default().run(WholePower(base, exponent));
+                let [power, ..] = SimdLevel::default().run(WholePower(base, exponent));
                 let expected = base.max(0.0).powf(f64::from(exponent));
                 let error = (power - expected).abs();
                 assert!(error <= ERROR * expected + 1e-300, "{base}^{exponent}");
             }
-            assert_eq!(Door::default().run(WholePower(1.5, exponent))[0], 1.0);
-            assert_eq!(Door::default().run(WholePower(-1.5, exponent))[0], 0.0);
+            assert_eq!(SimdLevel::default().run(WholePower(1.5, exponent))[0], 1.0);
+            assert_eq!(SimdLevel::default().run(WholePower(-1.5, exponent))[0], 0.0);
         }
         for exponent in [0.0, 0.5, 50.1, 65_537.0, 1e9, f64::MAX] {
             assert_eq!(whole_exponent(exponent), None);

@@ -4,8 +4,8 @@ use fearless_simd::Simd;
 
 use super::Group;
 use super::power::{powers, whole_exponent, whole_powers};
-use crate::lanes::{LANES, Lanes, Mask, Vectors};
 use crate::math::{Point, SAFE_SQUARES};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
 use crate::visibility::{Points, columns};
 use crate::world::material::Model;
 use crate::world::{Lobes, Material};
@@ -54,23 +54,23 @@ impl Gloss {
 /// What L5 to L8 need of the points of a packet.
 #[derive(Clone, Copy)]
 pub(super) struct Ends<S: Simd> {
-    position: Vectors<S>,
+    position: DVec3x16<S>,
     /// n
-    normal: Vectors<S>,
+    normal: DVec3x16<S>,
     /// ω_o
-    to_viewer: Vectors<S>,
+    to_viewer: DVec3x16<S>,
     /// n · ω_o
-    cos_viewer: Lanes<S>,
+    cos_viewer: F64x16<S>,
 }
 
 impl<S: Simd> Ends<S> {
     #[inline(always)]
     pub(super) fn load(simd: S, points: &Points, packet: usize) -> Self {
         Self {
-            position: Vectors::load(simd, columns(&points.position, packet)),
-            normal: Vectors::load(simd, columns(points.shading_normals(), packet)),
-            to_viewer: Vectors::load(simd, columns(&points.to_viewer, packet)),
-            cos_viewer: Lanes::load(simd, &points.cos_viewer[packet * LANES..]),
+            position: DVec3x16::load(simd, columns(&points.position, packet)),
+            normal: DVec3x16::load(simd, columns(points.shading_normals(), packet)),
+            to_viewer: DVec3x16::load(simd, columns(&points.to_viewer, packet)),
+            cos_viewer: F64x16::load(simd, &points.cos_viewer[packet * LANES..]),
         }
     }
 }
@@ -82,15 +82,15 @@ pub(super) fn geometry<S: Simd>(
     ends: &Ends<S>,
     light: Point,
     groups: &[Group],
-) -> Lobes<Lanes<S>> {
-    let zero = Lanes::splat(simd, 0.0);
+) -> Lobes<F64x16<S>> {
+    let zero = F64x16::splat(simd, 0.0);
     let to_light = -ends.position.minus(light.0);
     let square = to_light.dot(to_light);
     let is_safe = square.is_within(simd, SAFE_SQUARES);
     let mut inverse = square.nearly_inverse_root(simd);
     let mut inverse_square = inverse * inverse;
     if (!is_safe).any() {
-        let one = Lanes::splat(simd, 1.0);
+        let one = F64x16::splat(simd, 1.0);
         inverse = is_safe.select(inverse, one / square.sqrt());
         inverse_square = is_safe.select(inverse_square, one / square);
     }
@@ -111,17 +111,17 @@ pub(super) fn geometry<S: Simd>(
         // By the material alone, so that a point has the same bits beside any others.
         let lobe = match shininess {
             Shininess::Whole(exponent) => whole_powers(simd, cos_reflected, exponent),
-            Shininess::Any(exponent) => powers(simd, cos_reflected, Lanes::splat(simd, exponent)),
+            Shininess::Any(exponent) => powers(simd, cos_reflected, F64x16::splat(simd, exponent)),
         };
         let lobe = if has_cosine {
             lobe * cos_incident
         } else {
             lobe
         };
-        specular = Mask::from_bits(simd, members).select(lobe, specular);
+        specular = Mask64x16::from_bits(simd, members).select(lobe, specular);
     }
     // Closer than 1e-154 to a light the quotient is beyond f64, and would make a black channel NaN.
-    let largest = Lanes::splat(simd, f64::MAX);
+    let largest = F64x16::splat(simd, f64::MAX);
     Lobes {
         diffuse: (cos_incident * inverse_square).min(largest),
         specular: (specular * inverse_square).min(largest),

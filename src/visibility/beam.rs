@@ -6,8 +6,8 @@ use fearless_simd::{Simd, f32x8};
 use super::ROUNDING;
 use super::nodes::{Entry, Node, Tree, WIDTH};
 use super::packet::Rays;
-use crate::lanes::{Lanes, Mask, Vectors, ones};
 use crate::math::DVec3;
+use crate::simd::{DVec3x16, F64x16, Mask64x16, ones};
 
 /// By how much planes and depths give way, over the sum of the magnitudes that go into them: rounding a
 /// normal, an offset, and the three products and sums to f32, 2⁻²⁴ each, eight in all, and as much again.
@@ -94,8 +94,8 @@ pub(super) struct Beam {
 
 /// The range of the numbers in some lanes.
 #[inline(always)]
-pub(super) fn range<S: Simd>(simd: S, column: Lanes<S>, asked: Mask<S>) -> [f64; 2] {
-    let infinite = Lanes::splat(simd, f64::INFINITY);
+pub(super) fn range<S: Simd>(simd: S, column: F64x16<S>, asked: Mask64x16<S>) -> [f64; 2] {
+    let infinite = F64x16::splat(simd, f64::INFINITY);
     [
         -asked.select(-column, -infinite).largest(),
         asked.select(column, -infinite).largest(),
@@ -169,7 +169,7 @@ impl Beam {
         asked: u32,
         error: f64,
     ) -> (Self, f64) {
-        let asked = Mask::from_bits(simd, asked);
+        let asked = Mask64x16::from_bits(simd, asked);
         let Some(w) = middle.try_normalize() else {
             return (Self::everything(tree), f64::INFINITY);
         };
@@ -281,7 +281,7 @@ impl Beam {
     /// One bit for each of sixteen triangles that a ray might meet, by their corners, each coordinate of
     /// which may be off by `error`.
     #[inline(always)]
-    pub(super) fn may_meet<S: Simd>(&self, simd: S, corners: [Vectors<S>; 3], error: f64) -> u32 {
+    pub(super) fn may_meet<S: Simd>(&self, simd: S, corners: [DVec3x16<S>; 3], error: f64) -> u32 {
         let [a, b, c] = corners;
         let (a, b, c) = (
             a.minus(self.center),
@@ -297,7 +297,7 @@ impl Beam {
             );
             let size = side.exact.x.abs() + side.exact.y.abs() + side.exact.z.abs();
             let offset = f64::from(side.offset) / self.scale - size * error;
-            let reaches = a.max(b).max(c).ge(Lanes::splat(simd, offset));
+            let reaches = a.max(b).max(c).ge(F64x16::splat(simd, offset));
             bits &= reaches.to_bits();
         }
         bits
@@ -308,8 +308,8 @@ impl Beam {
     pub(super) fn may_meet_spheres<S: Simd>(
         &self,
         simd: S,
-        center: Vectors<S>,
-        radius: Lanes<S>,
+        center: DVec3x16<S>,
+        radius: F64x16<S>,
     ) -> u32 {
         let center = center.minus(self.center);
         let mut bits = u32::MAX;
@@ -318,7 +318,7 @@ impl Beam {
             let size = side.exact.abs().element_sum();
             let reach = center.dot_with(side.exact) + radius * size;
             let offset = f64::from(side.offset) / self.scale;
-            bits &= reach.ge(Lanes::splat(simd, offset)).to_bits();
+            bits &= reach.ge(F64x16::splat(simd, offset)).to_bits();
         }
         bits
     }

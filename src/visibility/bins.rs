@@ -7,7 +7,7 @@
 use fearless_simd::Simd;
 
 use super::surface::{BATCH, PACKETS};
-use crate::lanes::{LANES, Singles, Words, ones};
+use crate::simd::{F32x16, LANES, U32x16, ones};
 
 /// Columns, and rows: one less than a power of two.
 const BINS: usize = 127;
@@ -121,7 +121,7 @@ impl Axis {
                 continue;
             }
             let mut bins = [0; LANES];
-            let places = Singles::load(simd, &places[packet * LANES..]);
+            let places = F32x16::load(simd, &places[packet * LANES..]);
             self.bins(simd, places).store(&mut bins);
             let (word, shift) = (packet / 4, packet % 4 * LANES);
             for lane in ones(bits) {
@@ -139,11 +139,11 @@ impl Axis {
     /// In which bins numbers are; what is outside counts as at the border. A larger number is never in an
     /// earlier bin.
     #[inline(always)]
-    fn bins<S: Simd>(&self, simd: S, places: Singles<S>) -> Words<S> {
-        let least = Singles::splat(simd, self.least);
-        let places = places.max(least).min(Singles::splat(simd, self.most));
-        let bins = (places - least) * Singles::splat(simd, self.density);
-        bins.min(Singles::splat(simd, (BINS - 1) as f32))
+    fn bins<S: Simd>(&self, simd: S, places: F32x16<S>) -> U32x16<S> {
+        let least = F32x16::splat(simd, self.least);
+        let places = places.max(least).min(F32x16::splat(simd, self.most));
+        let bins = (places - least) * F32x16::splat(simd, self.density);
+        bins.min(F32x16::splat(simd, (BINS - 1) as f32))
             .truncated(simd)
     }
 
@@ -171,7 +171,7 @@ impl Bins {
 
     /// Which bins sixteen boxes have to do with: left, right, bottom, top.
     #[inline(always)]
-    pub(super) fn places<S: Simd>(&self, simd: S, boxes: [Singles<S>; 4]) -> Places {
+    pub(super) fn places<S: Simd>(&self, simd: S, boxes: [F32x16<S>; 4]) -> Places {
         let [left, right, bottom, top] = boxes;
         let [columns, rows] = &self.axes;
         let mut places = Places([[[0; LANES]; 2]; 2]);
@@ -198,7 +198,7 @@ impl Bins {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Door, Kernel};
+    use crate::simd::{Kernel, SimdLevel};
 
     /// Rays without order in a rectangle, and boxes of all sizes, some beyond it.
     struct Boxes;
@@ -238,7 +238,7 @@ mod tests {
                         }
                     })
                 });
-                let sides = boxes.each_ref().map(|side| Singles::load(simd, side));
+                let sides = boxes.each_ref().map(|side| F32x16::load(simd, side));
                 let places = bins.places(simd, sides);
                 for lane in 0..LANES {
                     let [l, r, b, t] = boxes.each_ref().map(|side| side[lane]);
@@ -266,8 +266,8 @@ mod tests {
 
     #[test]
     fn boxes_find_their_rays() {
-        for (_, door) in Door::available() {
-            door.run(Boxes);
+        for (_, level) in SimdLevel::available() {
+            level.run(Boxes);
         }
     }
 

@@ -19,8 +19,8 @@ use super::extent::Extent;
 use super::longest;
 use super::surface::{BATCH, PACKETS};
 use super::verdict::Who;
-use crate::lanes::{LANES, SingleMask, Singles, Vectors, Words, smallest_of_each};
 use crate::math::{DVec3, all_three, both};
+use crate::simd::{DVec3x16, F32x16, LANES, Mask32x16, U32x16, smallest_of_each};
 
 /// The bound on the error of an affine or quadratic function of x and y, over the sum of the magnitudes
 /// of its terms: the rounding of coefficients, of x and y, and of the operations to f32, 2⁻²⁴ each, at
@@ -314,7 +314,7 @@ impl Canvas {
         origin: DVec3,
         middle: DVec3,
         asked: &[u32; PACKETS],
-        direction: impl Fn(usize) -> Vectors<S>,
+        direction: impl Fn(usize) -> DVec3x16<S>,
     ) {
         (self.error, self.ends) = (0.0, None);
         self.state = State::Unfit;
@@ -329,7 +329,7 @@ impl Canvas {
         &mut self,
         simd: S,
         asked: &[u32; PACKETS],
-        way: impl Fn(usize) -> Vectors<S>,
+        way: impl Fn(usize) -> DVec3x16<S>,
     ) {
         self.stretch_over(simd, 1.0 / self.unit, asked, way);
     }
@@ -340,15 +340,15 @@ impl Canvas {
         simd: S,
         scale: f64,
         asked: &[u32; PACKETS],
-        direction: impl Fn(usize) -> Vectors<S>,
+        direction: impl Fn(usize) -> DVec3x16<S>,
     ) {
         let have_ends = self.ends.is_some();
         (self.asked, self.drawn) = (*asked, 0);
         let [u, v, w] = self.axes;
-        let infinite = Singles::splat(simd, f32::INFINITY);
-        let one = Singles::splat(simd, 1.0);
-        let zero = Singles::splat(simd, 0.0);
-        let endless = Singles::splat(simd, self.endless());
+        let infinite = F32x16::splat(simd, f32::INFINITY);
+        let one = F32x16::splat(simd, 1.0);
+        let zero = F32x16::splat(simd, 0.0);
+        let endless = F32x16::splat(simd, self.endless());
         let mut shallowest = infinite;
         let mut sides = [[infinite; PACKETS]; 4];
         let mut far = [infinite; PACKETS];
@@ -363,7 +363,7 @@ impl Canvas {
                 continue;
             }
             let direction = direction(packet);
-            let is_asked = SingleMask::from_bits(simd, bits);
+            let is_asked = Mask32x16::from_bits(simd, bits);
             // In units of the largest, which are far from the ends of f32.
             let depth = (direction.dot_with(w) * scale).narrowed(simd);
             shallowest = is_asked.select(depth, infinite).min(shallowest);
@@ -377,13 +377,13 @@ impl Canvas {
             sides[2][packet] = is_asked.select(y, infinite);
             sides[3][packet] = is_asked.select(zero - y, infinite);
             let (least, most) = if have_ends {
-                let closeness = inverse.min(Singles::splat(simd, CLOSEST));
+                let closeness = inverse.min(F32x16::splat(simd, CLOSEST));
                 (
-                    closeness * Singles::splat(simd, 1.0 - GIVES_WAY),
-                    closeness * Singles::splat(simd, 1.0 + GIVES_WAY),
+                    closeness * F32x16::splat(simd, 1.0 - GIVES_WAY),
+                    closeness * F32x16::splat(simd, 1.0 + GIVES_WAY),
                 )
             } else {
-                Words::splat(simd, NOTHING).store(&mut self.slots[first..]);
+                U32x16::splat(simd, NOTHING).store(&mut self.slots[first..]);
                 (endless, endless)
             };
             far[packet] = is_asked.select(least, infinite);
@@ -399,13 +399,13 @@ impl Canvas {
         (zero - smallest_of_each(top)).store(&mut self.boxes[3].0);
         smallest_of_each(far).store(&mut self.far.0);
         self.bounds = [
-            Singles::load(simd, &self.boxes[0].0).smallest(),
-            Singles::load(simd, &self.boxes[1].0).largest(),
-            Singles::load(simd, &self.boxes[2].0).smallest(),
-            Singles::load(simd, &self.boxes[3].0).largest(),
+            F32x16::load(simd, &self.boxes[0].0).smallest(),
+            F32x16::load(simd, &self.boxes[1].0).largest(),
+            F32x16::load(simd, &self.boxes[2].0).smallest(),
+            F32x16::load(simd, &self.boxes[3].0).largest(),
         ];
         // Listed shapes come before any look, and must not meet what was left of the canvas before.
-        self.farthest = Singles::load(simd, &self.far.0).smallest();
+        self.farthest = F32x16::load(simd, &self.far.0).smallest();
         self.state = if self.is_fit() && shallowest.smallest() > SHALLOWEST {
             State::Stretched
         } else {
@@ -475,7 +475,7 @@ impl Canvas {
     #[inline(always)]
     pub(super) fn look<S: Simd>(&mut self, simd: S) -> f64 {
         if self.state == State::Stretched {
-            self.farthest = Singles::load(simd, &self.far.0).smallest();
+            self.farthest = F32x16::load(simd, &self.far.0).smallest();
         }
         match self.shared {
             Shared::Point => self.unit / f64::from(self.farthest),
@@ -488,36 +488,36 @@ impl Canvas {
     pub(super) fn is_of_interest<S: Simd>(
         &self,
         simd: S,
-        [left, right, bottom, top]: [Singles<S>; 4],
-        most: Singles<S>,
-    ) -> SingleMask<S> {
+        [left, right, bottom, top]: [F32x16<S>; 4],
+        most: F32x16<S>,
+    ) -> Mask32x16<S> {
         let [all_left, all_right, all_bottom, all_top] = self.bounds;
-        left.le(Singles::splat(simd, all_right))
-            & right.ge(Singles::splat(simd, all_left))
-            & bottom.le(Singles::splat(simd, all_top))
-            & top.ge(Singles::splat(simd, all_bottom))
-            & most.ge(Singles::splat(simd, self.farthest))
+        left.le(F32x16::splat(simd, all_right))
+            & right.ge(F32x16::splat(simd, all_left))
+            & bottom.le(F32x16::splat(simd, all_top))
+            & top.ge(F32x16::splat(simd, all_bottom))
+            & most.ge(F32x16::splat(simd, self.farthest))
     }
 
     /// One bit for each packet that a shape of this extent may be of interest to.
     #[inline(always)]
     pub(super) fn meets<S: Simd>(&self, simd: S, extent: &Extent) -> u32 {
         let [left, right, bottom, top] = &self.boxes;
-        let meets = Singles::load(simd, &left.0).le(Singles::splat(simd, extent.x[1]))
-            & Singles::load(simd, &right.0).ge(Singles::splat(simd, extent.x[0]))
-            & Singles::load(simd, &bottom.0).le(Singles::splat(simd, extent.y[1]))
-            & Singles::load(simd, &top.0).ge(Singles::splat(simd, extent.y[0]))
-            & Singles::load(simd, &self.far.0).le(Singles::splat(simd, extent.most));
+        let meets = F32x16::load(simd, &left.0).le(F32x16::splat(simd, extent.x[1]))
+            & F32x16::load(simd, &right.0).ge(F32x16::splat(simd, extent.x[0]))
+            & F32x16::load(simd, &bottom.0).le(F32x16::splat(simd, extent.y[1]))
+            & F32x16::load(simd, &top.0).ge(F32x16::splat(simd, extent.y[0]))
+            & F32x16::load(simd, &self.far.0).le(F32x16::splat(simd, extent.most));
         meets.to_bits()
     }
 
     /// x and y of the rays of a packet.
     #[inline(always)]
-    pub(super) fn dots<S: Simd>(&self, simd: S, packet: usize) -> [Singles<S>; 2] {
+    pub(super) fn dots<S: Simd>(&self, simd: S, packet: usize) -> [F32x16<S>; 2] {
         let first = packet * LANES;
         [
-            Singles::load(simd, &self.x.0[first..]),
-            Singles::load(simd, &self.y.0[first..]),
+            F32x16::load(simd, &self.x.0[first..]),
+            F32x16::load(simd, &self.y.0[first..]),
         ]
     }
 
@@ -529,8 +529,8 @@ impl Canvas {
     /// One bit for each primary ray of a packet that is known to meet something.
     #[inline(always)]
     pub(super) fn found<S: Simd>(&self, simd: S, packet: usize) -> u32 {
-        Words::load(simd, self.first_met(packet))
-            .lt(Words::splat(simd, NOTHING))
+        U32x16::load(simd, self.first_met(packet))
+            .lt(U32x16::splat(simd, NOTHING))
             .to_bits()
     }
 
@@ -546,9 +546,9 @@ impl Canvas {
         &self,
         simd: S,
         packet: usize,
-        closeness: Singles<S>,
-    ) -> SingleMask<S> {
-        closeness.ge(Singles::load(simd, &self.least.0[packet * LANES..]))
+        closeness: F32x16<S>,
+    ) -> Mask32x16<S> {
+        closeness.ge(F32x16::load(simd, &self.least.0[packet * LANES..]))
     }
 
     /// One bit for each shadow ray of a packet whose end is not known to be dark.
@@ -559,8 +559,8 @@ impl Canvas {
 
     /// The rays of a packet that still ask for something.
     #[inline(always)]
-    pub(super) fn asking<S: Simd>(&self, simd: S, packet: usize) -> SingleMask<S> {
-        let least = Singles::load(simd, &self.least.0[packet * LANES..]);
-        !least.ge(Singles::splat(simd, f32::INFINITY))
+    pub(super) fn asking<S: Simd>(&self, simd: S, packet: usize) -> Mask32x16<S> {
+        let least = F32x16::load(simd, &self.least.0[packet * LANES..]);
+        !least.ge(F32x16::splat(simd, f32::INFINITY))
     }
 }

@@ -10,8 +10,8 @@ use super::canvas::{CLOSENESS, Canvas, GIVES_WAY, NEGLIGIBLE, Row, Shared, State
 use super::extent::Extents;
 use super::outline::NOISE;
 use super::verdict::{Claim, Verdict, Who};
-use crate::lanes::{LANES, Lanes, SingleMask, Singles, Vectors, ones};
 use crate::math::{all_three, both};
+use crate::simd::{DVec3x16, F32x16, F64x16, LANES, Mask32x16, ones};
 
 /// Where R²|d|² − |oc × d|², over the sum of the magnitudes of its terms, is above this, a ray surely
 /// meets a sphere, and the root of it is off by [`GIVES_WAY`] over twice the root of this at most.
@@ -73,8 +73,8 @@ impl Default for Discs {
 /// Spheres side by side.
 #[derive(Clone, Copy)]
 pub(super) struct Spheres<S: Simd> {
-    pub(super) center: Vectors<S>,
-    pub(super) radius: Lanes<S>,
+    pub(super) center: DVec3x16<S>,
+    pub(super) radius: F64x16<S>,
     /// One bit for each that no viewer sees from within.
     pub(super) shows_outside: u32,
 }
@@ -82,11 +82,11 @@ pub(super) struct Spheres<S: Simd> {
 impl<S: Simd> Spheres<S> {
     /// Centers in the axes of a canvas, and radii, both in its unit.
     #[inline(always)]
-    fn before(&self, canvas: &Canvas) -> (Vectors<S>, Lanes<S>) {
+    fn before(&self, canvas: &Canvas) -> (DVec3x16<S>, F64x16<S>) {
         let over_unit = 1.0 / canvas.unit;
         let from_origin = self.center.minus(canvas.origin);
         let [u, v, w] = all_three(canvas.axes, |axis| axis * over_unit);
-        let center = Vectors {
+        let center = DVec3x16 {
             x: from_origin.dot_with(u),
             y: from_origin.dot_with(v),
             z: from_origin.dot_with(w),
@@ -113,7 +113,7 @@ impl Discs {
         let (center, radius) = spheres.before(canvas);
         let error = canvas.error / canvas.unit;
         let is_tiny = radius
-            .le(Lanes::splat(simd, error * SMALLEST_RADIUS))
+            .le(F64x16::splat(simd, error * SMALLEST_RADIUS))
             .to_bits();
         self.of_interest = bits & (is_tiny | near(canvas, center, radius));
         if self.of_interest == 0 {
@@ -124,7 +124,7 @@ impl Discs {
         self.draw_boxes(simd, canvas, center, radius, fits);
         // oc × d = g₀ + g₁ x + g₂ y in the axes of the canvas, g₀ = (y, −x, 0), g₁ = (0, z, −y),
         // g₂ = (−z, 0, x).
-        let Vectors { x, y, z } = center;
+        let DVec3x16 { x, y, z } = center;
         let [xx, yy, zz] = [x * x, y * y, z * z];
         let square = radius * radius;
         let c = square - (xx + yy);
@@ -137,7 +137,7 @@ impl Discs {
             + (cx.abs() * ex + cy.abs() * ey)
             + (cxx.abs() * (ex * ex) + cyy.abs() * (ey * ey) + cxy.abs() * (ex * ey));
         // One factor for all coefficients, whatever it is exactly.
-        let one = Singles::splat(simd, 1.0);
+        let one = F32x16::splat(simd, 1.0);
         let magnitude = magnitude.narrowed(simd);
         let over_magnitude = (one / magnitude).widened(simd);
         let coefficients = [
@@ -164,12 +164,12 @@ impl Discs {
         for (row, coefficient) in self.along.iter_mut().zip(along) {
             coefficient.store(&mut row.0);
         }
-        let [ex, ey] = both(canvas.extent, |extent| Singles::splat(simd, extent as f32));
+        let [ex, ey] = both(canvas.extent, |extent| F32x16::splat(simd, extent as f32));
         let along_size = along[0].abs() + along[1].abs() * ex + along[2].abs() * ey;
         let root_scale = magnitude.sqrt() * scale.abs();
         root_scale.store(&mut self.root_scale.0);
-        let root_error = Singles::splat(simd, ROOT_ERROR as f32);
-        let give = Singles::splat(simd, GIVES_WAY);
+        let root_error = F32x16::splat(simd, ROOT_ERROR as f32);
+        let give = F32x16::splat(simd, GIVES_WAY);
         let closeness_error = along_size * give + root_scale * root_error;
         closeness_error.store(&mut self.error.0);
         let size = (along_size + root_scale).widened(simd);
@@ -182,13 +182,13 @@ impl Discs {
             & size.is_within(simd, 1.0 / CLOSENESS..CLOSENESS);
         self.untold = !(is_told.to_bits() & fits);
         // Seen from outside, a sphere does not hide points of its own that face the light.
-        let is_inside = power.lt(Lanes::splat(simd, 0.0)).to_bits();
+        let is_inside = power.lt(F64x16::splat(simd, 0.0)).to_bits();
         self.hides_own = self.untold | !(spheres.shows_outside | is_inside);
         self.extents.covers = 0;
         if canvas.state == State::Aimed {
             let [c, cx, cy, cxx, cxy, cyy] = coefficients;
-            let zero = Singles::splat(simd, 0.0);
-            let surely = Singles::splat(simd, 2.0 * SURELY);
+            let zero = F32x16::splat(simd, 0.0);
+            let surely = F32x16::splat(simd, 2.0 * SURELY);
             let sides = cx.abs() * ex + cy.abs() * ey + cxy.abs() * (ex * ey);
             let least = c - sides + cxx.min(zero) * (ex * ex) + cyy.min(zero) * (ey * ey);
             let most = c + sides + cxx.max(zero) * (ex * ex) + cyy.max(zero) * (ey * ey);
@@ -201,8 +201,8 @@ impl Discs {
             let least = along[0] - sides + roots[0] * root_scale;
             let most = along[0] + sides + roots[1] * root_scale;
             let covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
-            let largest = Singles::load(simd, &self.extents.most.0);
-            let told = SingleMask::from_bits(simd, !self.untold & u32::from(u16::MAX));
+            let largest = F32x16::load(simd, &self.extents.most.0);
+            let told = Mask32x16::from_bits(simd, !self.untold & u32::from(u16::MAX));
             let most = told.select(most.min(largest), largest);
             self.extents.cover_with(covers, [least, most]);
         }
@@ -216,14 +216,14 @@ impl Discs {
         &mut self,
         simd: S,
         canvas: &Canvas,
-        center: Vectors<S>,
-        radius: Lanes<S>,
+        center: DVec3x16<S>,
+        radius: F64x16<S>,
         fits: u32,
     ) {
-        let one = Singles::splat(simd, 1.0);
-        let give = Singles::splat(simd, GIVES_WAY);
-        let infinite = Singles::splat(simd, f32::INFINITY);
-        let nowhere = Singles::splat(simd, f32::NEG_INFINITY);
+        let one = F32x16::splat(simd, 1.0);
+        let give = F32x16::splat(simd, GIVES_WAY);
+        let infinite = F32x16::splat(simd, f32::INFINITY);
+        let nowhere = F32x16::splat(simd, f32::NEG_INFINITY);
         let nearest = (center.z - radius).narrowed(simd);
         let [x, y, z] = [
             center.x.narrowed(simd),
@@ -232,18 +232,18 @@ impl Discs {
         ];
         let radius = radius.narrowed(simd);
         let size = z.abs() + radius;
-        let is_before = nearest.gt(size * give) & SingleMask::from_bits(simd, fits);
+        let is_before = nearest.gt(size * give) & Mask32x16::from_bits(simd, fits);
         let in_nearest = one / nearest;
         let width = nearest * size;
         let over_width = in_nearest / size;
-        let noise = (x.abs() + y.abs() + size) * in_nearest * Singles::splat(simd, NOISE);
+        let noise = (x.abs() + y.abs() + size) * in_nearest * F32x16::splat(simd, NOISE);
         let mut sides = [[infinite; 2]; 2];
         for (axis, across) in [x, y].into_iter().enumerate() {
             let root = radius * (across * across + width).sqrt();
             let middle = across * z;
             let least = (middle - root) * over_width;
             let most = (middle + root) * over_width;
-            let extent = Singles::splat(simd, canvas.extent[axis] as f32);
+            let extent = F32x16::splat(simd, canvas.extent[axis] as f32);
             let room = (least.abs().max(most.abs()) + extent) * give + noise;
             sides[axis] = [
                 is_before.select(least - room, nowhere),
@@ -274,8 +274,8 @@ impl Discs {
         let is_untold = self.untold >> index & 1 == 1;
         let hides_own = self.hides_own(index);
         let is_cut = self.cut >> index & 1 == 1;
-        let zero = Singles::splat(simd, 0.0);
-        let splat = |row: &Row| Singles::splat(simd, row.0[index]);
+        let zero = F32x16::splat(simd, 0.0);
+        let splat = |row: &Row| F32x16::splat(simd, row.0[index]);
         let [c, cx, cy, cxx, cxy, cyy] = [
             splat(&self.discriminant[0]),
             splat(&self.discriminant[1]),
@@ -292,7 +292,7 @@ impl Discs {
         let root_scale = splat(&self.root_scale);
         let error = splat(&self.error);
         // Where it is not sure that the sphere is met, the root is below that of 2 · SURELY.
-        let edge_error = root_scale * Singles::splat(simd, (2.0 * SURELY).sqrt());
+        let edge_error = root_scale * F32x16::splat(simd, (2.0 * SURELY).sqrt());
         for packet in ones(packets) {
             if hides_own {
                 verdict.doubt_own(simd, canvas, packet, who);
@@ -306,11 +306,11 @@ impl Discs {
                 x.times_plus(cxx, y.times_plus(cxy, cx)),
                 y.times_plus(y.times_plus(cyy, cy), c),
             );
-            let maybe = discriminant.ge(Singles::splat(simd, -GIVES_WAY));
+            let maybe = discriminant.ge(F32x16::splat(simd, -GIVES_WAY));
             if maybe.to_bits() == 0 {
                 continue;
             }
-            let surely = discriminant.gt(Singles::splat(simd, SURELY));
+            let surely = discriminant.gt(F32x16::splat(simd, SURELY));
             let root = discriminant.max(zero).sqrt();
             let along = y.times_plus(along_y, x.times_plus(along_x, along));
             let closeness = root.times_plus(root_scale, along);
@@ -334,8 +334,8 @@ impl Discs {
 
 /// One bit for each sphere that the beam of a canvas's rays may meet as deep as is of interest.
 #[inline(always)]
-fn near<S: Simd>(canvas: &Canvas, center: Vectors<S>, radius: Lanes<S>) -> u32 {
-    let Vectors { x, y, z } = center;
+fn near<S: Simd>(canvas: &Canvas, center: DVec3x16<S>, radius: F64x16<S>) -> u32 {
+    let DVec3x16 { x, y, z } = center;
     let [left, right, bottom, top] = canvas.rectangle();
     let depth = 1.0 / f64::from(canvas.farthest);
     // By how much each sphere is beyond a plane, over its normal's length.

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::canvas::Row;
-use crate::lanes::{LANES, Singles};
+use crate::simd::{F32x16, LANES};
 
 /// The box of a shape on the canvas, and the largest closeness of any of its points.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ impl Default for Extents {
 impl Extents {
     /// Takes the least and the largest x and y, and the largest closenesses.
     #[inline(always)]
-    pub(super) fn store<S: Simd>(&mut self, boxes: [Singles<S>; 4], most: Singles<S>) {
+    pub(super) fn store<S: Simd>(&mut self, boxes: [F32x16<S>; 4], most: F32x16<S>) {
         let [left, right, bottom, top] = boxes;
         left.store(&mut self.boxes[0].0);
         right.store(&mut self.boxes[1].0);
@@ -61,7 +61,7 @@ impl Extents {
 
     /// Takes what covers an aimed canvas, and the ranges of closenesses within it.
     #[inline(always)]
-    pub(super) fn cover_with<S: Simd>(&mut self, covers: u32, [least, most]: [Singles<S>; 2]) {
+    pub(super) fn cover_with<S: Simd>(&mut self, covers: u32, [least, most]: [F32x16<S>; 2]) {
         self.covers = covers;
         least.store(&mut self.ranges[0].0);
         most.store(&mut self.ranges[1].0);

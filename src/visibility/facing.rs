@@ -4,8 +4,8 @@ use fearless_simd::Simd;
 
 use super::surface::{PACKETS, Points, columns};
 use super::{Primitive, ROUNDING};
-use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::{DVec3, Point};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
 use crate::world::geometry::from_shorter_edges;
 use crate::world::{Shape, World};
 
@@ -30,7 +30,7 @@ impl Points {
         // and |p₀| ROUNDING is below the error of p: twice that.
         let light_length = light.0.abs().max_element();
         let room = 6.0 * self.largest_error + 8.0 * ROUNDING * light_length;
-        let room = Lanes::splat(simd, room);
+        let room = F64x16::splat(simd, room);
         let [least, most] = self.bounds;
         let outside = (least - light.0).max(light.0 - most).max_element();
         let is_apart = outside > 2.0 * self.largest_error;
@@ -43,7 +43,7 @@ impl Points {
                 continue;
             }
             let normal = self.facing_normals(simd, packet);
-            let plane = Lanes::load(simd, &self.plane[packet * LANES..]);
+            let plane = F64x16::load(simd, &self.plane[packet * LANES..]);
             let height = normal.dot_with(light.0) - plane;
             let above = height.gt(room).to_bits();
             if is_apart && (above | height.lt(-room).to_bits()) & hit == hit {
@@ -71,8 +71,8 @@ impl Points {
             || {
                 let hit = self.hit[packet];
                 let lanes = packet * LANES;
-                let position = Vectors::load(simd, columns(&self.position, packet));
-                let error = Lanes::load(simd, &self.error[lanes..]);
+                let position = DVec3x16::load(simd, columns(&self.position, packet));
+                let error = F64x16::load(simd, &self.error[lanes..]);
                 // Of flat shapes a point is known exactly.
                 let mut flat = 0;
                 let mut points = [[0.0; LANES]; 3];
@@ -85,10 +85,10 @@ impl Points {
                         }
                     }
                 }
-                let is_flat = Mask::from_bits(simd, flat);
+                let is_flat = Mask64x16::from_bits(simd, flat);
                 let [x, y, z] = &points;
-                let tangent = is_flat.select_vectors(Vectors::load(simd, [x, y, z]), position);
-                let known_to = is_flat.select(Lanes::splat(simd, 0.0), error);
+                let tangent = is_flat.select_vectors(DVec3x16::load(simd, [x, y, z]), position);
+                let known_to = is_flat.select(F64x16::splat(simd, 0.0), error);
                 let to_light = -tangent.minus(light.0);
                 // The largest component stands for the length, which is at most √3 times as long.
                 let light_length = light.0.abs().max_element();

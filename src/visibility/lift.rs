@@ -16,8 +16,8 @@ use fearless_simd::Simd;
 
 use super::surface::{Column, PACKETS, Points, columns, columns_mut};
 use super::{ROUNDING, ranges};
-use crate::lanes::{LANES, Lanes, Mask, Vectors};
 use crate::math::DVec3;
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
 
 /// Where the shadow rays of a batch start.
 #[derive(Clone, Copy, Debug)]
@@ -88,13 +88,13 @@ impl Points {
 
     /// n of the tangent plane that a light has to be above of.
     #[inline(always)]
-    pub(super) fn facing_normals<S: Simd>(&self, simd: S, packet: usize) -> Vectors<S> {
-        let geometric = Vectors::load(simd, columns(&self.geometric_normal, packet));
+    pub(super) fn facing_normals<S: Simd>(&self, simd: S, packet: usize) -> DVec3x16<S> {
+        let geometric = DVec3x16::load(simd, columns(&self.geometric_normal, packet));
         match self.lifts.points[packet] {
             0 => geometric,
             bits => {
-                let shading = Vectors::load(simd, columns(&self.shading_normal, packet));
-                Mask::from_bits(simd, bits).select_vectors(shading, geometric)
+                let shading = DVec3x16::load(simd, columns(&self.shading_normal, packet));
+                Mask64x16::from_bits(simd, bits).select_vectors(shading, geometric)
             }
         }
     }
@@ -111,9 +111,9 @@ impl Points {
         simd: S,
         packet: usize,
         bits: u32,
-        corners: &[Vectors<S>; 3],
-        normals: &[Vectors<S>; 3],
-        weights: &[Lanes<S>; 3],
+        corners: &[DVec3x16<S>; 3],
+        normals: &[DVec3x16<S>; 3],
+        weights: &[F64x16<S>; 3],
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -127,25 +127,25 @@ impl Points {
         simd: S,
         packet: usize,
         bits: u32,
-        corners: &[Vectors<S>; 3],
-        normals: &[Vectors<S>; 3],
-        weights: &[Lanes<S>; 3],
+        corners: &[DVec3x16<S>; 3],
+        normals: &[DVec3x16<S>; 3],
+        weights: &[F64x16<S>; 3],
     ) {
         if bits == 0 {
             return;
         }
         let first = packet * LANES;
-        let is_lifted = Mask::from_bits(simd, bits);
-        let position = Vectors::load(simd, columns(&self.position, packet));
-        let error = Lanes::load(simd, &self.error[first..]);
+        let is_lifted = Mask64x16::from_bits(simd, bits);
+        let position = DVec3x16::load(simd, columns(&self.position, packet));
+        let error = F64x16::load(simd, &self.error[first..]);
         let Lifted { start, reach } = lifted(simd, position, corners, normals, weights);
         let start_error = error * 2.0 + reach * (2.0 * ROUNDING);
         let start = is_lifted.select_vectors(start, position);
         start.store(columns_mut(&mut self.lifts.start, packet));
         let start_error = is_lifted.select(start_error, error);
         start_error.store(&mut self.lifts.error[first..]);
-        let shading = Vectors::load(simd, columns(&self.shading_normal, packet));
-        let plane = Lanes::load(simd, &self.plane[first..]);
+        let shading = DVec3x16::load(simd, columns(&self.shading_normal, packet));
+        let plane = F64x16::load(simd, &self.plane[first..]);
         let plane = is_lifted.select(shading.dot(position), plane);
         plane.store(&mut self.plane[first..]);
         self.lifts.points[packet] = bits;
@@ -185,14 +185,14 @@ impl Points {
         position: &[Column; 3],
         error: &Column,
     ) -> (f64, [DVec3; 2]) {
-        let zero = Lanes::splat(simd, 0.0);
+        let zero = F64x16::splat(simd, 0.0);
         let mut largest = zero;
         for (packet, &hit) in self.hit.iter().enumerate() {
             if hit == 0 {
                 continue;
             }
-            let is_hit = Mask::from_bits(simd, hit);
-            let errors = Lanes::load(simd, &error[packet * LANES..]);
+            let is_hit = Mask64x16::from_bits(simd, hit);
+            let errors = F64x16::load(simd, &error[packet * LANES..]);
             largest = is_hit.select(errors, zero).max(largest);
         }
         let ranges = ranges(
@@ -200,7 +200,7 @@ impl Points {
             #[inline(always)]
             |packet| self.hit[packet],
             #[inline(always)]
-            |packet| Vectors::load(simd, columns(position, packet)),
+            |packet| DVec3x16::load(simd, columns(position, packet)),
         );
         (largest.largest(), ranges.unwrap_or([DVec3::ZERO; 2]))
     }
@@ -208,21 +208,21 @@ impl Points {
 
 /// p′, and how far the corners are from p.
 struct Lifted<S: Simd> {
-    start: Vectors<S>,
-    reach: Lanes<S>,
+    start: DVec3x16<S>,
+    reach: F64x16<S>,
 }
 
 /// p′ = p + Σ bᵢ max(0, (vᵢ − p)·nᵢ) nᵢ
 #[inline(always)]
 fn lifted<S: Simd>(
     simd: S,
-    position: Vectors<S>,
-    corners: &[Vectors<S>; 3],
-    normals: &[Vectors<S>; 3],
-    weights: &[Lanes<S>; 3],
+    position: DVec3x16<S>,
+    corners: &[DVec3x16<S>; 3],
+    normals: &[DVec3x16<S>; 3],
+    weights: &[F64x16<S>; 3],
 ) -> Lifted<S> {
-    let zero = Lanes::splat(simd, 0.0);
-    let mut lift = Vectors::splat(simd, DVec3::ZERO);
+    let zero = F64x16::splat(simd, 0.0);
+    let mut lift = DVec3x16::splat(simd, DVec3::ZERO);
     let mut reach = zero;
     for corner in 0..3 {
         let way = corners[corner] - position;
@@ -240,7 +240,7 @@ fn lifted<S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Door, Kernel};
+    use crate::simd::{Kernel, SimdLevel};
 
     /// A point of a triangle with vertex normals.
     #[derive(Clone, Copy, Debug)]
@@ -280,12 +280,12 @@ mod tests {
             let load = |vector: &dyn Fn(&Hit) -> DVec3| {
                 let axes = [0, 1, 2].map(|axis| hits.each_ref().map(|hit| vector(hit)[axis]));
                 let [x, y, z] = &axes;
-                Vectors::load(simd, [x, y, z])
+                DVec3x16::load(simd, [x, y, z])
             };
             let corners = [0, 1, 2].map(|corner: usize| load(&|hit| hit.corners[corner]));
             let normals = [0, 1, 2].map(|corner: usize| load(&|hit| hit.normals[corner]));
             let weights = [0, 1, 2].map(|corner: usize| {
-                Lanes::load(simd, &hits.each_ref().map(|hit| hit.weights[corner]))
+                F64x16::load(simd, &hits.each_ref().map(|hit| hit.weights[corner]))
             });
             let position = load(&Hit::position);
             let Lifted { start, .. } = lifted(simd, position, &corners, &normals, &weights);
@@ -357,8 +357,8 @@ mod tests {
                         weights: [1.0 - u - v, u, v],
                     }
                 });
-                for (name, door) in Door::available() {
-                    for (hit, found) in hits.iter().zip(door.run(Lift(&hits))) {
+                for (name, level) in SimdLevel::available() {
+                    for (hit, found) in hits.iter().zip(level.run(Lift(&hits))) {
                         let bits = |vector: DVec3| vector.to_array().map(f64::to_bits);
                         assert_eq!(bits(found), bits(hit.start()), "{name} {hit:?}");
                     }

@@ -8,8 +8,8 @@ use super::search::Search;
 use super::surface::unit;
 use super::triangle::{self, Facet, Lie};
 use super::{PLANES, Primitive, SPHERES, Visibility, outline, plane};
-use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
 use crate::math::{DVec3, all_three};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 use crate::world::{Shape, World};
 
@@ -55,9 +55,9 @@ impl<S: Simd> Shown<S> {
             let facet = visibility.triangles.get(slot);
             let [a, b, c] = facet.vertices();
             let corners = [
-                Vectors::splat(simd, a),
-                Vectors::splat(simd, b),
-                Vectors::splat(simd, c),
+                DVec3x16::splat(simd, a),
+                DVec3x16::splat(simd, b),
+                DVec3x16::splat(simd, c),
             ];
             lie = Some(Lie::new(corners, rays.origin));
             facet.primitive()
@@ -78,8 +78,8 @@ impl<S: Simd> Shown<S> {
         visibility: &Visibility<'_>,
         rays: &Rays<S>,
         bits: u32,
-    ) -> Lanes<S> {
-        let asked = Mask::from_bits(simd, bits);
+    ) -> F64x16<S> {
+        let asked = Mask64x16::from_bits(simd, bits);
         if let Some(lie) = &self.lie {
             let (_, t) = triangle::met(lie, rays, asked);
             t
@@ -98,8 +98,8 @@ impl<S: Simd> Shown<S> {
 /// One bit for each slot of a packet below another.
 #[inline(always)]
 pub(super) fn below<S: Simd>(simd: S, slots: &[u32], end: u32) -> u32 {
-    Words::load(simd, slots)
-        .lt(Words::splat(simd, end))
+    U32x16::load(simd, slots)
+        .lt(U32x16::splat(simd, end))
         .to_bits()
 }
 
@@ -111,7 +111,7 @@ pub(super) fn meet_triangles<S: Simd>(
     rays: &Rays<S>,
     slots: &[u32],
     bits: u32,
-) -> (Lanes<S>, Vectors<S>, Vectors<S>) {
+) -> (F64x16<S>, DVec3x16<S>, DVec3x16<S>) {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -122,7 +122,7 @@ pub(super) fn meet_triangles<S: Simd>(
                 |lane| triangles.get(slots[lane]).vertices(),
             );
             let lie = Lie::new(corners, rays.origin);
-            let (_, t) = triangle::met(&lie, rays, Mask::from_bits(simd, bits));
+            let (_, t) = triangle::met(&lie, rays, Mask64x16::from_bits(simd, bits));
             let [a, ..] = corners;
             let square = lie.normal.dot(lie.normal);
             let inverse = square.inverse_root(simd);

@@ -42,9 +42,9 @@ pub use surface::{BATCH, PACKETS, Points};
 pub(crate) use surface::{Column, columns};
 use surface::{Known, Only};
 
-use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point, both};
 use crate::memory::{self, OutOfMemory};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
 use crate::world::{Camera, Plan, Projection, World};
 use beam::{EMPTY_STACK, Stack};
 use canvas::{Canvas, State};
@@ -102,8 +102,8 @@ impl Primitive {
     }
 
     #[inline(always)]
-    fn lanes<S: Simd>(self, simd: S) -> Ids<S> {
-        Ids::splat(simd, self.0)
+    fn lanes<S: Simd>(self, simd: S) -> U64x16<S> {
+        U64x16::splat(simd, self.0)
     }
 }
 
@@ -138,11 +138,11 @@ impl Samples<'_> {
     /// What differs among the primary rays of a packet: their directions, of an orthographic camera where they
     /// start.
     #[inline(always)]
-    fn varying<S: Simd>(&self, simd: S, camera: &Camera, packet: usize) -> Vectors<S> {
+    fn varying<S: Simd>(&self, simd: S, camera: &Camera, packet: usize) -> DVec3x16<S> {
         let [x, y] = self.places;
         let first = packet * LANES;
-        let x = Lanes::load(simd, &x[first..]);
-        camera.varying(simd, x, Lanes::load(simd, &y[first..]))
+        let x = F64x16::load(simd, &x[first..]);
+        camera.varying(simd, x, F64x16::load(simd, &y[first..]))
     }
 
     /// Stretches a canvas before the primary rays of the packets' samples with a bit; `somewhere` is amid the
@@ -234,9 +234,9 @@ fn first_lanes(count: usize, packet: usize) -> u32 {
 fn ranges<S: Simd>(
     simd: S,
     bits: impl Fn(usize) -> u32,
-    vectors: impl Fn(usize) -> Vectors<S>,
+    vectors: impl Fn(usize) -> DVec3x16<S>,
 ) -> Option<[DVec3; 2]> {
-    let infinite = Vectors::splat(simd, DVec3::INFINITY);
+    let infinite = DVec3x16::splat(simd, DVec3::INFINITY);
     let (mut least, mut most) = (infinite, -infinite);
     let mut any = 0;
     for packet in 0..PACKETS {
@@ -245,7 +245,7 @@ fn ranges<S: Simd>(
             continue;
         }
         any |= bits;
-        let asked = Mask::from_bits(simd, bits);
+        let asked = Mask64x16::from_bits(simd, bits);
         let vectors = vectors(packet);
         let low = asked.select_vectors(vectors, infinite);
         let high = asked.select_vectors(vectors, -infinite);
@@ -396,7 +396,7 @@ impl<'w> Visibility<'w> {
             let rays = if is_perspective {
                 Rays::from_point(simd, eye, varying)
             } else {
-                Rays::new(varying, Vectors::splat(simd, forward), None)
+                Rays::new(varying, DVec3x16::splat(simd, forward), None)
             };
             let mut nearest = Nearest::new(simd, again);
             if again != 0 {
@@ -477,14 +477,14 @@ impl<'w> Visibility<'w> {
                 let lanes = packet * LANES;
                 let starts = points.starts();
                 let ends = Ends {
-                    position: Vectors::load(simd, columns(starts.position, packet)),
-                    error: Lanes::load(simd, &starts.error[lanes..]),
-                    primitive: Ids::load(simd, &points.primitive[lanes..]),
+                    position: DVec3x16::load(simd, columns(starts.position, packet)),
+                    error: F64x16::load(simd, &starts.error[lanes..]),
+                    primitive: U64x16::load(simd, &points.primitive[lanes..]),
                 };
                 let mut shadow = Shadow {
                     light,
                     points: &ends,
-                    asked: Mask::from_bits(simd, asked),
+                    asked: Mask64x16::from_bits(simd, asked),
                     asked_bits: asked,
                 };
                 for plane in self.world.planes() {
@@ -574,7 +574,7 @@ impl<'w> Visibility<'w> {
             if is_worth && self.is_wide(&[least, most]) {
                 let widest = (most - least).max_position();
                 // Points too far apart for one beam part into groups.
-                let middle = Lanes::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
+                let middle = F64x16::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
                 let mut lower = group;
                 for (packet, bits) in lower.iter_mut().enumerate() {
                     if *bits != 0 {
@@ -659,6 +659,6 @@ fn longest([least, most]: &[DVec3; 2]) -> f64 {
 
 /// From a light to where its shadow rays from the points of a packet start.
 #[inline(always)]
-fn way<S: Simd>(simd: S, points: &Points, packet: usize, light: Point) -> Vectors<S> {
-    Vectors::load(simd, columns(points.starts().position, packet)).minus(light.0)
+fn way<S: Simd>(simd: S, points: &Points, packet: usize, light: Point) -> DVec3x16<S> {
+    DVec3x16::load(simd, columns(points.starts().position, packet)).minus(light.0)
 }

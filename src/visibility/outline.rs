@@ -9,8 +9,8 @@ use super::extent::{Extent, Extents};
 use super::sketch::{Frame, ROUNDING, SingleVectors, Sketch};
 use super::surface::PACKETS;
 use super::verdict::{Claim, Verdict, Who};
-use crate::lanes::{LANES, SingleMask, Singles, Vectors, ones};
 use crate::math::{DVec3, both};
+use crate::simd::{DVec3x16, F32x16, LANES, Mask32x16, ones};
 
 /// A function c₀ + c₁ x + c₂ y on the canvas.
 #[derive(Clone, Copy, Debug)]
@@ -18,10 +18,10 @@ struct Affine([f32; 3]);
 
 impl Affine {
     #[inline(always)]
-    fn at<S: Simd>(self, simd: S, [x, y]: [Singles<S>; 2]) -> Singles<S> {
+    fn at<S: Simd>(self, simd: S, [x, y]: [F32x16<S>; 2]) -> F32x16<S> {
         let [c, cx, cy] = self.0;
-        let cy = y.times_plus(Singles::splat(simd, cy), Singles::splat(simd, c));
-        x.times_plus(Singles::splat(simd, cx), cy)
+        let cy = y.times_plus(F32x16::splat(simd, cy), F32x16::splat(simd, c));
+        x.times_plus(F32x16::splat(simd, cx), cy)
     }
 }
 
@@ -42,9 +42,9 @@ impl Affines {
     fn load<S: Simd>(&self, simd: S) -> SingleVectors<S> {
         let [constant, x, y] = &self.0;
         SingleVectors {
-            x: Singles::load(simd, &x.0),
-            y: Singles::load(simd, &y.0),
-            z: Singles::load(simd, &constant.0),
+            x: F32x16::load(simd, &x.0),
+            y: F32x16::load(simd, &y.0),
+            z: F32x16::load(simd, &constant.0),
         }
     }
 
@@ -142,9 +142,9 @@ impl Outlines {
         let (b, c) = (a.plus(ab), a.plus(ac));
 
         // The box, where all corners are clearly before the canvas's origin.
-        let one = Singles::splat(simd, 1.0);
-        let zero = Singles::splat(simd, 0.0);
-        let infinite = Singles::splat(simd, f32::INFINITY);
+        let one = F32x16::splat(simd, 1.0);
+        let zero = F32x16::splat(simd, 0.0);
+        let infinite = F32x16::splat(simd, f32::INFINITY);
         let [extent_x, extent_y] = both(canvas.extent, |extent| extent as f32);
         let ab_size = ab.size(simd);
         let ac_size = ac.size(simd);
@@ -152,28 +152,28 @@ impl Outlines {
         // Corners that are one and the same as far as the rounding of their way can tell are anywhere.
         let has_size = ab_size
             .min(ac_size)
-            .gt(Singles::splat(simd, frame.distance * SMALLEST));
+            .gt(F32x16::splat(simd, frame.distance * SMALLEST));
         let has_closeness = (1.0 / CLOSENESS..CLOSENESS).contains(&frame.closeness);
         let nearest_told = if has_closeness {
             frame.distance * NEAREST
         } else {
             f32::INFINITY
         };
-        let is_before = has_size & nearest.gt(Singles::splat(simd, nearest_told));
+        let is_before = has_size & nearest.gt(F32x16::splat(simd, nearest_told));
         let (in_a, in_b, in_c) = (one / a.z, one / b.z, one / c.z);
         let inverse = in_a.max(in_b).max(in_c);
         // Corners drift, across and along; dots are off by 5 u, and divisions by 2 u.
         let [drift_x, drift_y, drift_z] = frame.drift;
-        let give = Singles::splat(simd, GIVES_WAY);
-        let slope = inverse.times_plus(Singles::splat(simd, drift_z * ROUNDING), give);
+        let give = F32x16::splat(simd, GIVES_WAY);
+        let slope = inverse.times_plus(F32x16::splat(simd, drift_z * ROUNDING), give);
         let noise = frame.distance * NOISE;
         let room_x = inverse.times_plus(
-            Singles::splat(simd, drift_x * ROUNDING + noise),
-            Singles::splat(simd, extent_x * GIVES_WAY),
+            F32x16::splat(simd, drift_x * ROUNDING + noise),
+            F32x16::splat(simd, extent_x * GIVES_WAY),
         );
         let room_y = inverse.times_plus(
-            Singles::splat(simd, drift_y * ROUNDING + noise),
-            Singles::splat(simd, extent_y * GIVES_WAY),
+            F32x16::splat(simd, drift_y * ROUNDING + noise),
+            F32x16::splat(simd, extent_y * GIVES_WAY),
         );
         let (ax, bx, cx) = (a.x * in_a, b.x * in_b, c.x * in_c);
         let (ay, by, cy) = (a.y * in_a, b.y * in_b, c.y * in_c);
@@ -187,7 +187,7 @@ impl Outlines {
         let bottom = is_before.select(bottom, zero - infinite);
         let top = top + top.abs().times_plus(slope, room_y);
         let top = is_before.select(top, infinite);
-        let to_closeness = Singles::splat(simd, frame.closeness as f32);
+        let to_closeness = F32x16::splat(simd, frame.closeness as f32);
         let most = inverse * to_closeness * (one + slope);
         let most = is_before.select(most, infinite);
         let meets = canvas.is_of_interest(simd, [left, right, bottom, top], most);
@@ -208,12 +208,9 @@ impl Outlines {
         let is_clear = has_size
             & volume
                 .abs()
-                .gt(edges * Singles::splat(simd, frame.distance * FLATTEST + frame.error));
+                .gt(edges * F32x16::splat(simd, frame.distance * FLATTEST + frame.error));
         let sign = volume.gt(zero).select(one, zero - one);
-        let extent = [
-            Singles::splat(simd, extent_x),
-            Singles::splat(simd, extent_y),
-        ];
+        let extent = [F32x16::splat(simd, extent_x), F32x16::splat(simd, extent_y)];
         let sizes = [ab_size, ac_size, bc_size];
         let (are_told, is_met) =
             self.draw_edges(simd, &frame, [a, b], [ab, ac, bc], sizes, sign, extent);
@@ -223,16 +220,16 @@ impl Outlines {
         let magnitude = closeness.magnitude(extent);
         let is_told = is_clear
             & are_told
-            & magnitude.gt(Singles::splat(simd, (1.0 / CLOSENESS) as f32))
-            & magnitude.le(Singles::splat(simd, CLOSENESS as f32));
+            & magnitude.gt(F32x16::splat(simd, (1.0 / CLOSENESS) as f32))
+            & magnitude.le(F32x16::splat(simd, CLOSENESS as f32));
         self.closeness.store(closeness);
-        let flatness = edges * Singles::splat(simd, ROUNDING) * over_volume.abs();
+        let flatness = edges * F32x16::splat(simd, ROUNDING) * over_volume.abs();
         let of_volume = flatness.times_plus(
-            Singles::splat(simd, frame.distance * 26.0),
-            Singles::splat(simd, ROUNDING * 16.0),
+            F32x16::splat(simd, frame.distance * 26.0),
+            F32x16::splat(simd, ROUNDING * 16.0),
         );
         let of_normal =
-            flatness * to_closeness * Singles::splat(simd, (1.0 + extent_x + extent_y) * 20.0);
+            flatness * to_closeness * F32x16::splat(simd, (1.0 + extent_x + extent_y) * 20.0);
         let error = magnitude.times_plus(of_volume, of_normal);
         error.store(&mut self.closeness_error.0);
         let told = is_told.to_bits();
@@ -240,9 +237,9 @@ impl Outlines {
         self.of_interest &= is_met.to_bits() | self.untold;
         self.extents.covers = 0;
         if canvas.state == State::Aimed {
-            let inside = Singles::splat(simd, 2.0 * EDGE_GIVES_WAY);
+            let inside = F32x16::splat(simd, 2.0 * EDGE_GIVES_WAY);
             let [edge_a, edge_b, edge_c] = &self.edges;
-            let give = error + magnitude * Singles::splat(simd, 2.0 * GIVES_WAY);
+            let give = error + magnitude * F32x16::splat(simd, 2.0 * GIVES_WAY);
             let least = closeness.smallest(extent) - give;
             let covers = edge_a.load(simd).smallest(extent).gt(inside)
                 & edge_b.load(simd).smallest(extent).gt(inside)
@@ -260,8 +257,8 @@ impl Outlines {
         &mut self,
         simd: S,
         canvas: &mut Canvas,
-        boxes: [Singles<S>; 4],
-        most: Singles<S>,
+        boxes: [F32x16<S>; 4],
+        most: F32x16<S>,
         bits: u32,
     ) -> bool {
         self.of_interest = bits;
@@ -299,20 +296,20 @@ impl Outlines {
         frame: &Frame,
         [a, b]: [SingleVectors<S>; 2],
         [ab, ac, bc]: [SingleVectors<S>; 3],
-        [ab_size, ac_size, bc_size]: [Singles<S>; 3],
-        sign: Singles<S>,
-        extent: [Singles<S>; 2],
-    ) -> (SingleMask<S>, SingleMask<S>) {
+        [ab_size, ac_size, bc_size]: [F32x16<S>; 3],
+        sign: F32x16<S>,
+        extent: [F32x16<S>; 2],
+    ) -> (Mask32x16<S>, Mask32x16<S>) {
         let edges = ab_size * ac_size;
         // Of the longest edge, opposite of the first corner: rounding on the way to a corner moves all.
-        let rounding = bc_size * Singles::splat(simd, frame.distance * NEGLIGIBLE as f32);
+        let rounding = bc_size * F32x16::splat(simd, frame.distance * NEGLIGIBLE as f32);
         let [beside_first, opposite_first] = frame.edge_error;
         let shortest = ab_size.min(ac_size).min(bc_size);
-        let are_told = (shortest * Singles::splat(simd, beside_first)).gt(rounding);
+        let are_told = (shortest * F32x16::splat(simd, beside_first)).gt(rounding);
         // The reciprocals of the three lengths from one division: none is below 2⁻⁴².
         let scale = sign / (edges * bc_size);
-        let beside = scale * bc_size * Singles::splat(simd, 1.0 / beside_first);
-        let opposite = scale * edges * Singles::splat(simd, 1.0 / opposite_first);
+        let beside = scale * bc_size * F32x16::splat(simd, 1.0 / beside_first);
+        let opposite = scale * edges * F32x16::splat(simd, 1.0 / opposite_first);
         let [opposite_a, opposite_b, opposite_c] = &mut self.edges;
         let edge_a = b.cross(bc).times(opposite);
         let edge_b = ac.cross(a).times(beside * ab_size);
@@ -321,7 +318,7 @@ impl Outlines {
         opposite_b.store(edge_b);
         opposite_c.store(edge_c);
         // One edge may have all rays on its outer side. Twice the room: for the three sums of this.
-        let outside = Singles::splat(simd, -2.0 * EDGE_GIVES_WAY);
+        let outside = F32x16::splat(simd, -2.0 * EDGE_GIVES_WAY);
         let is_met = edge_a.largest(extent).gt(outside)
             & edge_b.largest(extent).gt(outside)
             & edge_c.largest(extent).gt(outside);
@@ -381,10 +378,10 @@ impl Outlines {
         let inside = inside.min(b.get(triangle).at(simd, dots));
         let inside = inside.min(c.get(triangle).at(simd, dots));
         let closeness = self.closeness.get(triangle).at(simd, dots);
-        let error = Singles::splat(simd, self.closeness_error.0[triangle]);
+        let error = F32x16::splat(simd, self.closeness_error.0[triangle]);
         let claim = Claim {
-            maybe: inside.ge(Singles::splat(simd, -EDGE_GIVES_WAY)),
-            surely: inside.gt(Singles::splat(simd, EDGE_GIVES_WAY)),
+            maybe: inside.ge(F32x16::splat(simd, -EDGE_GIVES_WAY)),
+            surely: inside.gt(F32x16::splat(simd, EDGE_GIVES_WAY)),
             least: closeness - error,
             most: closeness + error,
         };
@@ -440,7 +437,7 @@ pub(super) fn cast_plane<S: Simd>(
         return;
     }
     let closeness = Affine([z as f32, x as f32, y as f32]);
-    let error = Singles::splat(simd, magnitude as f32 * GIVES_WAY);
+    let error = F32x16::splat(simd, magnitude as f32 * GIVES_WAY);
     let plane = is_told.then_some((closeness, error));
     claim_everywhere(simd, plane, who, canvas, verdict);
 }
@@ -449,12 +446,12 @@ pub(super) fn cast_plane<S: Simd>(
 #[inline(always)]
 fn claim_everywhere<S: Simd>(
     simd: S,
-    plane: Option<(Affine, Singles<S>)>,
+    plane: Option<(Affine, F32x16<S>)>,
     who: Who,
     canvas: &mut Canvas,
     verdict: impl Verdict,
 ) {
-    let all = SingleMask::from_bits(simd, u32::from(u16::MAX));
+    let all = Mask32x16::from_bits(simd, u32::from(u16::MAX));
     let packets = canvas.meets(simd, &Extent::EVERYTHING);
     for packet in ones(packets) {
         let Some((closeness, error)) = plane else {
@@ -464,7 +461,7 @@ fn claim_everywhere<S: Simd>(
         let closeness = closeness.at(simd, canvas.dots(simd, packet));
         let maybe = match canvas.shared {
             // Behind the point a plane is of negative closeness.
-            Shared::Point => closeness.ge(Singles::splat(simd, 0.0) - error),
+            Shared::Point => closeness.ge(F32x16::splat(simd, 0.0) - error),
             Shared::Direction(_) => all,
         };
         let claim = Claim {
@@ -484,7 +481,7 @@ pub(super) fn side_by_side<S: Simd>(
     simd: S,
     bits: u32,
     corners: impl Fn(usize) -> [DVec3; 3],
-) -> [Vectors<S>; 3] {
+) -> [DVec3x16<S>; 3] {
     let mut columns = [[0.0; LANES]; 9];
     for lane in ones(bits) {
         let [a, b, c] = corners(lane);
@@ -500,8 +497,8 @@ pub(super) fn side_by_side<S: Simd>(
     }
     let [ax, ay, az, bx, by, bz, cx, cy, cz] = &columns;
     [
-        Vectors::load(simd, [ax, ay, az]),
-        Vectors::load(simd, [bx, by, bz]),
-        Vectors::load(simd, [cx, cy, cz]),
+        DVec3x16::load(simd, [ax, ay, az]),
+        DVec3x16::load(simd, [bx, by, bz]),
+        DVec3x16::load(simd, [cx, cy, cz]),
     ]
 }

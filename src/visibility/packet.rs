@@ -7,18 +7,18 @@ use super::beam::{Beam, Stack, range};
 use super::nodes::Tree;
 use super::search::Shape;
 use super::triangle::{Shears, shears};
-use crate::lanes::{Ids, LANES, Lanes, Mask, Vectors};
 use crate::math::{DVec3, Point};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
 
 /// Rays r(t) = o + t ω, side by side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rays<S: Simd> {
-    pub(super) origin: Vectors<S>,
-    pub(super) direction: Vectors<S>,
+    pub(super) origin: DVec3x16<S>,
+    pub(super) direction: DVec3x16<S>,
     /// Where all start, if they start at one point.
     pub(super) shared_origin: Option<DVec3>,
     /// |ω|²
-    pub(super) square: Lanes<S>,
+    pub(super) square: F64x16<S>,
 }
 
 /// Rays that are asked together.
@@ -41,15 +41,15 @@ impl<S: Simd> Packet<S> {
 impl<S: Simd> Rays<S> {
     /// Rays from one point.
     #[inline(always)]
-    pub(super) fn from_point(simd: S, origin: Point, direction: Vectors<S>) -> Self {
-        let origins = Vectors::splat(simd, origin.0);
+    pub(super) fn from_point(simd: S, origin: Point, direction: DVec3x16<S>) -> Self {
+        let origins = DVec3x16::splat(simd, origin.0);
         Self::new(origins, direction, Some(origin.0))
     }
 
     #[inline(always)]
     pub(super) fn new(
-        origin: Vectors<S>,
-        direction: Vectors<S>,
+        origin: DVec3x16<S>,
+        direction: DVec3x16<S>,
         shared_origin: Option<DVec3>,
     ) -> Self {
         Self {
@@ -65,27 +65,33 @@ impl<S: Simd> Rays<S> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest<S: Simd> {
     /// The rays that ask.
-    pub(super) asked: Mask<S>,
+    pub(super) asked: Mask64x16<S>,
     pub(super) asked_bits: u32,
     /// t; infinite where nothing is hit.
-    pub(super) t: Lanes<S>,
-    pub(super) primitive: Ids<S>,
+    pub(super) t: F64x16<S>,
+    pub(super) primitive: U64x16<S>,
 }
 
 impl<S: Simd> Nearest<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, asked_bits: u32) -> Self {
         Self {
-            asked: Mask::from_bits(simd, asked_bits),
+            asked: Mask64x16::from_bits(simd, asked_bits),
             asked_bits,
-            t: Lanes::splat(simd, f64::INFINITY),
-            primitive: Ids::splat(simd, u64::MAX),
+            t: F64x16::splat(simd, f64::INFINITY),
+            primitive: U64x16::splat(simd, u64::MAX),
         }
     }
 
     /// Takes the hits that are nearer; at the same distance what is written first in the scene.
     #[inline(always)]
-    pub(super) fn offer(&mut self, simd: S, found: Mask<S>, t: Lanes<S>, primitive: Primitive) {
+    pub(super) fn offer(
+        &mut self,
+        simd: S,
+        found: Mask64x16<S>,
+        t: F64x16<S>,
+        primitive: Primitive,
+    ) {
         let primitive = primitive.lanes(simd);
         let ties = t.eq(self.t) & primitive.lt(self.primitive);
         let is_nearer = found & self.asked & (t.lt(self.t) | ties);
@@ -97,9 +103,9 @@ impl<S: Simd> Nearest<S> {
 /// Points of surfaces that ask for a light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ends<S: Simd> {
-    pub(super) position: Vectors<S>,
-    pub(super) error: Lanes<S>,
-    pub(super) primitive: Ids<S>,
+    pub(super) position: DVec3x16<S>,
+    pub(super) error: F64x16<S>,
+    pub(super) primitive: U64x16<S>,
 }
 
 /// Which points a light reaches, so far.
@@ -108,13 +114,13 @@ pub(super) struct Shadow<'p, S: Simd> {
     pub(super) light: Point,
     pub(super) points: &'p Ends<S>,
     /// Those that nothing is known to hide.
-    pub(super) asked: Mask<S>,
+    pub(super) asked: Mask64x16<S>,
     pub(super) asked_bits: u32,
 }
 
 impl<S: Simd> Shadow<'_, S> {
     #[inline(always)]
-    pub(super) fn hide(&mut self, hidden: Mask<S>) {
+    pub(super) fn hide(&mut self, hidden: Mask64x16<S>) {
         self.asked = self.asked & !hidden;
         self.asked_bits = self.asked.to_bits();
     }
@@ -146,7 +152,7 @@ impl<S: Simd> Question<S> for Nearest<S> {
 
     #[inline(always)]
     fn limit(&self, simd: S) -> f64 {
-        let zero = Lanes::splat(simd, 0.0);
+        let zero = F64x16::splat(simd, 0.0);
         self.asked.select(self.t, zero).largest()
     }
 
@@ -164,7 +170,7 @@ impl<S: Simd> Question<S> for Nearest<S> {
     #[inline(always)]
     fn only(&mut self, simd: S, bits: u32) {
         self.asked_bits = bits;
-        self.asked = Mask::from_bits(simd, bits);
+        self.asked = Mask64x16::from_bits(simd, bits);
     }
 }
 
@@ -182,7 +188,7 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
 
     #[inline(always)]
     fn error(&self, simd: S) -> f64 {
-        let zero = Lanes::splat(simd, 0.0);
+        let zero = F64x16::splat(simd, 0.0);
         self.asked.select(self.points.error, zero).largest()
     }
 
@@ -194,7 +200,7 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
     #[inline(always)]
     fn only(&mut self, simd: S, bits: u32) {
         self.asked_bits = bits;
-        self.asked = Mask::from_bits(simd, bits);
+        self.asked = Mask64x16::from_bits(simd, bits);
     }
 }
 
@@ -214,7 +220,7 @@ impl Spread {
     /// Of the rays with a bit.
     #[inline(always)]
     fn of<S: Simd>(simd: S, rays: &Rays<S>, bits: u32) -> Self {
-        let asked = Mask::from_bits(simd, bits);
+        let asked = Mask64x16::from_bits(simd, bits);
         let d = rays.direction;
         let directions = [
             range(simd, d.x, asked),
@@ -231,7 +237,7 @@ impl Spread {
         let mut parted = 0;
         if width > length * MOST_BEAM_SPREAD {
             let [least, most] = directions[widest];
-            let middle = Lanes::splat(simd, least * 0.5 + most * 0.5);
+            let middle = F64x16::splat(simd, least * 0.5 + most * 0.5);
             parted = d.component(widest).lt(middle).to_bits() & bits;
         }
         let [x, y, z] = directions;

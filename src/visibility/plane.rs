@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::packet::{Nearest, Rays, Shadow};
 use super::{Primitive, ROUNDING};
-use crate::lanes::Lanes;
+use crate::simd::F64x16;
 use crate::world::Plane;
 
 /// L2: where the rays meet the plane, if they do so at t above 0.
@@ -12,13 +12,13 @@ use crate::world::Plane;
 pub(super) fn intersect<S: Simd>(simd: S, plane: &Plane, rays: &Rays<S>, nearest: &mut Nearest<S>) {
     let t = met(plane, rays);
     // A ray along the plane gives an infinite or NaN t.
-    let found = t.is_positive() & t.lt(Lanes::splat(simd, f64::INFINITY));
+    let found = t.is_positive() & t.lt(F64x16::splat(simd, f64::INFINITY));
     nearest.offer(simd, found, t, Primitive::whole(plane.object));
 }
 
 /// L2: where the lines of rays meet the plane.
 #[inline(always)]
-pub(super) fn met<S: Simd>(plane: &Plane, rays: &Rays<S>) -> Lanes<S> {
+pub(super) fn met<S: Simd>(plane: &Plane, rays: &Rays<S>) -> F64x16<S> {
     let normal = plane.normal.get();
     let height = -rays.origin.minus(plane.point.0).dot_with(normal);
     height / rays.direction.dot_with(normal)

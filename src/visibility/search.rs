@@ -9,8 +9,8 @@ use super::canvas::Canvas;
 use super::nodes::{Members, Tree, blocks_of};
 use super::packet::{Nearest, Packet, Question, Shadow, descend};
 use super::verdict::Verdict;
-use crate::lanes::ones;
 use crate::math::DVec3;
+use crate::simd::ones;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
 
 /// A shape that fits in a box.

@@ -5,8 +5,8 @@ use std::hint::black_box;
 use fearless_simd::Simd;
 
 use super::canvas::{Canvas, NEGLIGIBLE, Row};
-use crate::lanes::{LANES, Singles, Vectors};
 use crate::math::{DVec3, all_three, both};
+use crate::simd::{DVec3x16, F32x16, LANES};
 
 /// One rounding to f32.
 pub(super) const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
@@ -14,18 +14,18 @@ pub(super) const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
 /// A vector in each lane.
 #[derive(Clone, Copy)]
 pub(super) struct SingleVectors<S: Simd> {
-    pub(super) x: Singles<S>,
-    pub(super) y: Singles<S>,
-    pub(super) z: Singles<S>,
+    pub(super) x: F32x16<S>,
+    pub(super) y: F32x16<S>,
+    pub(super) z: F32x16<S>,
 }
 
 impl<S: Simd> SingleVectors<S> {
     #[inline(always)]
     pub(super) fn load(simd: S, [x, y, z]: &[Row; 3]) -> Self {
         Self {
-            x: Singles::load(simd, &x.0),
-            y: Singles::load(simd, &y.0),
-            z: Singles::load(simd, &z.0),
+            x: F32x16::load(simd, &x.0),
+            y: F32x16::load(simd, &y.0),
+            z: F32x16::load(simd, &z.0),
         }
     }
 
@@ -40,10 +40,10 @@ impl<S: Simd> SingleVectors<S> {
     }
 
     #[inline(always)]
-    fn along(self, simd: S, [x, y, z]: &[f32; 3]) -> Singles<S> {
-        let zs = self.z * Singles::splat(simd, *z);
-        let yzs = self.y.times_plus(Singles::splat(simd, *y), zs);
-        self.x.times_plus(Singles::splat(simd, *x), yzs)
+    fn along(self, simd: S, [x, y, z]: &[f32; 3]) -> F32x16<S> {
+        let zs = self.z * F32x16::splat(simd, *z);
+        let yzs = self.y.times_plus(F32x16::splat(simd, *y), zs);
+        self.x.times_plus(F32x16::splat(simd, *x), yzs)
     }
 
     #[inline(always)]
@@ -74,7 +74,7 @@ impl<S: Simd> SingleVectors<S> {
     }
 
     #[inline(always)]
-    pub(super) fn dot(self, other: Self) -> Singles<S> {
+    pub(super) fn dot(self, other: Self) -> F32x16<S> {
         let yzs = self.y.times_plus(other.y, self.z * other.z);
         self.x.times_plus(other.x, yzs)
     }
@@ -82,14 +82,14 @@ impl<S: Simd> SingleVectors<S> {
     /// At least the length, and 8 % more at most: (√2 − 1) times the smaller two components added to the
     /// largest.
     #[inline(always)]
-    pub(super) fn size(self, simd: S) -> Singles<S> {
+    pub(super) fn size(self, simd: S) -> F32x16<S> {
         let (x, y, z) = (self.x.abs(), self.y.abs(), self.z.abs());
-        let largest = x.max(y).max(z) * Singles::splat(simd, 0.5857);
-        (x + y + z).times_plus(Singles::splat(simd, 0.4143), largest)
+        let largest = x.max(y).max(z) * F32x16::splat(simd, 0.5857);
+        (x + y + z).times_plus(F32x16::splat(simd, 0.4143), largest)
     }
 
     #[inline(always)]
-    pub(super) fn times(self, factor: Singles<S>) -> Self {
+    pub(super) fn times(self, factor: F32x16<S>) -> Self {
         Self {
             x: self.x * factor,
             y: self.y * factor,
@@ -99,20 +99,20 @@ impl<S: Simd> SingleVectors<S> {
 
     /// The largest values of functions on a canvas, or more.
     #[inline(always)]
-    pub(super) fn largest(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
+    pub(super) fn largest(self, [x, y]: [F32x16<S>; 2]) -> F32x16<S> {
         let terms = self.y.abs().times_plus(y, self.z);
         self.x.abs().times_plus(x, terms)
     }
 
     /// The smallest values of functions on a canvas, or less.
     #[inline(always)]
-    pub(super) fn smallest(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
+    pub(super) fn smallest(self, [x, y]: [F32x16<S>; 2]) -> F32x16<S> {
         self.z - (self.x.abs() * x + self.y.abs() * y)
     }
 
     /// The sum of the magnitudes of the terms of functions on a canvas, at most.
     #[inline(always)]
-    pub(super) fn magnitude(self, [x, y]: [Singles<S>; 2]) -> Singles<S> {
+    pub(super) fn magnitude(self, [x, y]: [F32x16<S>; 2]) -> F32x16<S> {
         let terms = self.y.abs().times_plus(y, self.z.abs());
         self.x.abs().times_plus(x, terms)
     }
@@ -176,7 +176,7 @@ impl Sketch {
 
     /// The corners, which may be off by [`Self::error`] in each coordinate.
     #[inline(always)]
-    pub(super) fn corners<S: Simd>(&self, simd: S) -> [Vectors<S>; 3] {
+    pub(super) fn corners<S: Simd>(&self, simd: S) -> [DVec3x16<S>; 3] {
         let a = self.widened(simd, &self.first).minus(-self.middle);
         let ab = self.widened(simd, &self.to_second);
         let ac = self.widened(simd, &self.to_third);
@@ -184,11 +184,11 @@ impl Sketch {
     }
 
     #[inline(always)]
-    fn widened<S: Simd>(&self, simd: S, [x, y, z]: &[Row; 3]) -> Vectors<S> {
-        Vectors {
-            x: Singles::load(simd, &x.0).widened(simd) * self.size,
-            y: Singles::load(simd, &y.0).widened(simd) * self.size,
-            z: Singles::load(simd, &z.0).widened(simd) * self.size,
+    fn widened<S: Simd>(&self, simd: S, [x, y, z]: &[Row; 3]) -> DVec3x16<S> {
+        DVec3x16 {
+            x: F32x16::load(simd, &x.0).widened(simd) * self.size,
+            y: F32x16::load(simd, &y.0).widened(simd) * self.size,
+            z: F32x16::load(simd, &z.0).widened(simd) * self.size,
         }
     }
 
@@ -237,9 +237,9 @@ impl Frame {
     ) -> [SingleVectors<S>; 3] {
         let [x, y, z] = self.middle;
         let middle = SingleVectors {
-            x: Singles::splat(simd, x),
-            y: Singles::splat(simd, y),
-            z: Singles::splat(simd, z),
+            x: F32x16::splat(simd, x),
+            y: F32x16::splat(simd, y),
+            z: F32x16::splat(simd, z),
         };
         let first = SingleVectors::load(simd, &sketch.first).turned(simd, &canvas.turn);
         [

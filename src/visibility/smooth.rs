@@ -7,8 +7,8 @@ use super::packet::Rays;
 use super::surface::{columns, columns_mut, unit};
 use super::triangle::edge;
 use super::{Points, Primitive};
-use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::{DVec3, Normal, all_three};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
 use crate::world::geometry::MeshNormals;
 use crate::world::{Shape, World};
 
@@ -49,12 +49,12 @@ impl Points {
             #[inline(always)]
             |lane| all_three(smooth.normals(lane), Normal::get),
         );
-        let geometric = Vectors::load(simd, columns(&self.geometric_normal, packet));
+        let geometric = DVec3x16::load(simd, columns(&self.geometric_normal, packet));
         let weights = weights(corners, rays);
         let between = between(simd, smooth.bits, weights, normals, geometric);
         let normal = between.normal;
         normal.store(columns_mut(&mut self.shading_normal, packet));
-        let to_viewer = Vectors::load(simd, columns(&self.to_viewer, packet));
+        let to_viewer = DVec3x16::load(simd, columns(&self.to_viewer, packet));
         let cos_viewer = &mut self.cos_viewer[lanes];
         normal.dot(to_viewer).store(cos_viewer);
         if smooth.lifts {
@@ -136,7 +136,7 @@ impl<'w> Smooth<'w> {
 /// Barycentric coordinates, of corner after corner, where rays hit triangles, each its own: the edge
 /// functions that also say that it is hit, in proportion to their sum.
 #[inline(always)]
-fn weights<S: Simd>(corners: [Vectors<S>; 3], rays: &Rays<S>) -> [Lanes<S>; 3] {
+fn weights<S: Simd>(corners: [DVec3x16<S>; 3], rays: &Rays<S>) -> [F64x16<S>; 3] {
     let d = rays.direction;
     let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
     // The axis that a ray runs along becomes its last.
@@ -155,8 +155,8 @@ fn weights<S: Simd>(corners: [Vectors<S>; 3], rays: &Rays<S>) -> [Lanes<S>; 3] {
 
 /// The components in cyclic order, so that x comes last, or else y; elsewhere as they are.
 #[inline(always)]
-fn turned<S: Simd>(v: Vectors<S>, is_x: Mask<S>, is_y: Mask<S>) -> Vectors<S> {
-    Vectors {
+fn turned<S: Simd>(v: DVec3x16<S>, is_x: Mask64x16<S>, is_y: Mask64x16<S>) -> DVec3x16<S> {
+    DVec3x16 {
         x: is_x.select(v.y, is_y.select(v.z, v.x)),
         y: is_x.select(v.z, is_y.select(v.x, v.y)),
         z: is_x.select(v.x, is_y.select(v.y, v.z)),
@@ -165,24 +165,24 @@ fn turned<S: Simd>(v: Vectors<S>, is_x: Mask<S>, is_y: Mask<S>) -> Vectors<S> {
 
 /// Where a point is as seen along rays that start at 0 and have these slopes over z.
 #[inline(always)]
-fn sheared<S: Simd>(point: Vectors<S>, slopes: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+fn sheared<S: Simd>(point: DVec3x16<S>, slopes: [F64x16<S>; 2]) -> [F64x16<S>; 2] {
     [point.x - slopes[0] * point.z, point.y - slopes[1] * point.z]
 }
 
 /// What vertex normals come to.
 struct Between<S: Simd> {
     /// On the side of the geometric normal.
-    normal: Vectors<S>,
+    normal: DVec3x16<S>,
     /// Where the vertex normals are on the other side.
-    is_turned: Mask<S>,
+    is_turned: Mask64x16<S>,
     /// Where they do not cancel each other.
-    has_direction: Mask<S>,
+    has_direction: Mask64x16<S>,
 }
 
 impl<S: Simd> Between<S> {
     /// Vertex normals, turned as their sum is.
     #[inline(always)]
-    fn on_its_side(&self, normals: Vectors<S>) -> Vectors<S> {
+    fn on_its_side(&self, normals: DVec3x16<S>) -> DVec3x16<S> {
         self.is_turned.select_vectors(-normals, normals)
     }
 }
@@ -193,21 +193,21 @@ impl<S: Simd> Between<S> {
 fn between<S: Simd>(
     simd: S,
     bits: u32,
-    weights: [Lanes<S>; 3],
-    normals: [Vectors<S>; 3],
-    geometric: Vectors<S>,
+    weights: [F64x16<S>; 3],
+    normals: [DVec3x16<S>; 3],
+    geometric: DVec3x16<S>,
 ) -> Between<S> {
     let [u, v, w] = weights;
     let [a, b, c] = normals;
     // From 0 on, so that no sum of zeros is −0.
-    let zero = Vectors::splat(simd, DVec3::ZERO);
+    let zero = DVec3x16::splat(simd, DVec3::ZERO);
     let sum = zero + a.times(u) + b.times(v) + c.times(w);
     let square = sum.dot(sum);
     let normal = unit(simd, sum, square, square.inverse_root(simd), bits);
     let has_direction = normal.dot(normal).is_positive();
-    let is_turned = normal.dot(geometric).lt(Lanes::splat(simd, 0.0));
+    let is_turned = normal.dot(geometric).lt(F64x16::splat(simd, 0.0));
     let normal = is_turned.select_vectors(-normal, normal);
-    let is_smooth = Mask::from_bits(simd, bits) & has_direction;
+    let is_smooth = Mask64x16::from_bits(simd, bits) & has_direction;
     Between {
         normal: is_smooth.select_vectors(normal, geometric),
         is_turned,
@@ -218,7 +218,7 @@ fn between<S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Door, Kernel};
+    use crate::simd::{Kernel, SimdLevel};
 
     /// A ray that hits a triangle.
     #[derive(Clone, Copy, Debug)]
@@ -276,7 +276,7 @@ mod tests {
             let load = |vector: &dyn Fn(&Hit) -> DVec3| {
                 let axes = [0, 1, 2].map(|axis| hits.each_ref().map(|hit| vector(hit)[axis]));
                 let [x, y, z] = &axes;
-                Vectors::load(simd, [x, y, z])
+                DVec3x16::load(simd, [x, y, z])
             };
             let rays = Rays::new(load(&|hit| hit.origin), load(&|hit| hit.direction), None);
             let corners = [0, 1, 2].map(|corner: usize| load(&|hit| hit.corners[corner]));
@@ -320,8 +320,8 @@ mod tests {
     /// Every instruction set gives the bits that one ray at a time has.
     #[track_caller]
     fn agrees(hits: &[Hit; LANES], bits: u32) {
-        for (name, door) in Door::available() {
-            let found = door.run(Between(hits, bits));
+        for (name, level) in SimdLevel::available() {
+            let found = level.run(Between(hits, bits));
             for (lane, (hit, found)) in hits.iter().zip(found).enumerate() {
                 let is_smooth = bits >> lane & 1 == 1;
                 let expected = if is_smooth {

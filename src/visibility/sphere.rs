@@ -10,8 +10,8 @@ use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
 use super::verdict::{Verdict, Who};
 use super::{Primitive, ROUNDING};
-use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::{DVec3, Point, all_three};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
 use crate::world::{Camera, Projection, Sphere};
 
 /// A sphere with its index in the world.
@@ -26,9 +26,9 @@ pub(super) struct Ball {
 
 /// Both parameters at which a line meets a sphere, the nearer first.
 struct Crossings<S: Simd> {
-    exist: Mask<S>,
-    first: Lanes<S>,
-    second: Lanes<S>,
+    exist: Mask64x16<S>,
+    first: F64x16<S>,
+    second: F64x16<S>,
 }
 
 impl Ball {
@@ -54,11 +54,16 @@ impl Ball {
     /// discriminant R² − |oc − (oc·ω)ω|² and the root c/q keep their precision for a sphere that is
     /// small and far away, where b² − 4ac cancels.
     #[inline(always)]
-    fn crossings<S: Simd>(&self, simd: S, rays: &Rays<S>, asked: Mask<S>) -> Option<Crossings<S>> {
-        let zero = Lanes::splat(simd, 0.0);
+    fn crossings<S: Simd>(
+        &self,
+        simd: S,
+        rays: &Rays<S>,
+        asked: Mask64x16<S>,
+    ) -> Option<Crossings<S>> {
+        let zero = F64x16::splat(simd, 0.0);
         let oc = -rays.origin.minus(self.center.0);
         let along = oc.dot(rays.direction);
-        let inverse_square = Lanes::splat(simd, 1.0) / rays.square;
+        let inverse_square = F64x16::splat(simd, 1.0) / rays.square;
         let across = oc - rays.direction.times(along * inverse_square);
         let discriminant = -across.dot(across) + self.radius * self.radius;
         let exist = discriminant.ge(zero) & asked;
@@ -71,7 +76,7 @@ impl Ball {
         let c = match rays.shared_origin {
             Some(origin) => {
                 let distance = self.center.from(Point(origin)).length();
-                Lanes::splat(simd, (distance - self.radius) * (distance + self.radius))
+                F64x16::splat(simd, (distance - self.radius) * (distance + self.radius))
             }
             None => {
                 let distance = oc.dot(oc).sqrt();
@@ -96,8 +101,8 @@ impl Ball {
         &self,
         simd: S,
         rays: &Rays<S>,
-        asked: Mask<S>,
-    ) -> Option<(Mask<S>, Lanes<S>)> {
+        asked: Mask64x16<S>,
+    ) -> Option<(Mask64x16<S>, F64x16<S>)> {
         let Crossings {
             exist,
             first,
@@ -124,8 +129,8 @@ impl Balls {
     fn spheres<S: Simd>(&self, simd: S) -> Spheres<S> {
         let [x, y, z] = &self.center;
         Spheres {
-            center: Vectors::load(simd, [x, y, z]),
-            radius: Lanes::load(simd, &self.radius),
+            center: DVec3x16::load(simd, [x, y, z]),
+            radius: F64x16::load(simd, &self.radius),
             shows_outside: self.shows_outside,
         }
     }
@@ -271,7 +276,7 @@ impl Shape for Ball {
 
 /// Where t is before the point at 1, and after the light: t > at_light / |ω|.
 #[inline(always)]
-fn is_between<S: Simd>(simd: S, t: Lanes<S>, rays: &Rays<S>, at_light: f64) -> Mask<S> {
-    let after = (t * t * rays.square).gt(Lanes::splat(simd, at_light * at_light));
-    t.is_positive() & after & t.lt(Lanes::splat(simd, 1.0))
+fn is_between<S: Simd>(simd: S, t: F64x16<S>, rays: &Rays<S>, at_light: f64) -> Mask64x16<S> {
+    let after = (t * t * rays.square).gt(F64x16::splat(simd, at_light * at_light));
+    t.is_positive() & after & t.lt(F64x16::splat(simd, 1.0))
 }

@@ -9,8 +9,8 @@ use super::lift::Lifts;
 use super::met::{Shown, Sources, below, meet_triangles};
 use super::packet::{Nearest, Rays};
 use super::{Primitive, ROUNDING, SPHERES, Visibility};
-use crate::lanes::{LANES, Lanes, Mask, Vectors, Words, ones};
 use crate::math::{DVec3, Direction, SAFE_SQUARES};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
 
 /// Rays that are traced and shaded together.
 pub const BATCH: usize = 256;
@@ -191,7 +191,7 @@ impl Points {
     ) {
         let world = visibility.world;
         let first_lane = packet * LANES;
-        let infinite = Lanes::splat(simd, f64::INFINITY);
+        let infinite = F64x16::splat(simd, f64::INFINITY);
         let asked = (nearest.t.lt(infinite) & nearest.asked).to_bits();
         let found = below(simd, slots, NOTHING);
         let bits = asked | found & met;
@@ -201,8 +201,8 @@ impl Points {
         }
         let first = bits.trailing_zeros() as usize;
         let is_one = asked == 0 && {
-            let one = Words::splat(simd, slots[first]);
-            Words::load(simd, slots).eq(one).to_bits() & bits == bits
+            let one = U32x16::splat(simd, slots[first]);
+            U32x16::load(simd, slots).eq(one).to_bits() & bits == bits
         };
         let (reference, tangent, is_curved, t);
         if is_one {
@@ -216,9 +216,9 @@ impl Points {
             } = *shown;
             self.only = self.only.and(primitive);
             t = shown.met(simd, visibility, rays, bits);
-            reference = Vectors::splat(simd, source.reference);
-            tangent = Vectors::splat(simd, source.tangent);
-            is_curved = Mask::from_bits(simd, if source.is_curved { bits } else { 0 });
+            reference = DVec3x16::splat(simd, source.reference);
+            tangent = DVec3x16::splat(simd, source.tangent);
+            is_curved = Mask64x16::from_bits(simd, if source.is_curved { bits } else { 0 });
             let lanes = first_lane..first_lane + LANES;
             self.primitive[lanes.clone()].fill(primitive.0);
             self.material[lanes].fill(source.material);
@@ -227,7 +227,7 @@ impl Points {
             self.only = Only::Many;
             let triangles = &visibility.triangles;
             (t, reference, tangent) = meet_triangles(simd, triangles, rays, slots, bits);
-            is_curved = Mask::from_bits(simd, 0);
+            is_curved = Mask64x16::from_bits(simd, 0);
             let (mut object, mut material) = (u32::MAX, 0);
             let mut are_uniform = true;
             for lane in ones(bits) {
@@ -253,11 +253,11 @@ impl Points {
             let material = sources.material[first];
             self.is_uniform[packet] = ones(bits).all(|lane| sources.material[lane] == material);
             let [x, y, z] = &sources.reference;
-            reference = Vectors::load(simd, [x, y, z]);
+            reference = DVec3x16::load(simd, [x, y, z]);
             let [x, y, z] = &sources.tangent;
-            tangent = Vectors::load(simd, [x, y, z]);
-            is_curved = Mask::from_bits(simd, sources.curved);
-            t = Lanes::load(simd, &sources.t);
+            tangent = DVec3x16::load(simd, [x, y, z]);
+            is_curved = Mask64x16::from_bits(simd, sources.curved);
+            t = F64x16::load(simd, &sources.t);
         }
 
         let way = rays.direction.times(t);
@@ -277,10 +277,10 @@ impl Points {
             let outwards = has_direction.select_vectors(outwards, to_viewer);
             is_curved.select_vectors(outwards, reference)
         };
-        let is_turned = normal.dot(to_viewer).lt(Lanes::splat(simd, 0.0));
+        let is_turned = normal.dot(to_viewer).lt(F64x16::splat(simd, 0.0));
         let geometric = is_turned.select_vectors(-normal, normal);
         let cos_viewer = geometric.dot(to_viewer);
-        let is_edge_on = is_turned & cos_viewer.lt(Lanes::splat(simd, EDGE_ON));
+        let is_edge_on = is_turned & cos_viewer.lt(F64x16::splat(simd, EDGE_ON));
         self.edge_on[packet] = is_edge_on.to_bits() & curved;
         let tangent = is_curved.select_vectors(position, tangent);
         // t comes from the way to the shape's own reference, and is rounded with it; then one rounding
@@ -344,16 +344,16 @@ impl Points {
     }
 }
 
-/// Vectors at unit length, from their squares and the reciprocal roots of these; 0 for those of `asked` that
+/// DVec3x16 at unit length, from their squares and the reciprocal roots of these; 0 for those of `asked` that
 /// have no direction.
 #[inline(always)]
 pub(super) fn unit<S: Simd>(
     simd: S,
-    vectors: Vectors<S>,
-    square: Lanes<S>,
-    inverse_root: Lanes<S>,
+    vectors: DVec3x16<S>,
+    square: F64x16<S>,
+    inverse_root: F64x16<S>,
     asked: u32,
-) -> Vectors<S> {
+) -> DVec3x16<S> {
     let is_safe = square.is_within(simd, SAFE_SQUARES).to_bits();
     let units = vectors.times(inverse_root);
     let unsafe_lanes = asked & !is_safe;
@@ -375,5 +375,5 @@ pub(super) fn unit<S: Simd>(
         }
     }
     let [x, y, z] = &columns;
-    Vectors::load(simd, [x, y, z])
+    DVec3x16::load(simd, [x, y, z])
 }

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::*;
-use crate::lanes::{Door, Kernel};
 use crate::scene::mesh::{MeshFile, MeshNormals};
 use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
+use crate::simd::{Kernel, SimdLevel};
 
 mod contacts;
 mod lifted;
@@ -173,8 +173,8 @@ impl Writer {
         };
         let mut bits = None;
         let mut most_again = 0.0_f64;
-        for (name, door) in Door::available() {
-            let (again, seen) = door.run(compare);
+        for (name, level) in SimdLevel::available() {
+            let (again, seen) = level.run(compare);
             most_again = most_again.max(again);
             // The way of one instruction set is the way of all.
             assert!(*bits.get_or_insert_with(|| seen.clone()) == seen, "{name}");

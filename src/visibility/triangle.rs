@@ -18,8 +18,8 @@ use super::search::{Block, Shape};
 use super::sketch::Sketch;
 use super::verdict::{Verdict, Who};
 use super::{Primitive, ROUNDING};
-use crate::lanes::{LANES, Lanes, Mask, Vectors, ones};
 use crate::math::DVec3;
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
 use crate::world::geometry::{area_vector, from_shorter_edges};
 
 /// A triangle with its place in the world, its corners in f64.
@@ -34,10 +34,10 @@ pub(super) struct Facet {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shear<S: Simd> {
     /// The rays whose largest component is along this axis.
-    rays: Mask<S>,
+    rays: Mask64x16<S>,
     /// One bit for each of them.
     bits: u32,
-    slopes: [Lanes<S>; 2],
+    slopes: [F64x16<S>; 2],
 }
 
 /// The shears of a packet, for x, y and z.
@@ -48,7 +48,7 @@ const CYCLE: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 /// The shears of rays with these directions.
 #[inline(always)]
-pub(super) fn shears<S: Simd>(direction: Vectors<S>) -> Shears<S> {
+pub(super) fn shears<S: Simd>(direction: DVec3x16<S>) -> Shears<S> {
     let d = [direction.x, direction.y, direction.z];
     let size = [d[0].abs(), d[1].abs(), d[2].abs()];
     let is_x = size[0].ge(size[1]) & size[0].ge(size[2]);
@@ -63,7 +63,7 @@ pub(super) fn shears<S: Simd>(direction: Vectors<S>) -> Shears<S> {
 
 /// The shear of the rays that run along the last axis of a cycle.
 #[inline(always)]
-fn shear<S: Simd>(d: [Lanes<S>; 3], rays: Mask<S>, [u, v, w]: [usize; 3]) -> Shear<S> {
+fn shear<S: Simd>(d: [F64x16<S>; 3], rays: Mask64x16<S>, [u, v, w]: [usize; 3]) -> Shear<S> {
     let bits = rays.to_bits();
     Shear {
         rays,
@@ -85,15 +85,15 @@ fn passes_through<S: Simd>(
     vertices: [DVec3; 3],
     packet: &Packet<S>,
     asked: u32,
-) -> Mask<S> {
-    let mut passes = Mask::from_bits(simd, 0);
+) -> Mask64x16<S> {
+    let mut passes = Mask64x16::from_bits(simd, 0);
     for axis in 0..3 {
         let shear = &packet.shears[axis];
         if shear.bits & asked == 0 {
             continue;
         }
         let [u, v, w] = edge_functions(vertices, &packet.rays, shear, axis);
-        let zero = Lanes::splat(simd, 0.0);
+        let zero = F64x16::splat(simd, 0.0);
         let positive = u.ge(zero) & v.ge(zero) & w.ge(zero);
         let negative = u.le(zero) & v.le(zero) & w.le(zero);
         // Corners so far away that they are all in one place enclose nothing: neither sign.
@@ -108,7 +108,7 @@ fn edge_functions<S: Simd>(
     rays: &Rays<S>,
     shear: &Shear<S>,
     axis: usize,
-) -> [Lanes<S>; 3] {
+) -> [F64x16<S>; 3] {
     let [u, v, w] = CYCLE[axis];
     let origin = [rays.origin.x, rays.origin.y, rays.origin.z];
     let a = projected(vertices[0], origin, shear, [u, v, w]);
@@ -121,10 +121,10 @@ fn edge_functions<S: Simd>(
 #[inline(always)]
 fn projected<S: Simd>(
     vertex: DVec3,
-    origin: [Lanes<S>; 3],
+    origin: [F64x16<S>; 3],
     shear: &Shear<S>,
     [u, v, w]: [usize; 3],
-) -> [Lanes<S>; 2] {
+) -> [F64x16<S>; 2] {
     let vertex = vertex.to_array();
     let z = -(origin[w] - vertex[w]);
     [
@@ -134,7 +134,7 @@ fn projected<S: Simd>(
 }
 
 #[inline(always)]
-pub(super) fn edge<S: Simd>(p: [Lanes<S>; 2], q: [Lanes<S>; 2]) -> Lanes<S> {
+pub(super) fn edge<S: Simd>(p: [F64x16<S>; 2], q: [F64x16<S>; 2]) -> F64x16<S> {
     p[0] * q[1] - q[0] * p[1]
 }
 
@@ -142,20 +142,20 @@ pub(super) fn edge<S: Simd>(p: [Lanes<S>; 2], q: [Lanes<S>; 2]) -> Lanes<S> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lie<S: Simd> {
     /// Twice the area, as a vector.
-    pub(super) normal: Vectors<S>,
+    pub(super) normal: DVec3x16<S>,
     /// The way to the plane, times the length of `normal`.
-    height: Lanes<S>,
+    height: F64x16<S>,
     /// |`normal`|², as far as rounding goes.
-    rounding: Lanes<S>,
+    rounding: F64x16<S>,
     /// From the start to the least and the largest coordinates.
-    least: Vectors<S>,
-    most: Vectors<S>,
+    least: DVec3x16<S>,
+    most: DVec3x16<S>,
 }
 
 impl<S: Simd> Lie<S> {
     /// By the corners of each lane's triangle from the one between the shorter edges on.
     #[inline(always)]
-    pub(super) fn new([a, b, c]: [Vectors<S>; 3], origin: Vectors<S>) -> Self {
+    pub(super) fn new([a, b, c]: [DVec3x16<S>; 3], origin: DVec3x16<S>) -> Self {
         let normal = (b - a).cross(c - a);
         Self {
             normal,
@@ -169,14 +169,18 @@ impl<S: Simd> Lie<S> {
 
 /// x, y or else z.
 #[inline(always)]
-fn along<S: Simd>(is_x: Mask<S>, is_y: Mask<S>, vectors: Vectors<S>) -> Lanes<S> {
+fn along<S: Simd>(is_x: Mask64x16<S>, is_y: Mask64x16<S>, vectors: DVec3x16<S>) -> F64x16<S> {
     is_x.select(vectors.x, is_y.select(vectors.y, vectors.z))
 }
 
 /// L2: where rays that pass through triangles, `asked`, meet them; and whether that is at t above 0 and
 /// seen at all.
 #[inline(always)]
-pub(super) fn met<S: Simd>(lie: &Lie<S>, rays: &Rays<S>, asked: Mask<S>) -> (Mask<S>, Lanes<S>) {
+pub(super) fn met<S: Simd>(
+    lie: &Lie<S>,
+    rays: &Rays<S>,
+    asked: Mask64x16<S>,
+) -> (Mask64x16<S>, F64x16<S>) {
     let d = rays.direction;
     let speed = d.dot(lie.normal);
     // Seen edge-on, as far as can be told, a triangle has no extent.
@@ -208,8 +212,8 @@ fn met_apart<S: Simd>(
     simd: S,
     lie: &Lie<S>,
     rays: &Rays<S>,
-    asked: Mask<S>,
-) -> (Mask<S>, Lanes<S>) {
+    asked: Mask64x16<S>,
+) -> (Mask64x16<S>, F64x16<S>) {
     simd.vectorize(
         #[inline(always)]
         || met(lie, rays, asked),
@@ -332,9 +336,9 @@ impl Shape for Facet {
         }
         let [a, b, c] = self.vertices;
         let corners = [
-            Vectors::splat(simd, a),
-            Vectors::splat(simd, b),
-            Vectors::splat(simd, c),
+            DVec3x16::splat(simd, a),
+            DVec3x16::splat(simd, b),
+            DVec3x16::splat(simd, c),
         ];
         let lie = Lie::new(corners, packet.rays.origin);
         let (is_met, t) = met_apart(simd, &lie, &packet.rays, passes);

@@ -5,8 +5,8 @@ use fearless_simd::Simd;
 use super::canvas::{Canvas, State};
 use super::surface::{Only, PACKETS, Points};
 use super::{Primitive, way};
-use crate::lanes::{Ids, LANES, SingleMask, Singles, Words};
 use crate::math::Point;
+use crate::simd::{F32x16, LANES, Mask32x16, U32x16, U64x16};
 
 /// Which shape it is.
 #[derive(Clone, Copy)]
@@ -19,12 +19,12 @@ pub(super) struct Who {
 #[derive(Clone, Copy)]
 pub(super) struct Claim<S: Simd> {
     /// Those that may meet it.
-    pub(super) maybe: SingleMask<S>,
+    pub(super) maybe: Mask32x16<S>,
     /// Those that do, certainly.
-    pub(super) surely: SingleMask<S>,
+    pub(super) surely: Mask32x16<S>,
     /// Between which closenesses they do.
-    pub(super) least: Singles<S>,
-    pub(super) most: Singles<S>,
+    pub(super) least: F32x16<S>,
+    pub(super) most: F32x16<S>,
 }
 
 /// What is made of the claims.
@@ -66,9 +66,9 @@ pub(super) struct Reached<'p> {
 impl Reached<'_> {
     /// The points of a packet that are on a shape.
     #[inline(always)]
-    fn are_on<S: Simd>(self, simd: S, packet: usize, who: Who) -> SingleMask<S> {
-        let on = Ids::load(simd, &self.points.primitive[packet * LANES..]);
-        SingleMask::from_bits(simd, on.eq(who.primitive.lanes(simd)).to_bits())
+    fn are_on<S: Simd>(self, simd: S, packet: usize, who: Who) -> Mask32x16<S> {
+        let on = U64x16::load(simd, &self.points.primitive[packet * LANES..]);
+        Mask32x16::from_bits(simd, on.eq(who.primitive.lanes(simd)).to_bits())
     }
 
     /// Stretches a canvas before the light.
@@ -117,25 +117,25 @@ impl Verdict for First {
     #[inline(always)]
     fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
         let first = packet * LANES;
-        let least = Singles::load(simd, &canvas.least.0[first..]);
+        let least = F32x16::load(simd, &canvas.least.0[first..]);
         let maybe = claim.maybe & claim.most.ge(least);
         let bits = maybe.to_bits();
         if bits == 0 {
             return;
         }
-        let most = Singles::load(simd, &canvas.most.0[first..]);
+        let most = F32x16::load(simd, &canvas.most.0[first..]);
         let is_nearer = maybe & claim.surely & claim.least.gt(most);
         let nearer = is_nearer.to_bits();
         let least = is_nearer.select(claim.least, least);
         least.store(&mut canvas.least.0[first..]);
         let doubt = bits & !nearer;
         let most_of_both = most.max(claim.most);
-        let most = SingleMask::from_bits(simd, doubt).select(most_of_both, most);
+        let most = Mask32x16::from_bits(simd, doubt).select(most_of_both, most);
         is_nearer
             .select(claim.most, most)
             .store(&mut canvas.most.0[first..]);
-        let slots = Words::load(simd, &canvas.slots[first..]);
-        let slots = is_nearer.select_words(Words::splat(simd, who.slot), slots);
+        let slots = U32x16::load(simd, &canvas.slots[first..]);
+        let slots = is_nearer.select_words(U32x16::splat(simd, who.slot), slots);
         slots.store(&mut canvas.slots[first..]);
         canvas.doubtful[packet] = canvas.doubtful[packet] & !nearer | doubt;
         canvas.far.0[packet] = least.smallest();
@@ -178,7 +178,7 @@ impl Verdict for Reached<'_> {
     #[inline(always)]
     fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
         let first = packet * LANES;
-        let least = Singles::load(simd, &canvas.least.0[first..]);
+        let least = F32x16::load(simd, &canvas.least.0[first..]);
         let maybe = claim.maybe & claim.most.ge(least);
         if maybe.to_bits() == 0 {
             return;
@@ -188,13 +188,13 @@ impl Verdict for Reached<'_> {
         if bits == 0 {
             return;
         }
-        let most = Singles::load(simd, &canvas.most.0[first..]);
+        let most = F32x16::load(simd, &canvas.most.0[first..]);
         let is_dark = maybe & claim.surely & claim.least.gt(most);
         let dark = is_dark.to_bits();
         canvas.doubtful[packet] = (canvas.doubtful[packet] | bits) & !dark;
         canvas.undecided[packet] &= !dark;
         if dark != 0 {
-            let infinite = Singles::splat(simd, f32::INFINITY);
+            let infinite = F32x16::splat(simd, f32::INFINITY);
             let least = is_dark.select(infinite, least);
             least.store(&mut canvas.least.0[first..]);
             canvas.far.0[packet] = least.smallest();

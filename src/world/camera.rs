@@ -2,8 +2,8 @@
 
 use fearless_simd::Simd;
 
-use crate::lanes::{Lanes, Vectors};
 use crate::math::{DVec3, Direction, Point, Ray, both};
+use crate::simd::{DVec3x16, F64x16};
 
 /// A camera that looks somewhere.
 ///
@@ -101,18 +101,18 @@ impl Camera {
     /// What differs from ray to ray through points of the image, as [`Camera::ray`] has it: the
     /// direction of a perspective camera, the origin of an orthographic one.
     #[inline(always)]
-    pub(crate) fn varying<S: Simd>(&self, simd: S, x: Lanes<S>, y: Lanes<S>) -> Vectors<S> {
+    pub(crate) fn varying<S: Simd>(&self, simd: S, x: F64x16<S>, y: F64x16<S>) -> DVec3x16<S> {
         let [width, height] = both(self.resolution, f64::from);
         let pixel = 2.0 / height;
         let x = (x - width * 0.5) * pixel;
-        let y = (Lanes::splat(simd, height * 0.5) - y) * pixel;
+        let y = (F64x16::splat(simd, height * 0.5) - y) * pixel;
         let (start, half) = match self.projection {
             Projection::Perspective { half_height } => (self.forward.get(), half_height),
             Projection::Orthographic { half_height } => (self.eye.0, half_height),
         };
-        let right = Vectors::splat(simd, self.right.get()).times(x * half);
-        let up = Vectors::splat(simd, self.up.get()).times(y * half);
-        Vectors::splat(simd, start) + (right + up)
+        let right = DVec3x16::splat(simd, self.right.get()).times(x * half);
+        let up = DVec3x16::splat(simd, self.up.get()).times(y * half);
+        DVec3x16::splat(simd, start) + (right + up)
     }
 
     /// World to camera space for column vectors: +x right, +y up, +z along the view. `anchor`

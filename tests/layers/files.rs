@@ -5,9 +5,9 @@ use std::path::Path;
 
 use candela::film::exr::{ExrOptions, Precision};
 use candela::film::{self, ChannelKind, Film, Layers, Options};
-use candela::lanes::Door;
 use candela::output::Unfinished;
 use candela::scene::{Object, Scene, Value};
+use candela::simd::SimdLevel;
 use candela::world::{Wavelengths, World};
 
 use super::{ALL, F32_ROUNDING, WALL, ball, depths, scenes, share, spectral, with_layers};
@@ -23,11 +23,11 @@ fn threads_and_instructions_give_the_same_file() {
     };
     for (name, scene) in spectral(scenes(&folder, 10)) {
         let world = World::new(&scene).unwrap();
-        let file = |threads, door| {
+        let file = |threads, simd| {
             let options = Options {
                 samples: 3,
                 layers,
-                door,
+                simd,
                 ..Options::default()
             };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -39,10 +39,13 @@ fn threads_and_instructions_give_the_same_file() {
                 file.into_inner()
             })
         };
-        let first = file(1, Door::default());
-        assert!(file(2, Door::default()) == first, "{name} on two threads");
-        for (instructions, door) in Door::available() {
-            assert!(file(1, door) == first, "{name} on {instructions}");
+        let first = file(1, SimdLevel::default());
+        assert!(
+            file(2, SimdLevel::default()) == first,
+            "{name} on two threads"
+        );
+        for (instructions, simd) in SimdLevel::available() {
+            assert!(file(1, simd) == first, "{name} on {instructions}");
         }
     }
 }

@@ -9,8 +9,8 @@
 use fearless_simd::Simd;
 
 use super::{Canvas, NARROWEST, PACKETS, Shared, Start, State};
-use crate::lanes::{Lanes, Singles, Vectors};
 use crate::math::{DVec3, both};
+use crate::simd::{DVec3x16, F32x16, F64x16};
 use crate::visibility::beam::Beam;
 use crate::visibility::nodes::Tree;
 use crate::visibility::ranges;
@@ -34,7 +34,7 @@ impl Canvas {
         direction: DVec3,
         amid: DVec3,
         asked: &[u32; PACKETS],
-        start: impl Fn(usize) -> Vectors<S>,
+        start: impl Fn(usize) -> DVec3x16<S>,
     ) {
         (self.error, self.ends) = (0.0, None);
         self.state = State::Unfit;
@@ -70,7 +70,7 @@ impl Canvas {
         });
         // The same dots are those of rays from a point one unit behind the starts, all in one plane.
         let [.., w] = self.axes;
-        let one_unit = Lanes::splat(simd, unit);
+        let one_unit = F64x16::splat(simd, unit);
         self.stretch_over(
             simd,
             1.0 / unit,
@@ -79,7 +79,7 @@ impl Canvas {
             |packet| {
                 let beside = start(packet).minus(middle);
                 let ahead = one_unit - beside.dot_with(w);
-                beside + Vectors::splat(simd, w).times(ahead)
+                beside + DVec3x16::splat(simd, w).times(ahead)
             },
         );
     }
@@ -116,7 +116,7 @@ impl Canvas {
         let Shared::Direction(Start { closeness, .. }) = self.shared else {
             return claim;
         };
-        let [ahead, behind] = both(closeness, |closeness| Singles::splat(simd, closeness));
+        let [ahead, behind] = both(closeness, |closeness| F32x16::splat(simd, closeness));
         Claim {
             maybe: claim.maybe & claim.least.le(behind),
             surely: claim.surely & ahead.gt(claim.most),
@@ -132,13 +132,13 @@ impl Canvas {
         &self,
         simd: S,
         claim: Claim<S>,
-        second: Singles<S>,
-        [error, edge_error]: [Singles<S>; 2],
+        second: F32x16<S>,
+        [error, edge_error]: [F32x16<S>; 2],
     ) -> Claim<S> {
         let Shared::Direction(Start { closeness, .. }) = self.shared else {
             return claim;
         };
-        let [ahead, behind] = both(closeness, |closeness| Singles::splat(simd, closeness));
+        let [ahead, behind] = both(closeness, |closeness| F32x16::splat(simd, closeness));
         let (least, most) = (second - error, second + error);
         let is_first = claim.surely & ahead.gt(claim.most);
         let is_second = claim.surely & claim.least.gt(behind) & ahead.gt(most);

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::{Discs, ROOT_ERROR, SQUARES_FIT, Spheres};
-use crate::lanes::{Lanes, SingleMask, Singles, Vectors};
+use crate::simd::{DVec3x16, F32x16, F64x16, Mask32x16};
 use crate::visibility::canvas::{Canvas, GIVES_WAY, NEGLIGIBLE, Start};
 use crate::visibility::outline::NOISE;
 
@@ -41,7 +41,7 @@ impl Discs {
         let room = (distance + radius) * f64::from(GIVES_WAY);
         let [left, right, bottom, top] = canvas.rectangle();
         let farthest = -f64::from(canvas.farthest);
-        let Vectors { x, y, z } = center;
+        let DVec3x16 { x, y, z } = center;
         let beyond = radius + room;
         let beside = (-x + left).gt(beyond)
             | (x - right).gt(beyond)
@@ -62,7 +62,7 @@ impl Discs {
             + (x.abs() * (2.0 * ex) + y.abs() * (2.0 * ey))
             + (ex * ex + ey * ey);
         // One factor for all coefficients, whatever it is exactly.
-        let (zero, one) = (Singles::splat(simd, 0.0), Singles::splat(simd, 1.0));
+        let (zero, one) = (F32x16::splat(simd, 0.0), F32x16::splat(simd, 1.0));
         let magnitude = magnitude.narrowed(simd);
         let over_magnitude = one / magnitude;
         let wide = over_magnitude.widened(simd);
@@ -85,8 +85,8 @@ impl Discs {
         root_scale.store(&mut self.root_scale.0);
         // What f64 is off is less than the room in this: √SURELY of the radius is the least root, from no
         // further away than 2²⁵ radii.
-        let error = along.abs() * Singles::splat(simd, GIVES_WAY)
-            + root_scale * Singles::splat(simd, ROOT_ERROR as f32);
+        let error = along.abs() * F32x16::splat(simd, GIVES_WAY)
+            + root_scale * F32x16::splat(simd, ROOT_ERROR as f32);
         error.store(&mut self.error.0);
         let is_told = radius.gt(distance * NEGLIGIBLE);
         self.untold = !(is_told.to_bits() & fits);
@@ -104,21 +104,21 @@ impl Discs {
         simd: S,
         canvas: &Canvas,
         start: Start,
-        center: Vectors<S>,
-        radius: Lanes<S>,
-        distance: Lanes<S>,
+        center: DVec3x16<S>,
+        radius: F64x16<S>,
+        distance: F64x16<S>,
         fits: u32,
     ) {
-        let give = Singles::splat(simd, GIVES_WAY);
-        let infinite = Singles::splat(simd, f32::INFINITY);
-        let nowhere = Singles::splat(simd, f32::NEG_INFINITY);
-        let fits = SingleMask::from_bits(simd, fits);
+        let give = F32x16::splat(simd, GIVES_WAY);
+        let infinite = F32x16::splat(simd, f32::INFINITY);
+        let nowhere = F32x16::splat(simd, f32::NEG_INFINITY);
+        let fits = Mask32x16::from_bits(simd, fits);
         let radius = radius.narrowed(simd);
-        let noise = distance.narrowed(simd) * Singles::splat(simd, NOISE);
+        let noise = distance.narrowed(simd) * F32x16::splat(simd, NOISE);
         let across = [center.x.narrowed(simd), center.y.narrowed(simd)];
         let mut sides = [[infinite; 2]; 2];
         for (axis, across) in across.into_iter().enumerate() {
-            let extent = Singles::splat(simd, canvas.extent[axis] as f32);
+            let extent = F32x16::splat(simd, canvas.extent[axis] as f32);
             let room = (across.abs() + radius + extent) * give + noise;
             sides[axis] = [
                 fits.select(across - radius - room, nowhere),
@@ -131,6 +131,6 @@ impl Discs {
         let [[left, right], [bottom, top]] = sides;
         self.extents.store([left, right, bottom, top], most);
         let [ahead, _] = start.closeness;
-        self.cut = !Singles::splat(simd, ahead).gt(most).to_bits();
+        self.cut = !F32x16::splat(simd, ahead).gt(most).to_bits();
     }
 }

@@ -6,8 +6,8 @@ use super::{
     Affine, FLATTEST, Frame, NOISE, Outlines, ROUNDING, SMALLEST, SingleVectors, Sketch,
     claim_everywhere,
 };
-use crate::lanes::Singles;
 use crate::math::{DVec3, all_three, both};
+use crate::simd::F32x16;
 use crate::visibility::canvas::{CLOSENESS, Canvas, GIVES_WAY, NEGLIGIBLE, Start};
 use crate::visibility::verdict::{Verdict, Who};
 
@@ -74,7 +74,7 @@ impl Outlines {
         bits: u32,
     ) {
         let frame = Frame::parallel(canvas, sketch, start);
-        let splat = |value: f32| Singles::splat(simd, value);
+        let splat = |value: f32| F32x16::splat(simd, value);
         let [a, ab, ac] = frame.ways(simd, canvas, sketch);
         let (b, c) = (a.plus(ab), a.plus(ac));
 
@@ -178,7 +178,7 @@ impl Outlines {
 
 /// What is left of a way across the rays.
 #[inline(always)]
-fn across<S: Simd>(way: SingleVectors<S>, zero: Singles<S>) -> SingleVectors<S> {
+fn across<S: Simd>(way: SingleVectors<S>, zero: F32x16<S>) -> SingleVectors<S> {
     SingleVectors { z: zero, ..way }
 }
 
@@ -214,7 +214,7 @@ pub(super) fn cast_plane<S: Simd>(
     let error = magnitude * f64::from(GIVES_WAY) + noise;
     let is_told = over_slope.abs() * NEGLIGIBLE < 1.0 && magnitude + error < CLOSENESS;
     let closeness = Affine([z as f32, x as f32, y as f32]);
-    let error = Singles::splat(simd, error as f32);
+    let error = F32x16::splat(simd, error as f32);
     let plane = is_told.then_some((closeness, error));
     claim_everywhere(simd, plane, who, canvas, verdict);
 }

@@ -5,30 +5,30 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Sub};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
 
-use super::{LANES, Lanes};
+use super::{F64x16, LANES};
 
 /// An f32 in each lane: for what is decided with a margin, and asked again in f64 within it. Its
 /// products and sums may be fused, so that no pixel may depend on more than such a decision.
 #[derive(Clone, Copy, Debug)]
-pub struct Singles<S: Simd>(f32x16<S>);
+pub struct F32x16<S: Simd>(f32x16<S>);
 
-/// A truth value for each of [`Singles`].
+/// A truth value for each of [`F32x16`].
 #[derive(Clone, Copy, Debug)]
-pub struct SingleMask<S: Simd>(mask32x16<S>);
+pub struct Mask32x16<S: Simd>(mask32x16<S>);
 
 /// A u32 in each lane; sums and products are modulo 2³².
 #[derive(Clone, Copy, Debug)]
-pub struct Words<S: Simd>(u32x16<S>);
+pub struct U32x16<S: Simd>(u32x16<S>);
 
-impl<S: Simd> Lanes<S> {
+impl<S: Simd> F64x16<S> {
     /// The nearest f32 of each.
     #[inline(always)]
-    pub fn narrowed(self, simd: S) -> Singles<S> {
-        Singles(simd.narrow_f64x8(self.0[0], self.0[1]))
+    pub fn narrowed(self, simd: S) -> F32x16<S> {
+        F32x16(simd.narrow_f64x8(self.0[0], self.0[1]))
     }
 }
 
-impl<S: Simd> Singles<S> {
+impl<S: Simd> F32x16<S> {
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: f32) -> Self {
@@ -49,9 +49,9 @@ impl<S: Simd> Singles<S> {
 
     /// As f64, exactly.
     #[inline(always)]
-    pub fn widened(self, simd: S) -> Lanes<S> {
+    pub fn widened(self, simd: S) -> F64x16<S> {
         let (low, high) = simd.widen_f32x16(self.0);
-        Lanes([low, high])
+        F64x16([low, high])
     }
 
     /// self · factor + term, rounded once or twice.
@@ -62,8 +62,8 @@ impl<S: Simd> Singles<S> {
 
     /// The whole part of numbers from 0 to below 2³¹.
     #[inline(always)]
-    pub fn truncated(self, simd: S) -> Words<S> {
-        Words(simd.cvt_u32_f32x16(self.0))
+    pub fn truncated(self, simd: S) -> U32x16<S> {
+        U32x16(simd.cvt_u32_f32x16(self.0))
     }
 
     /// √
@@ -104,33 +104,33 @@ impl<S: Simd> Singles<S> {
 
     /// Where it is below or equal.
     #[inline(always)]
-    pub fn le(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_le(other.0))
+    pub fn le(self, other: Self) -> Mask32x16<S> {
+        Mask32x16(self.0.simd_le(other.0))
     }
 
     /// Where it is above.
     #[inline(always)]
-    pub fn gt(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_gt(other.0))
+    pub fn gt(self, other: Self) -> Mask32x16<S> {
+        Mask32x16(self.0.simd_gt(other.0))
     }
 
     /// Where it is above or equal.
     #[inline(always)]
-    pub fn ge(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_ge(other.0))
+    pub fn ge(self, other: Self) -> Mask32x16<S> {
+        Mask32x16(self.0.simd_ge(other.0))
     }
 }
 
 /// The smallest of each of sixteen, none NaN; side by side.
 #[inline(always)]
-pub fn smallest_of_each<S: Simd>(mut rows: [Singles<S>; LANES]) -> Singles<S> {
+pub fn smallest_of_each<S: Simd>(mut rows: [F32x16<S>; LANES]) -> F32x16<S> {
     // Two rows become one with half as many of each, in turn; the last one has them in order.
     let mut half = LANES / 2;
     while half > 0 {
         for row in 0..half {
             let (first, second) = (rows[row].0, rows[row + half].0);
             let (low, high) = first.interleave(second);
-            rows[row] = Singles(low.min(high));
+            rows[row] = F32x16(low.min(high));
         }
         half /= 2;
     }
@@ -139,7 +139,7 @@ pub fn smallest_of_each<S: Simd>(mut rows: [Singles<S>; LANES]) -> Singles<S> {
 
 /// Four rows as sixteen of four: the first of each, the second of each, and so on.
 #[inline(always)]
-pub fn side_by_side<S: Simd>([a, b, c, d]: [Singles<S>; 4]) -> [[f32; 4]; LANES] {
+pub fn side_by_side<S: Simd>([a, b, c, d]: [F32x16<S>; 4]) -> [[f32; 4]; LANES] {
     let (ac, next_ac) = a.0.interleave(c.0);
     let (bd, next_bd) = b.0.interleave(d.0);
     let (first, second) = ac.interleave(bd);
@@ -152,7 +152,7 @@ pub fn side_by_side<S: Simd>([a, b, c, d]: [Singles<S>; 4]) -> [[f32; 4]; LANES]
     fours
 }
 
-impl<S: Simd> Words<S> {
+impl<S: Simd> U32x16<S> {
     /// The same in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: u32) -> Self {
@@ -173,14 +173,14 @@ impl<S: Simd> Words<S> {
 
     /// Where it is equal.
     #[inline(always)]
-    pub fn eq(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_eq(other.0))
+    pub fn eq(self, other: Self) -> Mask32x16<S> {
+        Mask32x16(self.0.simd_eq(other.0))
     }
 
     /// Where it is below.
     #[inline(always)]
-    pub fn lt(self, other: Self) -> SingleMask<S> {
-        SingleMask(self.0.simd_lt(other.0))
+    pub fn lt(self, other: Self) -> Mask32x16<S> {
+        Mask32x16(self.0.simd_lt(other.0))
     }
 
     /// Shifted towards the larger places.
@@ -197,13 +197,13 @@ impl<S: Simd> Words<S> {
 
     /// As f64, exactly.
     #[inline(always)]
-    pub fn widened(self, simd: S) -> Lanes<S> {
+    pub fn widened(self, simd: S) -> F64x16<S> {
         let (low, high) = simd.widen_u32x16(self.0);
-        Lanes([simd.cvt_f64_u64x8(low), simd.cvt_f64_u64x8(high)])
+        F64x16([simd.cvt_f64_u64x8(low), simd.cvt_f64_u64x8(high)])
     }
 }
 
-impl<S: Simd> SingleMask<S> {
+impl<S: Simd> Mask32x16<S> {
     /// From one bit for each lane, the first lane lowest.
     #[inline(always)]
     pub fn from_bits(simd: S, bits: u32) -> Self {
@@ -218,14 +218,14 @@ impl<S: Simd> SingleMask<S> {
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select(self, yes: Singles<S>, no: Singles<S>) -> Singles<S> {
-        Singles(self.0.select(yes.0, no.0))
+    pub fn select(self, yes: F32x16<S>, no: F32x16<S>) -> F32x16<S> {
+        F32x16(self.0.select(yes.0, no.0))
     }
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select_words(self, yes: Words<S>, no: Words<S>) -> Words<S> {
-        Words(self.0.select(yes.0, no.0))
+    pub fn select_words(self, yes: U32x16<S>, no: U32x16<S>) -> U32x16<S> {
+        U32x16(self.0.select(yes.0, no.0))
     }
 }
 
@@ -243,20 +243,20 @@ macro_rules! of_registers {
 }
 
 of_registers! {
-    Singles: Add add +
-    Singles: Sub sub -
-    Singles: Mul mul *
-    Singles: Div div /
-    Words: Add add +
-    Words: Mul mul *
-    Words: BitAnd bitand &
-    Words: BitOr bitor |
-    Words: BitXor bitxor ^
-    SingleMask: BitAnd bitand &
-    SingleMask: BitOr bitor |
+    F32x16: Add add +
+    F32x16: Sub sub -
+    F32x16: Mul mul *
+    F32x16: Div div /
+    U32x16: Add add +
+    U32x16: Mul mul *
+    U32x16: BitAnd bitand &
+    U32x16: BitOr bitor |
+    U32x16: BitXor bitxor ^
+    Mask32x16: BitAnd bitand &
+    Mask32x16: BitOr bitor |
 }
 
-impl<S: Simd> Not for SingleMask<S> {
+impl<S: Simd> Not for Mask32x16<S> {
     type Output = Self;
 
     #[inline(always)]

@@ -4,49 +4,49 @@
 //! but +, −, ·, ÷, √, comparisons and selections. Each of these is exact to the last bit by IEEE 754
 //! and none is fused with another, so that every instruction set gives the same bits.
 //!
-//! A kernel is written once, generic over the instruction set; [`Door::run`] is the only place that
+//! A kernel is written once, generic over the instruction set; [`SimdLevel::run`] is the only place that
 //! chooses one.
 
-mod door;
-mod narrow;
+mod level;
+mod single;
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Range, Sub};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8, mask64x8, u64x8};
 
-pub use door::{Door, Kernel, UnknownInstructions};
-pub use narrow::{SingleMask, Singles, Words, side_by_side, smallest_of_each};
+pub use level::{Kernel, SimdLevel, UnknownInstructions};
+pub use single::{F32x16, Mask32x16, U32x16, side_by_side, smallest_of_each};
 
 use crate::math::DVec3;
 
 /// Numbers side by side.
 pub const LANES: usize = 16;
 
-/// Lanes of one register, two of which are a set of lanes: long operations of the two overlap.
+/// F64x16 of one register, two of which are a set of lanes: long operations of the two overlap.
 const HALF: usize = LANES / 2;
 
 /// An f64 in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes<S: Simd>([f64x8<S>; 2]);
+pub struct F64x16<S: Simd>([f64x8<S>; 2]);
 
 /// A truth value in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Mask<S: Simd>([mask64x8<S>; 2]);
+pub struct Mask64x16<S: Simd>([mask64x8<S>; 2]);
 
 /// A u64 in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Ids<S: Simd>([u64x8<S>; 2]);
+pub struct U64x16<S: Simd>([u64x8<S>; 2]);
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Vectors<S: Simd> {
+pub struct DVec3x16<S: Simd> {
     /// Along x.
-    pub x: Lanes<S>,
+    pub x: F64x16<S>,
     /// Along y.
-    pub y: Lanes<S>,
+    pub y: F64x16<S>,
     /// Along z.
-    pub z: Lanes<S>,
+    pub z: F64x16<S>,
 }
 
 /// The lanes with a bit, the first lane's lowest: in order.
@@ -59,7 +59,7 @@ pub fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-impl<S: Simd> Lanes<S> {
+impl<S: Simd> F64x16<S> {
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: f64) -> Self {
@@ -107,7 +107,7 @@ impl<S: Simd> Lanes<S> {
     /// steps, which leaves 1.5 times the square of that.
     #[inline(always)]
     pub fn nearly_inverse_root(self, simd: S) -> Self {
-        let near = Singles::splat(simd, 1.0) / self.narrowed(simd).sqrt();
+        let near = F32x16::splat(simd, 1.0) / self.narrowed(simd).sqrt();
         let y = near.widened(simd);
         y + y * ((Self::splat(simd, 1.0) - self * y * y) * 0.5)
     }
@@ -146,55 +146,55 @@ impl<S: Simd> Lanes<S> {
 
     /// Where it is below.
     #[inline(always)]
-    pub fn lt(self, other: Self) -> Mask<S> {
-        Mask([self.0[0].simd_lt(other.0[0]), self.0[1].simd_lt(other.0[1])])
+    pub fn lt(self, other: Self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_lt(other.0[0]), self.0[1].simd_lt(other.0[1])])
     }
 
     /// Where it is below or equal.
     #[inline(always)]
-    pub fn le(self, other: Self) -> Mask<S> {
-        Mask([self.0[0].simd_le(other.0[0]), self.0[1].simd_le(other.0[1])])
+    pub fn le(self, other: Self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_le(other.0[0]), self.0[1].simd_le(other.0[1])])
     }
 
     /// Where it is above.
     #[inline(always)]
-    pub fn gt(self, other: Self) -> Mask<S> {
-        Mask([self.0[0].simd_gt(other.0[0]), self.0[1].simd_gt(other.0[1])])
+    pub fn gt(self, other: Self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_gt(other.0[0]), self.0[1].simd_gt(other.0[1])])
     }
 
     /// Where it is above or equal.
     #[inline(always)]
-    pub fn ge(self, other: Self) -> Mask<S> {
-        Mask([self.0[0].simd_ge(other.0[0]), self.0[1].simd_ge(other.0[1])])
+    pub fn ge(self, other: Self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_ge(other.0[0]), self.0[1].simd_ge(other.0[1])])
     }
 
     /// Where it is equal.
     #[inline(always)]
-    pub fn eq(self, other: Self) -> Mask<S> {
-        Mask([self.0[0].simd_eq(other.0[0]), self.0[1].simd_eq(other.0[1])])
+    pub fn eq(self, other: Self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_eq(other.0[0]), self.0[1].simd_eq(other.0[1])])
     }
 
     /// Where it is in a range.
     #[inline(always)]
-    pub fn is_within(self, simd: S, range: Range<f64>) -> Mask<S> {
+    pub fn is_within(self, simd: S, range: Range<f64>) -> Mask64x16<S> {
         self.ge(Self::splat(simd, range.start)) & self.lt(Self::splat(simd, range.end))
     }
 
     /// Where it is above 0.
     #[inline(always)]
-    pub fn is_positive(self) -> Mask<S> {
-        Mask([self.0[0].simd_gt(0.0), self.0[1].simd_gt(0.0)])
+    pub fn is_positive(self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_gt(0.0), self.0[1].simd_gt(0.0)])
     }
 
     /// The bits of each.
     #[inline(always)]
-    pub fn to_bits(self) -> Ids<S> {
-        Ids([self.0[0].to_bits(), self.0[1].to_bits()])
+    pub fn to_bits(self) -> U64x16<S> {
+        U64x16([self.0[0].to_bits(), self.0[1].to_bits()])
     }
 
     /// The number with these bits in each.
     #[inline(always)]
-    pub fn from_bits(bits: Ids<S>) -> Self {
+    pub fn from_bits(bits: U64x16<S>) -> Self {
         Self([f64x8::from_bits(bits.0[0]), f64x8::from_bits(bits.0[1])])
     }
 }
@@ -202,7 +202,7 @@ impl<S: Simd> Lanes<S> {
 /// Of N rows of numbers, one after the other, every N-th: the first row has those from the first on, the
 /// second those from the second on, and so on. N is a power of two.
 #[inline(always)]
-pub fn every_nth<S: Simd, const N: usize>(mut rows: [Lanes<S>; N]) -> [Lanes<S>; N] {
+pub fn every_nth<S: Simd, const N: usize>(mut rows: [F64x16<S>; N]) -> [F64x16<S>; N] {
     // Even places before odd ones turns the bits of all places round by one.
     for _ in 0..N.ilog2() {
         let before = rows;
@@ -210,14 +210,14 @@ pub fn every_nth<S: Simd, const N: usize>(mut rows: [Lanes<S>; N]) -> [Lanes<S>;
             let ([first, second], [third, fourth]) = (before[2 * row].0, before[2 * row + 1].0);
             let (even, odd) = first.deinterleave(second);
             let (next_even, next_odd) = third.deinterleave(fourth);
-            rows[row] = Lanes([even, next_even]);
-            rows[N / 2 + row] = Lanes([odd, next_odd]);
+            rows[row] = F64x16([even, next_even]);
+            rows[N / 2 + row] = F64x16([odd, next_odd]);
         }
     }
     rows
 }
 
-impl<S: Simd> Ids<S> {
+impl<S: Simd> U64x16<S> {
     /// The same in every lane.
     #[inline(always)]
     pub fn splat(simd: S, value: u64) -> Self {
@@ -244,14 +244,14 @@ impl<S: Simd> Ids<S> {
 
     /// Where it is below.
     #[inline(always)]
-    pub fn lt(self, other: Self) -> Mask<S> {
-        Mask([self.0[0].simd_lt(other.0[0]), self.0[1].simd_lt(other.0[1])])
+    pub fn lt(self, other: Self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_lt(other.0[0]), self.0[1].simd_lt(other.0[1])])
     }
 
     /// Where it is equal.
     #[inline(always)]
-    pub fn eq(self, other: Self) -> Mask<S> {
-        Mask([self.0[0].simd_eq(other.0[0]), self.0[1].simd_eq(other.0[1])])
+    pub fn eq(self, other: Self) -> Mask64x16<S> {
+        Mask64x16([self.0[0].simd_eq(other.0[0]), self.0[1].simd_eq(other.0[1])])
     }
 
     /// Shifted towards the larger places.
@@ -285,7 +285,7 @@ impl<S: Simd> Ids<S> {
     }
 }
 
-impl<S: Simd> Mask<S> {
+impl<S: Simd> Mask64x16<S> {
     /// From one bit for each lane, the first lane lowest.
     #[inline(always)]
     pub fn from_bits(simd: S, bits: u32) -> Self {
@@ -311,8 +311,8 @@ impl<S: Simd> Mask<S> {
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
-        Lanes([
+    pub fn select(self, yes: F64x16<S>, no: F64x16<S>) -> F64x16<S> {
+        F64x16([
             self.0[0].select(yes.0[0], no.0[0]),
             self.0[1].select(yes.0[1], no.0[1]),
         ])
@@ -320,8 +320,8 @@ impl<S: Simd> Mask<S> {
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select_ids(self, yes: Ids<S>, no: Ids<S>) -> Ids<S> {
-        Ids([
+    pub fn select_ids(self, yes: U64x16<S>, no: U64x16<S>) -> U64x16<S> {
+        U64x16([
             self.0[0].select(yes.0[0], no.0[0]),
             self.0[1].select(yes.0[1], no.0[1]),
         ])
@@ -329,8 +329,8 @@ impl<S: Simd> Mask<S> {
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select_vectors(self, yes: Vectors<S>, no: Vectors<S>) -> Vectors<S> {
-        Vectors {
+    pub fn select_vectors(self, yes: DVec3x16<S>, no: DVec3x16<S>) -> DVec3x16<S> {
+        DVec3x16 {
             x: self.select(yes.x, no.x),
             y: self.select(yes.y, no.y),
             z: self.select(yes.z, no.z),
@@ -340,7 +340,7 @@ impl<S: Simd> Mask<S> {
 
 macro_rules! arithmetic {
     ($($trait:ident $method:ident $operator:tt)*) => {$(
-        impl<S: Simd> $trait for Lanes<S> {
+        impl<S: Simd> $trait for F64x16<S> {
             type Output = Self;
 
             #[inline(always)]
@@ -349,7 +349,7 @@ macro_rules! arithmetic {
             }
         }
 
-        impl<S: Simd> $trait<f64> for Lanes<S> {
+        impl<S: Simd> $trait<f64> for F64x16<S> {
             type Output = Self;
 
             #[inline(always)]
@@ -362,7 +362,7 @@ macro_rules! arithmetic {
 
 arithmetic! { Add add + Sub sub - Mul mul * Div div / }
 
-impl<S: Simd> Neg for Lanes<S> {
+impl<S: Simd> Neg for F64x16<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -371,7 +371,7 @@ impl<S: Simd> Neg for Lanes<S> {
     }
 }
 
-impl<S: Simd> BitAnd for Mask<S> {
+impl<S: Simd> BitAnd for Mask64x16<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -380,7 +380,7 @@ impl<S: Simd> BitAnd for Mask<S> {
     }
 }
 
-impl<S: Simd> BitOr for Mask<S> {
+impl<S: Simd> BitOr for Mask64x16<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -389,7 +389,7 @@ impl<S: Simd> BitOr for Mask<S> {
     }
 }
 
-impl<S: Simd> Not for Mask<S> {
+impl<S: Simd> Not for Mask64x16<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -398,14 +398,14 @@ impl<S: Simd> Not for Mask<S> {
     }
 }
 
-impl<S: Simd> Vectors<S> {
+impl<S: Simd> DVec3x16<S> {
     /// The same vector in every lane.
     #[inline(always)]
     pub fn splat(simd: S, vector: DVec3) -> Self {
         Self {
-            x: Lanes::splat(simd, vector.x),
-            y: Lanes::splat(simd, vector.y),
-            z: Lanes::splat(simd, vector.z),
+            x: F64x16::splat(simd, vector.x),
+            y: F64x16::splat(simd, vector.y),
+            z: F64x16::splat(simd, vector.z),
         }
     }
 
@@ -413,9 +413,9 @@ impl<S: Simd> Vectors<S> {
     #[inline(always)]
     pub fn load(simd: S, [x, y, z]: [&[f64]; 3]) -> Self {
         Self {
-            x: Lanes::load(simd, x),
-            y: Lanes::load(simd, y),
-            z: Lanes::load(simd, z),
+            x: F64x16::load(simd, x),
+            y: F64x16::load(simd, y),
+            z: F64x16::load(simd, z),
         }
     }
 
@@ -429,19 +429,19 @@ impl<S: Simd> Vectors<S> {
 
     /// a · b
     #[inline(always)]
-    pub fn dot(self, other: Self) -> Lanes<S> {
+    pub fn dot(self, other: Self) -> F64x16<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// a · b with one vector for all lanes.
     #[inline(always)]
-    pub fn dot_with(self, other: DVec3) -> Lanes<S> {
+    pub fn dot_with(self, other: DVec3) -> F64x16<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// x, y or z.
     #[inline(always)]
-    pub fn component(self, axis: usize) -> Lanes<S> {
+    pub fn component(self, axis: usize) -> F64x16<S> {
         match axis {
             0 => self.x,
             1 => self.y,
@@ -461,13 +461,13 @@ impl<S: Simd> Vectors<S> {
 
     /// The sum of the components' magnitudes: at least the length, at most √3 times as much.
     #[inline(always)]
-    pub fn taxicab(self) -> Lanes<S> {
+    pub fn taxicab(self) -> F64x16<S> {
         self.x.abs() + self.y.abs() + self.z.abs()
     }
 
     /// The component of the largest magnitude, as a magnitude.
     #[inline(always)]
-    pub fn largest(self) -> Lanes<S> {
+    pub fn largest(self) -> F64x16<S> {
         self.x.abs().max(self.y.abs()).max(self.z.abs())
     }
 
@@ -493,7 +493,7 @@ impl<S: Simd> Vectors<S> {
 
     /// Each vector times a number.
     #[inline(always)]
-    pub fn times(self, factor: Lanes<S>) -> Self {
+    pub fn times(self, factor: F64x16<S>) -> Self {
         Self {
             x: self.x * factor,
             y: self.y * factor,
@@ -512,7 +512,7 @@ impl<S: Simd> Vectors<S> {
     }
 }
 
-impl<S: Simd> Add for Vectors<S> {
+impl<S: Simd> Add for DVec3x16<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -525,7 +525,7 @@ impl<S: Simd> Add for Vectors<S> {
     }
 }
 
-impl<S: Simd> Sub for Vectors<S> {
+impl<S: Simd> Sub for DVec3x16<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -538,7 +538,7 @@ impl<S: Simd> Sub for Vectors<S> {
     }
 }
 
-impl<S: Simd> Neg for Vectors<S> {
+impl<S: Simd> Neg for DVec3x16<S> {
     type Output = Self;
 
     #[inline(always)]
@@ -563,11 +563,11 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
-            let x = Lanes::load(simd, &self.0);
+            let x = F64x16::load(simd, &self.0);
             let y = (x * 3.7 - 1.0) / (x + 0.3);
-            let z = y.abs().sqrt().max(x).min(Lanes::splat(simd, 2.5));
+            let z = y.abs().sqrt().max(x).min(F64x16::splat(simd, 2.5));
             let exponent = z.to_bits().shifted_down(52).and(0x7ff);
-            let is_small = exponent.lt(Ids::splat(simd, 1023));
+            let is_small = exponent.lt(U64x16::splat(simd, 1023));
             (is_small & !x.is_positive()).select(-z, z).to_array()
         }
     }
@@ -575,13 +575,13 @@ mod tests {
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
         let numbers = std::array::from_fn(|i| (i as f64 - 7.3) * 0.37);
-        let bits = |door: Door| door.run(Arithmetic(numbers)).map(f64::to_bits);
-        let expected = bits(Door::default());
-        for (name, door) in Door::available() {
-            assert_eq!(bits(door), expected, "{name}");
-            assert!(name.parse::<Door>().is_ok());
+        let bits = |level: SimdLevel| level.run(Arithmetic(numbers)).map(f64::to_bits);
+        let expected = bits(SimdLevel::default());
+        for (name, level) in SimdLevel::available() {
+            assert_eq!(bits(level), expected, "{name}");
+            assert!(name.parse::<SimdLevel>().is_ok());
         }
-        assert!("mmx".parse::<Door>().is_err());
+        assert!("mmx".parse::<SimdLevel>().is_err());
     }
 
     struct Rows;
@@ -592,7 +592,7 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
             let numbers: [f64; 4 * LANES] = std::array::from_fn(|place| place as f64);
-            let row = |row: usize| Lanes::load(simd, &numbers[row * LANES..]);
+            let row = |row: usize| F64x16::load(simd, &numbers[row * LANES..]);
             let [a, b, c, d] = every_nth([row(0), row(1), row(2), row(3)]);
             [a.to_array(), b.to_array(), c.to_array(), d.to_array()]
         }
@@ -600,8 +600,8 @@ mod tests {
 
     #[test]
     fn every_nth_is_every_nth() {
-        for (_, door) in Door::available() {
-            for (first, row) in door.run(Rows).into_iter().enumerate() {
+        for (_, level) in SimdLevel::available() {
+            for (first, row) in level.run(Rows).into_iter().enumerate() {
                 for (lane, number) in row.into_iter().enumerate() {
                     assert_eq!(number, (first + 4 * lane) as f64);
                 }
@@ -616,15 +616,15 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> u32 {
-            Mask::from_bits(simd, self.0).to_bits()
+            Mask64x16::from_bits(simd, self.0).to_bits()
         }
     }
 
     #[test]
     fn masks_keep_their_bits() {
-        for (_, door) in Door::available() {
+        for (_, level) in SimdLevel::available() {
             for bits in [0, 1, 0x8000, 0xffff, 0x1234] {
-                assert_eq!(door.run(Bits(bits)), bits);
+                assert_eq!(level.run(Bits(bits)), bits);
             }
         }
     }

@@ -6,15 +6,15 @@ use fearless_simd::{Level, Simd};
 
 /// Which instructions the kernels use. All give the same bits.
 #[derive(Clone, Copy, Debug)]
-pub struct Door(Level);
+pub struct SimdLevel(Level);
 
-impl PartialEq for Door {
+impl PartialEq for SimdLevel {
     fn eq(&self, other: &Self) -> bool {
         std::mem::discriminant(&self.0) == std::mem::discriminant(&other.0)
     }
 }
 
-impl Eq for Door {}
+impl Eq for SimdLevel {}
 
 /// A kernel: one body for all instruction sets. What it calls must be inlined into it, since only
 /// what is inside is compiled for the instructions chosen.
@@ -26,7 +26,7 @@ pub trait Kernel {
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
-impl Default for Door {
+impl Default for SimdLevel {
     /// The widest instructions that the machine has.
     fn default() -> Self {
         Self(Level::new())
@@ -41,7 +41,7 @@ pub struct UnknownInstructions {
     available: String,
 }
 
-impl Door {
+impl SimdLevel {
     /// Those of this machine with their names, the widest first.
     pub fn available() -> Vec<(&'static str, Self)> {
         let level = Level::new();
@@ -89,13 +89,13 @@ impl Door {
     }
 }
 
-impl FromStr for Door {
+impl FromStr for SimdLevel {
     type Err = UnknownInstructions;
 
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         let available = Self::available();
         let found = available.iter().find(|(known, _)| *known == name);
-        found.map(|(_, door)| *door).ok_or_else(|| {
+        found.map(|(_, level)| *level).ok_or_else(|| {
             let names: Vec<&str> = available.iter().map(|(name, _)| *name).collect();
             UnknownInstructions {
                 name: name.to_owned(),
