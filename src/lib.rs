@@ -114,6 +114,8 @@
 
 #![forbid(unsafe_code)]
 
+#[doc(hidden)]
+pub mod bench;
 pub mod color;
 pub mod display;
 pub mod film;
