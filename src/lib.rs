@@ -18,7 +18,7 @@
 //!          world                       │         legal: resolved, in range
 //!            │ Plan::new               │
 //!          plan                        │         just what this scene needs
-//!            │ film::render            │         or film::render_exr: straight into the file
+//!            │ render::render            │         or render::render_exr: straight into the file
 //!  ┌─ film ──┴────────────────┐        │
 //!  │ visibility ⇄ shading     │        │         camera rays to points, points to radiance
 //!  └─────────┬────────────────┘        │
@@ -66,7 +66,7 @@
 //!
 //! ```
 //! use candela::display::{self, Settings};
-//! use candela::film::exr::ExrOptions;
+//! use candela::exr::ExrOptions;
 //! use candela::output::Unfinished;
 //! use candela::{Options, Scene, World, render};
 //!
@@ -116,16 +116,19 @@
 
 pub mod color;
 pub mod display;
-pub mod film;
+pub mod exr;
+pub mod image;
 pub mod math;
 pub mod memory;
 pub mod oracle;
 pub mod output;
 pub mod printable;
+pub mod render;
 pub mod scene;
 pub mod shading;
 pub mod simd;
 pub mod spectrum;
+mod turns;
 pub mod units;
 pub mod visibility;
 pub mod world;
@@ -135,6 +138,7 @@ pub mod world;
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
 
-pub use film::{Film, Options, render};
+pub use image::Film;
+pub use render::{Options, render};
 pub use scene::Scene;
 pub use world::World;

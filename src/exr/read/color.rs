@@ -2,7 +2,7 @@
 
 use crate::color::Primaries;
 use crate::color::adaptation::conversion;
-use crate::film::exr::primaries_of;
+use crate::exr::primaries_of;
 use crate::printable::printable;
 
 /// What a file says about the color space of its R, G, B.

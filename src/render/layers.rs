@@ -1,10 +1,7 @@
-//! What an image has beside R, G, B and A: the layers that can be asked for, and their channels.
+//! The layers that can be asked for beside R, G, B and A, and their channels.
 
+use crate::image::{Channel, ChannelKind, Channels};
 use crate::world::{Wavelengths, World};
-
-/// Z where no sample of a pixel hits anything: finite, so that arithmetic on it stays so, and behind
-/// all that scenes in metres hold. It is what Blender writes.
-pub const BACKGROUND_DEPTH: f32 = 1e10;
 
 /// What the background is called among the lights.
 pub const BACKGROUND_LIGHT: &str = "background";
@@ -17,7 +14,7 @@ pub struct Layers {
     /// that is not black has a share of its own, `light_background`. Together they are R, G and B.
     pub lights: bool,
     /// `Z`: the distance from the eye along the view axis in scene units, of the nearest sample of
-    /// the pixel; [`BACKGROUND_DEPTH`] where there is none. With an orthographic camera it is the
+    /// the pixel; [`BACKGROUND_DEPTH`](crate::image::BACKGROUND_DEPTH) where there is none. With an orthographic camera it is the
     /// distance from the plane through the eye.
     pub depth: bool,
     /// `N.X`, `N.Y`, `N.Z`: n of L5 to L7 in world space, turned towards the viewer, through the box
@@ -25,36 +22,6 @@ pub struct Layers {
     pub normal: bool,
     /// Radiance band by band, at these wavelengths. Only where light is carried spectrally.
     pub spectral: Option<Wavelengths>,
-}
-
-/// The channels of a film beside R, G, B and A, and what the EXR header says about them.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Channels {
-    /// In the order in which a pixel has them.
-    pub list: Vec<Channel>,
-    /// Text attributes, as name and value.
-    pub attributes: Vec<(String, String)>,
-}
-
-/// A channel beside R, G, B and A.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Channel {
-    /// Its name in the EXR: `layer.C`, where the last dot parts the layer from the channel.
-    pub name: String,
-    /// How it may be stored.
-    pub kind: ChannelKind,
-}
-
-/// What a channel holds, which decides how it may be stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ChannelKind {
-    /// Light, or a share of it: in the precision that is asked for, as R, G and B.
-    Light,
-    /// Components of unit vectors: in the precision that is asked for. Small ones are small beside
-    /// 1, so that nothing is lost where halves hold them with few digits.
-    Direction,
-    /// Anything whose digits all count, such as a distance: always FLOAT.
-    Data,
 }
 
 impl Layers {

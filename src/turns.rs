@@ -11,7 +11,7 @@ use rayon::prelude::*;
 ///
 /// rayon's own iterators part a range in the middle, so that its second half is begun together with
 /// its first: what is to be used in order would pile up.
-pub(super) fn in_turn<S: Send>(
+pub(crate) fn in_turn<S: Send>(
     count: usize,
     state: impl Fn() -> S + Sync,
     work: impl Fn(&mut S, usize) -> ControlFlow<()> + Sync,

@@ -22,9 +22,9 @@ use half::f16;
 use super::ExrFile;
 use super::color_interop_id;
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, ExrReport, Precision};
-use crate::film::turns::in_turn;
-use crate::film::{ChannelKind, Channels, Film, Frame, Metadata, Rows};
+use crate::image::{ChannelKind, Channels, Film, ImageSpec, Metadata, Rows};
 use crate::output::{self, OutputError, Unfinished};
+use crate::turns::in_turn;
 use crate::world::colorimetry::primaries;
 
 /// The channels that every film has, in the order of its pixels.
@@ -77,9 +77,9 @@ impl Film {
         sink: &mut (impl Write + Seek + Send),
         options: &ExrOptions,
     ) -> io::Result<ExrReport> {
-        let file = ExrFile::begin(&self.frame, options, sink)?;
+        let file = ExrFile::begin(self.spec(), options, sink)?;
         let (blocks, lines) = (file.blocks(), file.lines_per_block());
-        let height = self.frame.window.height as usize;
+        let height = self.window().height as usize;
         in_turn(
             blocks,
             || file.packer(),
@@ -98,7 +98,7 @@ impl Film {
     }
 }
 
-impl Frame {
+impl ImageSpec {
     /// All channels in the file's order, which is that of their names' bytes.
     pub(super) fn file_channels(&self, precision: Precision) -> Vec<FileChannel<'_>> {
         let rgba = RGBA

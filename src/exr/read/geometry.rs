@@ -2,7 +2,7 @@
 
 use super::header::{Levels, Part, Tiles};
 use super::{ExrProblem, damaged};
-use crate::film::Window;
+use crate::image::Window;
 
 /// The largest display window, in pixels, around a small data window: 16 384 squared.
 ///

@@ -12,11 +12,11 @@ use exr::meta::header::Header;
 use super::write::{FileChannel, Halves, head, into_io};
 use super::zip::Zip;
 use super::{ExrOptions, ExrReport, Precision};
-use crate::film::{Frame, Rows};
+use crate::image::{ImageSpec, Rows};
 use crate::output::Sink;
 
 /// An EXR file whose blocks may come in any order.
-pub(in crate::film) struct ExrFile<'f> {
+pub(crate) struct ExrFile<'f> {
     header: Header,
     channels: Vec<FileChannel<'f>>,
     has_failed: AtomicBool,
@@ -40,7 +40,7 @@ struct Written<'f> {
 }
 
 /// What a thread compresses one block after the other with.
-pub(in crate::film) struct Packer {
+pub(crate) struct Packer {
     /// A block before compression.
     raw: Vec<u8>,
     /// A block as it goes into the file.
@@ -53,16 +53,16 @@ impl<'f> ExrFile<'f> {
     /// Writes all that comes before the blocks.
     ///
     /// # Errors
-    /// As [`Film::write_exr_to`](crate::film::Film::write_exr_to).
-    pub(in crate::film) fn begin(
-        frame: &'f Frame,
+    /// As [`Film::write_exr_to`](crate::image::Film::write_exr_to).
+    pub(crate) fn begin(
+        spec: &'f ImageSpec,
         options: &ExrOptions,
         sink: &'f mut dyn Sink,
     ) -> io::Result<Self> {
-        let channels = frame.file_channels(options.precision);
-        let header = frame.header(options, &channels);
+        let channels = spec.file_channels(options.precision);
+        let header = spec.header(options, &channels);
         options
-            .check(frame.window, &frame.channels)
+            .check(spec.window, &spec.channels)
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
         let mut head = head(&header).map_err(into_io)?;
         let table = head.len() as u64;
@@ -86,17 +86,17 @@ impl<'f> ExrFile<'f> {
     }
 
     /// Lines of a block that is not cut off.
-    pub(in crate::film) fn lines_per_block(&self) -> usize {
+    pub(crate) fn lines_per_block(&self) -> usize {
         self.header.compression.scan_lines_per_block()
     }
 
     /// How many blocks there are.
-    pub(in crate::film) fn blocks(&self) -> usize {
+    pub(crate) fn blocks(&self) -> usize {
         self.header.chunk_count
     }
 
     /// What a thread needs to add blocks.
-    pub(in crate::film) fn packer(&self) -> Packer {
+    pub(crate) fn packer(&self) -> Packer {
         let is_float = |channel: &&FileChannel<'_>| channel.precision == Precision::Float;
         let floats = self.channels.iter().filter(is_float).count();
         let mostly_float = 2 * floats >= self.channels.len();
@@ -126,13 +126,13 @@ impl<'f> ExrFile<'f> {
     }
 
     /// Whether anything went wrong: further blocks are of no use.
-    pub(in crate::film) fn has_failed(&self) -> bool {
+    pub(crate) fn has_failed(&self) -> bool {
         self.has_failed.load(Ordering::Relaxed)
     }
 
     /// Compresses the block with this index, counted from the top, and writes all that is there
     /// without a gap. What goes wrong is told by [`ExrFile::finish`].
-    pub(in crate::film) fn add(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) {
+    pub(crate) fn add(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) {
         match self.pack(index, rows, packer) {
             Ok(halves) => {
                 let mut written = self.written();
@@ -155,7 +155,7 @@ impl<'f> ExrFile<'f> {
     ///
     /// # Errors
     /// The first that there was.
-    pub(in crate::film) fn finish(self) -> io::Result<ExrReport> {
+    pub(crate) fn finish(self) -> io::Result<ExrReport> {
         let written = self.written.into_inner();
         let written = written.unwrap_or_else(PoisonError::into_inner);
         if let Some(error) = written.error {

@@ -10,28 +10,31 @@
 //!
 //! Tiles and blocks are both counted from the top of the window, and their heights are powers of two,
 //! so that the higher of both is the height of a strip. The bytes are those of the finished film's
-//! [`Film::write_exr`](super::Film::write_exr), for any number of threads.
+//! [`Film::write_exr`](crate::image::Film::write_exr), for any number of threads.
 
 use std::io::{self, Seek, Write};
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use super::batch::TILE;
-use super::exr::{ExrFile, ExrOptions, ExrReport, Packer};
-use super::render::{Counts, Options, Space, Tile, Work, set_up};
-use super::turns::in_turn;
-use super::{Channels, Rows, Window};
+use super::counts::Counts;
+use super::options::Options;
+use super::setup::set_up;
+use super::tile::{Space, Tile, Work};
+use crate::exr::{ExrFile, ExrOptions, ExrReport, Packer};
+use crate::image::{Channels, Rows, Window};
+use crate::turns::in_turn;
 use crate::visibility::Visibility;
 use crate::world::{Plan, World};
 
 /// Renders a world and writes it as OpenEXR into `sink`, from the sink's start: blocks are
 /// compressed and written while others are still being rendered, and the film is never there as a
 /// whole. The bytes are those that [`render_with`](super::render_with) and
-/// [`Film::write_exr_to`](super::Film::write_exr_to) make one after the other. `progress` is told
+/// [`Film::write_exr_to`](crate::image::Film::write_exr_to) make one after the other. `progress` is told
 /// after each tile how many pixels it had.
 ///
 /// # Errors
-/// As [`Film::write_exr_to`](super::Film::write_exr_to); rendering ends with the first.
+/// As [`Film::write_exr_to`](crate::image::Film::write_exr_to); rendering ends with the first.
 ///
 /// # Panics
 /// As [`render`](super::render()).
@@ -44,9 +47,9 @@ pub fn render_exr(
     exr: &ExrOptions,
     sink: &mut (impl Write + Seek + Send),
 ) -> io::Result<(Counts, ExrReport)> {
-    set_up(world, plan, visibility, options, |work, frame| {
-        let file = ExrFile::begin(&frame, exr, sink)?;
-        let strips = Strips::new(frame.window, &frame.channels, &file);
+    set_up(world, plan, visibility, options, |work, spec| {
+        let file = ExrFile::begin(&spec, exr, sink)?;
+        let strips = Strips::new(spec.window, &spec.channels, &file);
         let each = |worker: &mut Worker, number| {
             let tile = strips.tile(number);
             worker.render(work, tile, strips.channels);

@@ -7,7 +7,9 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use super::ExrProblem;
-use super::header::MAGIC;
+
+/// What every OpenEXR file begins with.
+pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// The most that is read from a pipe: 4 GiB.
 const MAX_PIPED: usize = 1 << 32;

@@ -8,11 +8,11 @@ mod zip;
 use std::fmt;
 use std::str::FromStr;
 
-pub(super) use file::{ExrFile, Packer};
+pub(crate) use file::{ExrFile, Packer};
 pub use read::{ColorMeaning, ColorTag, ExrError, ExrImage, ExrProblem, ExrReader, read};
 
-use super::{ChannelKind, Channels, Window};
 use crate::color::Primaries;
+use crate::image::{ChannelKind, Channels, Window};
 use crate::scene::ColorSpace;
 
 /// How a film is stored as OpenEXR.
@@ -30,7 +30,7 @@ pub struct ExrOptions {
 
 impl ExrOptions {
     /// The lines that are compressed together.
-    pub(super) fn lines_per_block(&self) -> usize {
+    pub(crate) fn lines_per_block(&self) -> usize {
         exr::meta::attribute::Compression::from(self.compression).scan_lines_per_block()
     }
 
@@ -215,17 +215,15 @@ pub fn primaries_of(interop_id: &str) -> Option<Primaries> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Layers;
-    use crate::scene::Scene;
-    use crate::world::{Wavelengths, World};
+    use crate::image::Channel;
 
     #[test]
     fn blocks_have_a_limit() {
         let window = Window::whole([65_536, 65_536]);
-        let every_nm = Layers {
-            spectral: Wavelengths::new(360, 830, 1),
-            ..Layers::default()
-        };
+        let every_nm = (360..=830).map(|nm| Channel {
+            name: format!("S0.{nm},000000nm"),
+            kind: ChannelKind::Light,
+        });
         let fits = |compression, channels: &Channels| {
             let options = ExrOptions {
                 compression,
@@ -236,8 +234,10 @@ mod tests {
         for compression in Compression::ALL {
             assert!(fits(compression, &Channels::default()));
         }
-        let world = World::new(&Scene::builtin()).unwrap();
-        let channels = every_nm.channels(&world);
+        let channels = Channels {
+            list: every_nm.collect(),
+            attributes: Vec::new(),
+        };
         assert!(fits(Compression::Zip, &channels));
         // 32 lines of 65536 pixels of 475 values of 4 bytes are 4 GB.
         assert!(!fits(Compression::Piz, &channels));

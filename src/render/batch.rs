@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::Window;
 use super::sampling::Sampler;
+use crate::image::Window;
 use crate::math::both;
 use crate::simd::{LANES, U32x16};
 use crate::visibility::{BATCH, Column, Samples};

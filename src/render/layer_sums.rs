@@ -1,14 +1,14 @@
 //! What the layers of a film keep of a tile's samples: for each kind of layer its sums, pixel by
 //! pixel, in f64.
 //!
-//! The loop over batches tells [`Sums`] which points a batch has ([`Sums::see`]) and, where a layer
+//! The loop over batches tells [`LayerSums`] which points a batch has ([`LayerSums::see`]) and, where a layer
 //! wants them, each term of L9; without layers there are no sums, and nothing is told.
 
-use super::Layers;
 use super::bands::{self, Geometry, Place};
 use super::batch::SampleRange;
-use super::layers::{BACKGROUND_DEPTH, has_background_share};
-use super::render::narrowed;
+use super::layers::{Layers, has_background_share};
+use super::sums::narrowed;
+use crate::image::BACKGROUND_DEPTH;
 use crate::math::DVec3;
 use crate::shading::{Term, Terms};
 use crate::visibility::{Column, Points};
@@ -16,31 +16,31 @@ use crate::world::{Bands, World};
 
 /// The layers to make, and what they are made from.
 #[derive(Clone, Copy)]
-pub(super) struct Passes<'w> {
+pub(super) struct RequestedLayers<'w> {
     world: &'w World,
     layers: Layers,
     bands: Option<&'w Bands>,
 }
 
-impl<'w> Passes<'w> {
+impl<'w> RequestedLayers<'w> {
     /// `None` where no layer is asked for. `bands` are those of [`Layers::spectral`].
     pub(super) fn new(world: &'w World, layers: Layers, bands: Option<&'w Bands>) -> Option<Self> {
-        let passes = Self {
+        let requested = Self {
             world,
             layers,
             bands,
         };
-        (passes.sums(0).channels() > 0).then_some(passes)
+        (requested.sums(0).channels() > 0).then_some(requested)
     }
 
     /// Room for so many pixels.
-    pub(super) fn sums(self, pixels: usize) -> Sums<'w> {
+    pub(super) fn sums(self, pixels: usize) -> LayerSums<'w> {
         let Self {
             world,
             layers,
             bands,
         } = self;
-        Sums {
+        LayerSums {
             lights: layers.lights.then(|| LightSums::new(world, pixels)),
             depths: layers.depth.then(|| Depths::new(world, pixels)),
             normals: layers.normal.then(|| vec![DVec3::ZERO; pixels]),
@@ -50,7 +50,7 @@ impl<'w> Passes<'w> {
 }
 
 /// The sums of a tile's pixels. Samples come in the order of the pixels.
-pub(super) struct Sums<'w> {
+pub(super) struct LayerSums<'w> {
     lights: Option<LightSums<'w>>,
     depths: Option<Depths>,
     /// Σ n of each pixel.
@@ -58,7 +58,7 @@ pub(super) struct Sums<'w> {
     spectral: Option<SpectralSums<'w>>,
 }
 
-impl<'w> Sums<'w> {
+impl<'w> LayerSums<'w> {
     /// How many channels a pixel has.
     pub(super) fn channels(&self) -> usize {
         let lights = self.lights.as_ref().map_or(0, |lights| 3 * lights.shares);

@@ -3,14 +3,11 @@
 //! Only what is needed to show a picture is kept; other attributes, previews among them, are passed over
 //! unread. Layout: "OpenEXR File Layout", <https://openexr.com/en/latest/OpenEXRFileLayout.html>
 
-use super::source::{Cursor, Source};
+use super::source::{Cursor, MAGIC, Source};
 use super::{ColorTag, ExrProblem, damaged};
 use crate::color::Primaries;
-use crate::film::exr::COLOR_INTEROP_ID;
+use crate::exr::COLOR_INTEROP_ID;
 use crate::printable::printable_bytes;
-
-/// What every OpenEXR file begins with.
-pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// Flags in the version field.
 const TILED: u32 = 1 << 9;

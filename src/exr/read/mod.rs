@@ -40,7 +40,7 @@ pub use color::{ColorMeaning, ColorTag};
 use header::Headers;
 use source::Source;
 
-use crate::film::Window;
+use crate::image::Window;
 use crate::printable::{printable, printable_path};
 use crate::scene::is_transient;
 

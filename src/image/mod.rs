@@ -1,23 +1,12 @@
-//! Radiance to pixels: the film, how it is filled, and the EXR that it becomes.
+//! What an image is: its pixels, what each of its channels holds, and what is said about it.
 
-mod bands;
-mod batch;
-pub mod exr;
-mod layers;
-mod passes;
-mod render;
-mod sampling;
-mod strips;
-mod turns;
+mod channels;
 
-pub use layers::{BACKGROUND_DEPTH, BACKGROUND_LIGHT, Channel, ChannelKind, Channels, Layers};
-pub use render::{Counts, MAX_SAMPLES, Options, SCREEN_WHITE, render, render_with};
-pub use strips::{memory, render_exr};
+pub use channels::{BACKGROUND_DEPTH, Channel, ChannelKind, Channels};
 
 use std::ops::Range;
 
 use crate::scene::ColorSpace;
-use render::Tile;
 
 /// A rectangle of pixels; (0, 0) is the top left of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,10 +24,10 @@ pub struct Window {
 /// A rendered image: linear radiance in cd/m², RGB premultiplied by coverage A, in f32.
 #[derive(Clone, Debug)]
 pub struct Film {
-    frame: Frame,
-    /// R, G, B, A, row by row from the top of the frame's window.
+    spec: ImageSpec,
+    /// R, G, B, A, row by row from the top of the spec's window.
     pixels: Vec<[f32; 4]>,
-    /// The values of the frame's channels, row by row, pixel by pixel, channel by channel within;
+    /// The values of the spec's channels, row by row, pixel by pixel, channel by channel within;
     /// empty where there are none.
     values: Vec<f32>,
 }
@@ -46,24 +35,24 @@ pub struct Film {
 /// All that a film is but for its pixels, and all that the head of its file is made of: known
 /// before the first pixel is.
 #[derive(Clone, Debug)]
-struct Frame {
+pub(crate) struct ImageSpec {
     /// Width and height of the whole image: the EXR's display window.
-    resolution: [u32; 2],
+    pub(crate) resolution: [u32; 2],
     /// The part that is rendered: the EXR's data window, inside the whole image.
-    window: Window,
+    pub(crate) window: Window,
     /// What there is beside R, G, B, A.
-    channels: Channels,
+    pub(crate) channels: Channels,
     /// What the EXR header says about the image.
-    metadata: Metadata,
+    pub(crate) metadata: Metadata,
 }
 
 /// Whole rows of a film.
 #[derive(Clone, Copy, Debug)]
-struct Rows<'f> {
+pub(crate) struct Rows<'f> {
     /// R, G, B, A, row by row.
-    pixels: &'f [[f32; 4]],
+    pub(crate) pixels: &'f [[f32; 4]],
     /// The values of further channels, row by row, pixel by pixel, channel by channel within.
-    values: &'f [f32],
+    pub(crate) values: &'f [f32],
 }
 
 /// What the EXR header says about the image beside its windows and channels.
@@ -106,54 +95,14 @@ impl Window {
 
 impl Film {
     /// A film without light or coverage, and 0 in all further channels.
-    fn black(frame: Frame) -> Self {
-        let Window { width, height, .. } = frame.window;
+    pub(crate) fn black(spec: ImageSpec) -> Self {
+        let Window { width, height, .. } = spec.window;
         let count = width as usize * height as usize;
         Self {
             pixels: vec![[0.0; 4]; count],
-            values: vec![0.0; count * frame.channels.list.len()],
-            frame,
+            values: vec![0.0; count * spec.channels.list.len()],
+            spec,
         }
-    }
-
-    /// The film in square tiles of `side` pixels, smaller at the right and bottom.
-    fn tiles(&mut self, side: u32) -> Vec<Tile<'_>> {
-        let Window {
-            x,
-            y,
-            width,
-            height,
-        } = self.frame.window;
-        let mut tiles = Vec::new();
-        let channels = self.frame.channels.list.len();
-        let (columns, side_length) = (width as usize, side as usize);
-        // No chunk may be of length 0; of no values there are none all the same.
-        let mut values = self.values.chunks_mut((columns * channels).max(1));
-        let strips = self.pixels.chunks_mut(columns * side_length);
-        for (strip, top) in strips.zip((0..height).step_by(side_length)) {
-            let first = tiles.len();
-            tiles.extend((0..width).step_by(side_length).map(|left| Tile {
-                window: Window {
-                    x: x + left,
-                    y: y + top,
-                    width: side.min(width - left),
-                    height: side.min(height - top),
-                },
-                rows: Vec::with_capacity(side_length),
-                values: Vec::new(),
-            }));
-            for row in strip.chunks_mut(columns) {
-                for (tile, part) in tiles[first..].iter_mut().zip(row.chunks_mut(side_length)) {
-                    tile.rows.push(part);
-                }
-                let row = values.next().unwrap_or_default();
-                let parts = row.chunks_mut((side_length * channels).max(1));
-                for (tile, part) in tiles[first..].iter_mut().zip(parts) {
-                    tile.values.push(part);
-                }
-            }
-        }
-        tiles
     }
 
     /// A film from its pixels, row by row from the top of `window`.
@@ -170,14 +119,14 @@ impl Film {
         assert!(
             window.x + window.width <= resolution[0] && window.y + window.height <= resolution[1]
         );
-        let frame = Frame {
+        let spec = ImageSpec {
             resolution,
             window,
             channels: Channels::default(),
             metadata,
         };
         Self {
-            frame,
+            spec,
             pixels,
             values: Vec::new(),
         }
@@ -190,12 +139,12 @@ impl Film {
     /// If the values are not as many as the pixels have channels.
     pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
         assert_eq!(values.len(), self.pixels.len() * channels.list.len());
-        let frame = Frame {
+        let spec = ImageSpec {
             channels,
-            ..self.frame
+            ..self.spec
         };
         Self {
-            frame,
+            spec,
             values,
             ..self
         }
@@ -203,12 +152,12 @@ impl Film {
 
     /// Width and height of the whole image, of which [`Film::window`] is a part.
     pub fn resolution(&self) -> [u32; 2] {
-        self.frame.resolution
+        self.spec.resolution
     }
 
     /// The part of the image that this film holds.
     pub fn window(&self) -> Window {
-        self.frame.window
+        self.spec.window
     }
 
     /// R, G, B, A of every pixel of the window, row by row from its top.
@@ -218,24 +167,34 @@ impl Film {
 
     /// What the film has beside R, G, B, A.
     pub fn channels(&self) -> &Channels {
-        &self.frame.channels
+        &self.spec.channels
     }
 
     /// The values of [`Film::channels`] of a pixel, by its place in [`Film::pixels`].
     pub fn values(&self, pixel: usize) -> &[f32] {
-        let count = self.frame.channels.list.len();
+        let count = self.spec.channels.list.len();
         &self.values[pixel * count..][..count]
     }
 
     /// What the EXR header says about the image.
     pub fn metadata(&self) -> &Metadata {
-        &self.frame.metadata
+        &self.spec.metadata
+    }
+
+    /// Its pixels and the values of its channels, to be filled.
+    pub(crate) fn rows_mut(&mut self) -> (&mut [[f32; 4]], &mut [f32]) {
+        (&mut self.pixels, &mut self.values)
+    }
+
+    /// All that it is but for its pixels.
+    pub(crate) fn spec(&self) -> &ImageSpec {
+        &self.spec
     }
 
     /// Some of its rows, counted from the top of its window.
-    fn rows(&self, rows: Range<usize>) -> Rows<'_> {
-        let width = self.frame.window.width as usize;
-        let channels = self.frame.channels.list.len();
+    pub(crate) fn rows(&self, rows: Range<usize>) -> Rows<'_> {
+        let width = self.spec.window.width as usize;
+        let channels = self.spec.channels.list.len();
         let pixels = rows.start * width..rows.end * width;
         let values = pixels.start * channels..pixels.end * channels;
         Rows {
