@@ -9,7 +9,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use exr::meta::attribute::{Compression, IntegerBounds};
 use exr::meta::header::Header;
 
-use super::write::{FileChannel, Halves, head, into_io};
+use super::head::head;
+use super::store::{FileChannel, Halves};
 use super::zip::Zip;
 use super::{ExrOptions, ExrReport, Precision};
 use crate::image::{ImageSpec, Rows};
@@ -231,5 +232,12 @@ impl Written<'_> {
         self.offsets.push(self.position);
         self.position += block.len() as u64;
         Ok(())
+    }
+}
+
+fn into_io(error: exr::error::Error) -> io::Error {
+    match error {
+        exr::error::Error::Io(error) => error,
+        error => io::Error::new(io::ErrorKind::InvalidInput, error.to_string()),
     }
 }

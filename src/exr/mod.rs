@@ -1,7 +1,9 @@
 //! OpenEXR out and in.
 
 mod file;
+mod head;
 mod read;
+mod store;
 mod write;
 mod zip;
 

@@ -12,7 +12,7 @@ use crate::world::{Bands, Plan, World};
 /// Makes what all tiles have in common, and renders with it.
 ///
 /// # Panics
-/// As [`render`].
+/// As [`render`](super::render()).
 pub(super) fn set_up<T>(
     world: &World,
     plan: &Plan,
