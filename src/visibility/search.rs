@@ -3,72 +3,14 @@
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
-use super::beam::{Beam, Stack};
-use super::bvh::Bounds;
-use super::canvas::Canvas;
-use super::nodes::{Members, Tree, blocks_of};
-use super::packet::{Nearest, Packet, Question, Shadow, descend};
-use super::verdict::Verdict;
+use super::packet::{Question, descend};
+use super::projection::{Canvas, Verdict};
+use super::rays::ShearedRays;
+use super::shape::{Block, Shape};
+use super::tree::{Bounds, Members, Stack, Tree, blocks_of};
 use crate::math::DVec3;
 use crate::simd::ones;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
-
-/// A shape that fits in a box.
-pub(super) trait Shape: Copy + Send + Sync {
-    /// Several of them, as the canvas takes them.
-    type Block: Block<Self>;
-
-    /// How many.
-    const WIDTH: usize;
-
-    /// What the slots of this kind of shape have in common.
-    const SLOTS: u32;
-
-    /// Whether blocks have no more of shapes than canvases need.
-    const IS_SKETCHED: bool;
-
-    /// The smallest box around it.
-    fn bounds(&self) -> Bounds;
-
-    /// L2: offers where the rays hit it at t above 0.
-    fn intersect<S: Simd>(&self, simd: S, packet: &Packet<S>, nearest: &mut Nearest<S>);
-
-    /// L4: hides the points that it stands strictly before.
-    fn occlude<S: Simd>(&self, simd: S, packet: &Packet<S>, shadow: &mut Shadow<'_, S>);
-
-    /// Whether it is certain, and soon told, that no ray on a canvas meets it.
-    fn is_beside(&self, canvas: &Canvas) -> bool;
-}
-
-/// A few shapes side by side.
-pub(super) trait Block<T>: Send + Sync {
-    /// What a canvas makes of them before it is looked at ray by ray.
-    type Drawing;
-
-    /// Of [`Shape::WIDTH`] shapes or fewer, at least one, of which `first` come before in the order of all.
-    fn of(shapes: &[T], first: u32) -> Self;
-
-    /// One of them, by its place; all shapes of sketched ones are in `shapes`.
-    fn get(&self, shapes: &[T], place: usize) -> T;
-
-    /// One bit for each place that the rays of a beam might meet a shape at.
-    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
-
-    /// Has it on its way from memory.
-    fn touch(&self);
-
-    /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow; sketched ones
-    /// have their places in the order of all for it.
-    fn cast<S: Simd>(
-        &self,
-        simd: S,
-        bits: u32,
-        slot: u32,
-        drawing: &mut Self::Drawing,
-        canvas: &mut Canvas,
-        verdict: impl Verdict,
-    );
-}
 
 /// A shape that is this many times larger than the middle one is kept out of the tree: its boxes
 /// give way in proportion to the whole, and a planet would blur the pebbles on it.
@@ -104,11 +46,12 @@ impl<T: Shape> Search<T> {
             Acceleration::Tree => outsized(count, &shape),
         };
         let mut members = Vec::new();
-        members.extend(blocks_of::<T>(0, listed.len() as u32));
+        members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
         let mut order = listed;
         let listed = order.len();
         let tree = (listed < count as usize).then(|| {
-            let (tree, treed) = Tree::new(count, &shape, &order, &mut members);
+            let bounds = |index| shape(index).bounds();
+            let (tree, treed) = Tree::new(count, T::WIDTH, &bounds, &order, &mut members);
             order.extend(treed);
             tree
         });
@@ -230,7 +173,7 @@ impl<T: Shape> Search<T> {
     pub(super) fn ask<S: Simd>(
         &self,
         simd: S,
-        packet: &Packet<S>,
+        packet: &ShearedRays<S>,
         question: &mut impl Question<S>,
         stack: &mut Stack,
     ) {
@@ -244,7 +187,7 @@ impl<T: Shape> Search<T> {
     fn ask_all<S: Simd>(
         &self,
         simd: S,
-        packet: &Packet<S>,
+        packet: &ShearedRays<S>,
         question: &mut impl Question<S>,
         stack: &mut Stack,
     ) {
