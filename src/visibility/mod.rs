@@ -2,7 +2,7 @@
 //!
 //! Rays come in batches that share something: the primary rays of a few pixels share the eye or a
 //! direction, the shadow rays to a point light share the light. All is asked here in such batches and
-//! answered for the whole batch: on a canvas before the point that its rays share, which decides in
+//! answered for the whole batch: by a projection from the point that its rays share, which decides in
 //! f32 what is certain, and for the few rays that are left in packets of sixteen, in f64. Each kind of
 //! shape is searched on its own, through a list or a tree as the [`Plan`] says.
 //!
@@ -38,17 +38,17 @@ use crate::simd::{DVec3x16, F64x16, LANES};
 use crate::world::{Camera, Plan, Projection, World};
 use batch::{first_lanes, longest, offsets, ranges};
 use points::{Known, Only};
-use projection::{Canvas, First, Reached, State};
-use question::Nearest;
+use projection::{BatchProjection, NearestHitTest, OcclusionTest, State};
+use question::NearestHit;
 use rays::{ROUNDING, Rays};
-use shapes::{Drawings, Segments, Shapes};
+use shapes::{Segments, Setups, Shapes};
 use tree::{EMPTY_STACK, Stack};
 
-/// Rays whose directions differ by more than this part of their length do not share a canvas: at a
+/// Rays whose directions differ by more than this part of their length do not share a projection: at a
 /// silhouette, points of the object and points far behind it would be enclosed in one beam.
 const MOST_SPREAD: f64 = 1.0 / 16.0;
 
-/// So many shapes are soon told, whatever is enclosed: rays that share a canvas may then differ as much as
+/// So many shapes are soon told, whatever is enclosed: rays that share a projection may then differ as much as
 /// [`MOST_SPREAD_AMID_FEW`].
 const FEW_SHAPES: usize = 64;
 const MOST_SPREAD_AMID_FEW: f64 = 1.0;
@@ -57,7 +57,7 @@ const MOST_SPREAD_AMID_FEW: f64 = 1.0;
 const BYTES_OF_TRIANGLE: u64 = 260;
 const BYTES_OF_SPHERE: u64 = 130;
 
-/// Fewer rays than this are not worth a canvas.
+/// Fewer rays than this are not worth a projection.
 const FEW: u32 = 8;
 
 /// The shapes of a world, arranged for tracing.
@@ -69,10 +69,10 @@ pub struct Visibility<'w> {
     somewhere: DVec3,
     /// Whether there are no more than [`FEW_SHAPES`].
     are_few: bool,
-    /// How much the directions of rays on one canvas may differ, as a part of their length.
+    /// How much the directions of rays on one projection may differ, as a part of their length.
     most_spread: f64,
-    /// Whether canvases decide what they can, as they do but in tests.
-    uses_canvas: bool,
+    /// Whether projections decide what they can, as they do but in tests.
+    uses_projection: bool,
 }
 
 /// Points of the image whose primary rays are traced together, in pixels.
@@ -96,21 +96,21 @@ impl Samples<'_> {
         camera.varying(simd, x, F64x16::load(simd, &y[first..]))
     }
 
-    /// Stretches a canvas before the primary rays of the packets' samples with a bit; `somewhere` is amid the
+    /// Projects the primary rays of the packets' samples with a bit; `somewhere` is amid the
     /// shapes.
     #[inline(always)]
-    fn stretch<S: Simd>(
+    fn project<S: Simd>(
         &self,
         simd: S,
         camera: &Camera,
         somewhere: DVec3,
         asked: &[u32; PACKETS],
-        canvas: &mut Canvas,
+        projection: &mut BatchProjection,
     ) {
         match camera.projection() {
             Projection::Perspective { .. } => {
                 let [x, y] = both(self.places, |places| places[self.count / 2]);
-                canvas.stretch_around(
+                projection.project_around(
                     simd,
                     camera.eye().0,
                     camera.ray(x, y).direction,
@@ -120,7 +120,7 @@ impl Samples<'_> {
                 );
             }
             Projection::Orthographic { .. } => {
-                canvas.stretch_along(
+                projection.project_along(
                     simd,
                     camera.eye().0,
                     camera.forward().get(),
@@ -149,8 +149,8 @@ impl Samples<'_> {
 /// What a thread needs to trace batches, to be used again and again.
 #[derive(Debug)]
 pub struct Workspace {
-    canvas: Canvas,
-    drawings: Drawings,
+    projection: BatchProjection,
+    setups: Setups,
     stack: Box<Stack>,
     /// Groups of points that are still to be asked for a light.
     groups: Vec<[u32; PACKETS]>,
@@ -159,8 +159,8 @@ pub struct Workspace {
 impl Default for Workspace {
     fn default() -> Self {
         Self {
-            canvas: Canvas::default(),
-            drawings: Drawings::default(),
+            projection: BatchProjection::default(),
+            setups: Setups::default(),
             stack: Box::new(EMPTY_STACK),
             groups: Vec::new(),
         }
@@ -183,7 +183,7 @@ impl<'w> Visibility<'w> {
             } else {
                 MOST_SPREAD
             },
-            uses_canvas: true,
+            uses_projection: true,
         }
     }
 
@@ -230,8 +230,8 @@ impl<'w> Visibility<'w> {
         let count = samples.count;
         let camera = self.shapes.world.camera();
         let Workspace {
-            canvas,
-            drawings,
+            projection,
+            setups,
             stack,
             ..
         } = space;
@@ -241,25 +241,28 @@ impl<'w> Visibility<'w> {
         for (packet, bits) in asked.iter_mut().enumerate() {
             *bits = first_lanes(count, packet);
         }
-        let has_canvas = self.uses_canvas && {
+        let is_projected = self.uses_projection && {
             let distance = (self.somewhere - eye.0).length();
-            canvas.unit = if distance > 0.0 { distance } else { 1.0 };
+            projection.unit = if distance > 0.0 { distance } else { 1.0 };
             // What one batch sees, the next one mostly does.
-            let may_settle = self.are_few || points.only != Only::Many;
-            let is_aimed =
-                is_perspective && may_settle && canvas.aim_between(eye.0, samples.corners(camera));
-            if is_aimed {
-                self.shapes.cast(simd, canvas, drawings, stack, First);
+            let may_resolve_whole = self.are_few || points.only != Only::Many;
+            let is_bounded = is_perspective
+                && may_resolve_whole
+                && projection.bound_between(eye.0, samples.corners(camera));
+            if is_bounded {
+                self.shapes
+                    .rasterize(simd, projection, setups, stack, NearestHitTest);
             }
-            if is_aimed && canvas.state == State::Aimed {
-                canvas.settle();
+            if is_bounded && projection.state == State::Bounded {
+                projection.resolve_whole();
             } else {
-                samples.stretch(simd, camera, self.somewhere, &asked, canvas);
-                if canvas.state == State::Stretched {
-                    self.shapes.cast(simd, canvas, drawings, stack, First);
+                samples.project(simd, camera, self.somewhere, &asked, projection);
+                if projection.state == State::Projected {
+                    self.shapes
+                        .rasterize(simd, projection, setups, stack, NearestHitTest);
                 }
             }
-            canvas.state != State::Unfit
+            projection.state != State::Unfit
         };
         points.begin(self.is_smooth);
         let mut last = None;
@@ -268,13 +271,13 @@ impl<'w> Visibility<'w> {
                 points.hit[packet] = 0;
                 continue;
             }
-            let again = if has_canvas {
-                canvas.asked_again(packet) & bits
+            let fallback = if is_projected {
+                projection.falls_back(packet) & bits
             } else {
                 bits
             };
-            let known = bits & !again;
-            if again == 0 && canvas.found(simd, packet) & known == 0 {
+            let known = bits & !fallback;
+            if fallback == 0 && projection.found(simd, packet) & known == 0 {
                 points.hit[packet] = 0;
                 continue;
             }
@@ -284,12 +287,12 @@ impl<'w> Visibility<'w> {
             } else {
                 Rays::new(varying, DVec3x16::splat(simd, forward), None)
             };
-            let mut nearest = Nearest::new(simd, again);
-            if again != 0 {
+            let mut nearest = NearestHit::new(simd, fallback);
+            if fallback != 0 {
                 self.shapes.ask_nearest(simd, &rays, &mut nearest, stack);
             }
             let known = Known {
-                slots: canvas.first_met(packet),
+                slots: projection.nearest_slots(packet),
                 met: known,
                 last: &mut last,
             };
@@ -328,8 +331,8 @@ impl<'w> Visibility<'w> {
         space: &mut Workspace,
     ) -> [u32; PACKETS] {
         let Workspace {
-            canvas,
-            drawings,
+            projection,
+            setups,
             stack,
             groups,
             ..
@@ -342,7 +345,7 @@ impl<'w> Visibility<'w> {
         };
         let mut lit = [0; PACKETS];
         let mut facing = *facing;
-        // A canvas takes it that no sphere hides points of its own that are seen from outside and face the
+        // A projection takes it that no sphere hides points of its own that are seen from outside and face the
         // light. Those with a normal on the wrong side it does hide.
         for (packet, bits) in facing.iter_mut().enumerate() {
             let edge_on = *bits & points.edge_on[packet];
@@ -387,8 +390,8 @@ impl<'w> Visibility<'w> {
                 let mut lower = group;
                 for (packet, bits) in lower.iter_mut().enumerate() {
                     if *bits != 0 {
-                        let way = offsets(simd, starts.position, packet, light.0);
-                        *bits &= way.component(widest).lt(middle).to_bits();
+                        let offset = offsets(simd, starts.position, packet, light.0);
+                        *bits &= offset.component(widest).lt(middle).to_bits();
                     }
                 }
                 // Neither part is empty, unless rounding makes it so.
@@ -402,58 +405,60 @@ impl<'w> Visibility<'w> {
                     continue;
                 }
             }
-            let reached = Reached {
+            let occlusion = OcclusionTest {
                 light,
                 starts: starts.position,
                 primitives: &points.primitive,
                 only: points.only.one(),
                 asked: &group,
             };
-            canvas.error = starts.largest_error + light.0.length() * (2.0 * ROUNDING);
-            let is_turned =
-                self.uses_canvas && is_worth && canvas.turn_to_ends(light.0, [least, most]);
+            projection.error = starts.largest_error + light.0.length() * (2.0 * ROUNDING);
+            let is_turned = self.uses_projection
+                && is_worth
+                && projection.orient_to_ends(light.0, [least, most]);
             // Around a point of a mesh, neighbors are always on the way to the box.
-            let may_settle = self.are_few || points.only != Only::Many;
-            if is_turned && !(may_settle && canvas.aim()) {
-                reached.stretch(simd, canvas);
+            let may_resolve_whole = self.are_few || points.only != Only::Many;
+            if is_turned && !(may_resolve_whole && projection.bound()) {
+                occlusion.project(simd, projection);
             }
-            let is_fit = is_turned && canvas.state != State::Unfit;
+            let is_fit = is_turned && projection.state != State::Unfit;
             if is_fit {
-                self.shapes.cast(simd, canvas, drawings, stack, reached);
+                self.shapes
+                    .rasterize(simd, projection, setups, stack, occlusion);
             }
-            if is_fit && canvas.state == State::Dark {
+            if is_fit && projection.state == State::Occluded {
                 continue;
             }
-            if is_fit && canvas.state == State::Aimed {
+            if is_fit && projection.state == State::Bounded {
                 // There is nothing between the light and the points.
                 for (lit, bits) in lit.iter_mut().zip(group) {
                     *lit |= bits;
                 }
                 continue;
             }
-            let has_canvas = is_fit && canvas.state == State::Stretched;
+            let is_projected = is_fit && projection.state == State::Projected;
             for (packet, bits) in group.into_iter().enumerate() {
                 if bits == 0 {
                     continue;
                 }
-                let (reached, again) = if has_canvas {
-                    let reached = canvas.reached(simd, packet) & bits;
-                    (reached, canvas.asked_again(packet) & reached)
+                let (reached, fallback) = if is_projected {
+                    let reached = projection.reached(simd, packet) & bits;
+                    (reached, projection.falls_back(packet) & reached)
                 } else {
                     (bits, bits)
                 };
-                lit[packet] |= reached & !again;
-                if again != 0 {
+                lit[packet] |= reached & !fallback;
+                if fallback != 0 {
                     lit[packet] |= self
                         .shapes
-                        .ask_reached(simd, light, ends, packet, again, stack);
+                        .ask_reached(simd, light, ends, packet, fallback, stack);
                 }
             }
         }
         lit
     }
 
-    /// Whether directions in a range are too far apart for one canvas.
+    /// Whether directions in a range are too far apart for one projection.
     fn is_wide(&self, range: &[DVec3; 2]) -> bool {
         let [least, most] = *range;
         (most - least).max_element() > longest(range) * self.most_spread

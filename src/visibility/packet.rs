@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::batch::range;
-use super::question::{Nearest, Shadow};
+use super::question::{NearestHit, Occlusion};
 use super::rays::{Rays, ShearedRays};
 use super::shape::Shape;
 use super::tree::{Beam, Stack, Tree};
@@ -28,7 +28,7 @@ pub(super) trait Question<S: Simd> {
     fn only(&mut self, simd: S, bits: u32);
 }
 
-impl<S: Simd> Question<S> for Nearest<S> {
+impl<S: Simd> Question<S> for NearestHit<S> {
     #[inline(always)]
     fn asked(&self) -> u32 {
         self.asked_bits
@@ -58,7 +58,7 @@ impl<S: Simd> Question<S> for Nearest<S> {
     }
 }
 
-impl<S: Simd> Question<S> for Shadow<'_, S> {
+impl<S: Simd> Question<S> for Occlusion<'_, S> {
     #[inline(always)]
     fn asked(&self) -> u32 {
         self.asked_bits

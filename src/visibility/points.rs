@@ -13,18 +13,18 @@ use fearless_simd::Simd;
 use super::batch::{BATCH, Column, PACKETS, columns_mut};
 use super::primitive::{Primitive, SPHERES};
 use super::projection::NOTHING;
-use super::question::Nearest;
+use super::question::NearestHit;
 use super::rays::{ROUNDING, Rays};
 use super::shapes::Shapes;
 use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
 pub(crate) use facing::Facing;
 use lift::Lifts;
-use met::{Shown, Sources, below, meet_triangles};
+use met::{KnownShape, SurfaceRecords, below, meet_triangles};
 use unit::unit;
 
 /// Where a ray touches a sphere, rounding may put the outward normal on the far side, and it is turned inwards.
-/// n·ω_o is then the error of the point over the radius, which is far below this for spheres that canvases tell.
+/// n·ω_o is then the error of the point over the radius, which is far below this for spheres that projections tell.
 const EDGE_ON: f64 = 1.0 / 64.0;
 
 /// p of the lecture for every ray of a batch, with all that L3 to L8 need there, number by number in
@@ -100,7 +100,7 @@ impl Default for Points {
 pub(super) enum Only {
     Nothing,
     One(Primitive),
-    /// More than one primitive, or it is not known that it is one: no batch is settled by that.
+    /// More than one primitive, or it is not known that it is one: no batch is resolved whole by that.
     Many,
 }
 
@@ -130,7 +130,7 @@ pub(super) struct Known<'s, S: Simd> {
     /// One bit for each ray that it is known of.
     pub(super) met: u32,
     /// The last shape that all rays of a packet hit, which the next may hit as well.
-    pub(super) last: &'s mut Option<Shown<S>>,
+    pub(super) last: &'s mut Option<KnownShape<S>>,
 }
 
 impl Points {
@@ -159,7 +159,7 @@ impl Points {
         shapes: &Shapes<'_>,
         packet: usize,
         rays: &Rays<S>,
-        nearest: &Nearest<S>,
+        nearest: &NearestHit<S>,
         Known { slots, met, last }: Known<'_, S>,
     ) {
         let world = shapes.world;
@@ -181,20 +181,20 @@ impl Points {
         if is_one {
             let slot = slots[first];
             if rays.shared_origin.is_none() || last.is_none_or(|last| last.slot != slot) {
-                *last = Some(Shown::new(simd, shapes, slot, rays));
+                *last = Some(KnownShape::new(simd, shapes, slot, rays));
             }
-            let shown = last.as_ref().expect("it is there now");
-            let Shown {
-                primitive, source, ..
-            } = *shown;
+            let known_shape = last.as_ref().expect("it is there now");
+            let KnownShape {
+                primitive, surface, ..
+            } = *known_shape;
             self.only = self.only.and(primitive);
-            t = shown.met(simd, shapes, rays, bits);
-            reference = DVec3x16::splat(simd, source.reference);
-            tangent = DVec3x16::splat(simd, source.tangent);
-            is_curved = Mask64x16::from_bits(simd, if source.is_curved { bits } else { 0 });
+            t = known_shape.met(simd, shapes, rays, bits);
+            reference = DVec3x16::splat(simd, surface.reference);
+            tangent = DVec3x16::splat(simd, surface.tangent);
+            is_curved = Mask64x16::from_bits(simd, if surface.is_curved { bits } else { 0 });
             let lanes = first_lane..first_lane + LANES;
             self.primitive[lanes.clone()].fill(primitive.0);
-            self.material[lanes].fill(source.material);
+            self.material[lanes].fill(surface.material);
             self.is_uniform[packet] = true;
         } else if asked == 0 && below(simd, slots, SPHERES) & bits == bits {
             self.only = Only::Many;
@@ -217,24 +217,24 @@ impl Points {
             self.is_uniform[packet] = are_uniform;
         } else {
             self.only = Only::Many;
-            let mut sources = Sources::new(nearest);
-            sources.ask(simd, shapes, rays, slots, found & met);
-            sources.take(world, asked);
+            let mut surfaces = SurfaceRecords::new(nearest);
+            surfaces.ask(simd, shapes, rays, slots, found & met);
+            surfaces.take(world, asked);
             let lanes = first_lane..first_lane + LANES;
-            self.primitive[lanes.clone()].copy_from_slice(&sources.primitive);
-            self.material[lanes].copy_from_slice(&sources.material);
-            let material = sources.material[first];
-            self.is_uniform[packet] = ones(bits).all(|lane| sources.material[lane] == material);
-            let [x, y, z] = &sources.reference;
+            self.primitive[lanes.clone()].copy_from_slice(&surfaces.primitive);
+            self.material[lanes].copy_from_slice(&surfaces.material);
+            let material = surfaces.material[first];
+            self.is_uniform[packet] = ones(bits).all(|lane| surfaces.material[lane] == material);
+            let [x, y, z] = &surfaces.reference;
             reference = DVec3x16::load(simd, [x, y, z]);
-            let [x, y, z] = &sources.tangent;
+            let [x, y, z] = &surfaces.tangent;
             tangent = DVec3x16::load(simd, [x, y, z]);
-            is_curved = Mask64x16::from_bits(simd, sources.curved);
-            t = F64x16::load(simd, &sources.t);
+            is_curved = Mask64x16::from_bits(simd, surfaces.curved);
+            t = F64x16::load(simd, &surfaces.t);
         }
 
-        let way = rays.direction.times(t);
-        let position = rays.origin + way;
+        let offset = rays.direction.times(t);
+        let position = rays.origin + offset;
         let inverse = rays.square.nearly_inverse_root(simd);
         let to_viewer = unit(simd, -rays.direction, rays.square, inverse, bits);
         let curved = bits & is_curved.to_bits();
@@ -258,7 +258,8 @@ impl Points {
         let tangent = is_curved.select_vectors(position, tangent);
         // t comes from the way to the shape's own reference, and is rounded with it; then one rounding
         // for the product and one for the sum.
-        let magnitude = rays.origin.taxicab() + way.taxicab() + (tangent - rays.origin).taxicab();
+        let magnitude =
+            rays.origin.taxicab() + offset.taxicab() + (tangent - rays.origin).taxicab();
         let error = magnitude * ROUNDING;
 
         position.store(columns_mut(&mut self.position, packet));

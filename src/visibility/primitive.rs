@@ -37,7 +37,7 @@ pub(super) const PLANES: u32 = 2 << 30;
 
 /// Which shape it is.
 #[derive(Clone, Copy)]
-pub(super) struct Who {
+pub(super) struct ShapeId {
     pub(super) slot: u32,
     pub(super) primitive: Primitive,
 }

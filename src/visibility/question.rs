@@ -8,7 +8,7 @@ use crate::simd::{DVec3x16, F64x16, Mask64x16, U64x16};
 
 /// The nearest hits so far.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest<S: Simd> {
+pub(super) struct NearestHit<S: Simd> {
     /// The rays that ask.
     pub(super) asked: Mask64x16<S>,
     pub(super) asked_bits: u32,
@@ -17,7 +17,7 @@ pub(super) struct Nearest<S: Simd> {
     pub(super) primitive: U64x16<S>,
 }
 
-impl<S: Simd> Nearest<S> {
+impl<S: Simd> NearestHit<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, asked_bits: u32) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl<S: Simd> Nearest<S> {
 
 /// Points of surfaces that ask for a light.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ends<S: Simd> {
+pub(super) struct SegmentEnds<S: Simd> {
     pub(super) position: DVec3x16<S>,
     pub(super) error: F64x16<S>,
     pub(super) primitive: U64x16<S>,
@@ -55,15 +55,15 @@ pub(super) struct Ends<S: Simd> {
 
 /// Which points a light reaches, so far.
 #[derive(Debug)]
-pub(super) struct Shadow<'p, S: Simd> {
+pub(super) struct Occlusion<'p, S: Simd> {
     pub(super) light: Point,
-    pub(super) points: &'p Ends<S>,
+    pub(super) points: &'p SegmentEnds<S>,
     /// Those that nothing is known to hide.
     pub(super) asked: Mask64x16<S>,
     pub(super) asked_bits: u32,
 }
 
-impl<S: Simd> Shadow<'_, S> {
+impl<S: Simd> Occlusion<'_, S> {
     #[inline(always)]
     pub(super) fn hide(&mut self, hidden: Mask64x16<S>) {
         self.asked = self.asked & !hidden;

@@ -4,10 +4,10 @@ use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use super::packet::{Question, descend};
-use super::projection::{Canvas, Verdict};
+use super::projection::{BatchProjection, DepthTest};
 use super::rays::ShearedRays;
 use super::shape::{Block, Shape};
-use super::tree::{Bounds, Members, Stack, Tree, blocks_of};
+use super::tree::{BlockRange, Bounds, Stack, Tree, blocks_of};
 use crate::math::DVec3;
 use crate::simd::ones;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
@@ -25,9 +25,9 @@ const SAMPLE: u32 = 4096;
 /// All shapes of one kind.
 #[derive(Debug)]
 pub(super) struct Search<T: Shape> {
-    /// All shapes as they are and in the order of the blocks, if these are sketches of them.
+    /// All shapes as they are and in the order of the blocks, if the blocks are quantized.
     shapes: Vec<T>,
-    /// All shapes as canvases take them: first the listed ones, then those of the tree, leaf by leaf.
+    /// All shapes as projections take them: first the listed ones, then those of the tree, leaf by leaf.
     blocks: Vec<T::Block>,
     /// How many are gone through one by one.
     listed: usize,
@@ -59,14 +59,14 @@ impl<T: Shape> Search<T> {
         let mut shapes: Vec<T> = shapes.collect();
         let blocks: Vec<T::Block> = members
             .par_iter()
-            .map(|&Members { first, count }| {
+            .map(|&BlockRange { first, count }| {
                 let shapes = &shapes[first as usize..(first + count) as usize];
                 T::Block::of(shapes, first)
             })
             .collect();
         let places = blocks.len() * T::WIDTH;
         assert!(places <= MOST_PLACES, "memory ends before slots do");
-        if !T::IS_SKETCHED {
+        if !T::IS_QUANTIZED {
             shapes = Vec::new();
         }
         Self {
@@ -81,7 +81,7 @@ impl<T: Shape> Search<T> {
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> T {
         let number = number as usize;
-        if T::IS_SKETCHED {
+        if T::IS_QUANTIZED {
             return self.shapes[number];
         }
         self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
@@ -108,47 +108,47 @@ impl<T: Shape> Search<T> {
         })
     }
 
-    /// Puts every shape that the rays on a canvas may meet on it.
+    /// Rasterizes every shape that the rays of a projection may meet.
     #[inline(never)]
-    pub(super) fn cast<S: Simd>(
+    pub(super) fn rasterize<S: Simd>(
         &self,
         simd: S,
-        canvas: &mut Canvas,
-        drawing: &mut <T::Block as Block<T>>::Drawing,
+        projection: &mut BatchProjection,
+        setup: &mut <T::Block as Block<T>>::Setup,
         stack: &mut Stack,
-        verdict: impl Verdict,
+        depth_test: impl DepthTest,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.cast_all(simd, canvas, drawing, stack, verdict),
+            || self.rasterize_all(simd, projection, setup, stack, depth_test),
         );
     }
 
     #[inline(always)]
-    fn cast_all<S: Simd>(
+    fn rasterize_all<S: Simd>(
         &self,
         simd: S,
-        canvas: &mut Canvas,
-        drawing: &mut <T::Block as Block<T>>::Drawing,
+        projection: &mut BatchProjection,
+        setup: &mut <T::Block as Block<T>>::Setup,
         stack: &mut Stack,
-        verdict: impl Verdict,
+        depth_test: impl DepthTest,
     ) {
         for (block, number, shapes) in self.blocks(0, self.listed) {
             let mut bits = shapes;
             for place in ones(shapes) {
-                bits &= !(u32::from(block.get(&self.shapes, place).is_beside(canvas)) << place);
+                bits &= !(u32::from(block.get(&self.shapes, place).is_beside(projection)) << place);
             }
             if bits != 0 {
                 let slot = T::SLOTS | number as u32;
-                block.cast(simd, bits, slot, drawing, canvas, verdict);
+                block.rasterize(simd, bits, slot, setup, projection, depth_test);
             }
         }
         if let Some(tree) = &self.tree {
-            let beam = canvas.beam(tree);
+            let beam = projection.beam(tree);
             beam.descend(
                 simd,
                 tree,
-                canvas.look(simd),
+                projection.look(simd),
                 stack,
                 #[inline(always)]
                 |block, count, next| {
@@ -157,11 +157,11 @@ impl<T: Shape> Search<T> {
                     }
                     for (block, number, bits) in self.blocks(block as usize, count as usize) {
                         let slot = T::SLOTS | number as u32;
-                        block.cast(simd, bits, slot, drawing, canvas, verdict);
+                        block.rasterize(simd, bits, slot, setup, projection, depth_test);
                     }
-                    (!canvas.gives_up(simd)).then(
+                    (!projection.gives_up(simd)).then(
                         #[inline(always)]
-                        || canvas.look(simd),
+                        || projection.look(simd),
                     )
                 },
             );

@@ -3,12 +3,12 @@
 use fearless_simd::Simd;
 
 use super::batch::{BATCH, Column, columns, offsets};
-use super::primitive::{PLANES, Primitive, Who};
-use super::projection::{Canvas, Verdict};
-use super::question::{Ends, Nearest, Shadow};
+use super::primitive::{PLANES, Primitive, ShapeId};
+use super::projection::{BatchProjection, DepthTest};
+use super::question::{NearestHit, Occlusion, SegmentEnds};
 use super::rays::{Rays, ShearedRays};
 use super::search::Search;
-use super::shape::{Ball, Block, Facet, Shape, plane};
+use super::shape::{Block, Shape, Sphere, Triangle, plane};
 use super::tree::Stack;
 use crate::math::{DVec3, Point};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
@@ -18,18 +18,18 @@ use crate::world::{Plan, World};
 #[derive(Debug)]
 pub(super) struct Shapes<'w> {
     pub(super) world: &'w World,
-    pub(super) spheres: Search<Ball>,
-    pub(super) triangles: Search<Facet>,
+    pub(super) spheres: Search<Sphere>,
+    pub(super) triangles: Search<Triangle>,
 }
 
-/// What a canvas makes of the blocks of each kind.
-type DrawingOf<T> = <<T as Shape>::Block as Block<T>>::Drawing;
+/// What a projection makes of the blocks of each kind.
+type SetupOf<T> = <<T as Shape>::Block as Block<T>>::Setup;
 
-/// What is drawn on a canvas, block by block.
+/// What is set up before the rays of a batch, block by block.
 #[derive(Debug, Default)]
-pub(super) struct Drawings {
-    discs: DrawingOf<Ball>,
-    outlines: DrawingOf<Facet>,
+pub(super) struct Setups {
+    spheres: SetupOf<Sphere>,
+    triangles: SetupOf<Triangle>,
 }
 
 /// The ends of a batch's segments to a light.
@@ -47,16 +47,16 @@ impl<'w> Shapes<'w> {
     pub(super) fn new(world: &'w World, plan: &Plan) -> Self {
         let triangles = world.triangles();
         let meshes = triangles.meshes();
-        let facet = |index| {
+        let triangle = |index| {
             let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= index);
             let primitive = Primitive::triangle(meshes[mesh].object, index);
-            Facet::new(primitive, triangles.vertices(index))
+            Triangle::new(primitive, triangles.vertices(index))
         };
-        let ball = |index: u32| Ball::new(&world.spheres()[index as usize], world.camera());
+        let sphere = |index: u32| Sphere::new(&world.spheres()[index as usize], world.camera());
         Self {
             world,
-            triangles: Search::new(triangles.len() as u32, facet, plan.triangles()),
-            spheres: Search::new(world.spheres().len() as u32, ball, plan.spheres()),
+            triangles: Search::new(triangles.len() as u32, triangle, plan.triangles()),
+            spheres: Search::new(world.spheres().len() as u32, sphere, plan.spheres()),
         }
     }
 
@@ -72,27 +72,28 @@ impl<'w> Shapes<'w> {
         self.spheres.memory() + self.triangles.memory()
     }
 
-    /// Puts all shapes that the rays on a canvas may meet on it.
+    /// Rasterizes all shapes that the rays of a projection may meet.
     #[inline(always)]
-    pub(super) fn cast<S: Simd>(
+    pub(super) fn rasterize<S: Simd>(
         &self,
         simd: S,
-        canvas: &mut Canvas,
-        drawings: &mut Drawings,
+        projection: &mut BatchProjection,
+        setups: &mut Setups,
         stack: &mut Stack,
-        verdict: impl Verdict,
+        depth_test: impl DepthTest,
     ) {
         for (index, plane) in self.world.planes().iter().enumerate() {
             let (point, normal) = (plane.point.0, plane.normal.get());
-            let who = Who {
+            let id = ShapeId {
                 slot: PLANES | index as u32,
                 primitive: Primitive::whole(plane.object),
             };
-            plane::cast_plane(simd, point, normal, who, canvas, verdict);
+            plane::rasterize_plane(simd, point, normal, id, projection, depth_test);
         }
-        let Drawings { discs, outlines } = drawings;
-        self.spheres.cast(simd, canvas, discs, stack, verdict);
-        self.triangles.cast(simd, canvas, outlines, stack, verdict);
+        self.spheres
+            .rasterize(simd, projection, &mut setups.spheres, stack, depth_test);
+        self.triangles
+            .rasterize(simd, projection, &mut setups.triangles, stack, depth_test);
     }
 
     /// L2 for the rays of a packet, in f64.
@@ -101,7 +102,7 @@ impl<'w> Shapes<'w> {
         &self,
         simd: S,
         rays: &Rays<S>,
-        nearest: &mut Nearest<S>,
+        nearest: &mut NearestHit<S>,
         stack: &mut Stack,
     ) {
         simd.vectorize(
@@ -132,26 +133,26 @@ impl<'w> Shapes<'w> {
             #[inline(always)]
             || {
                 let lanes = packet * LANES;
-                let points = Ends {
+                let points = SegmentEnds {
                     position: DVec3x16::load(simd, columns(ends.position, packet)),
                     error: F64x16::load(simd, &ends.error[lanes..]),
                     primitive: U64x16::load(simd, &ends.primitive[lanes..]),
                 };
-                let mut shadow = Shadow {
+                let mut occlusion = Occlusion {
                     light,
                     points: &points,
                     asked: Mask64x16::from_bits(simd, asked),
                     asked_bits: asked,
                 };
                 for plane in self.world.planes() {
-                    plane::occlude(simd, plane, &mut shadow);
+                    plane::occlude(simd, plane, &mut occlusion);
                 }
                 let rays =
                     Rays::from_point(simd, light, offsets(simd, ends.position, packet, light.0));
                 let packet = ShearedRays::new(rays);
-                self.spheres.ask(simd, &packet, &mut shadow, stack);
-                self.triangles.ask(simd, &packet, &mut shadow, stack);
-                shadow.asked_bits
+                self.spheres.ask(simd, &packet, &mut occlusion, stack);
+                self.triangles.ask(simd, &packet, &mut occlusion, stack);
+                occlusion.asked_bits
             },
         )
     }

@@ -97,8 +97,8 @@ impl Points {
                 let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
                 let normal = self.facing_normals(simd, packet);
                 let is_above = normal.dot(to_light).gt(rounding + known_to);
-                let way = position.minus(light.0);
-                let is_at = way.dot(way).le(error * error).to_bits() & hit;
+                let offset = position.minus(light.0);
+                let is_at = offset.dot(offset).le(error * error).to_bits() & hit;
                 (is_above.to_bits() & hit & !is_at, is_at)
             },
         )

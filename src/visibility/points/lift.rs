@@ -108,7 +108,7 @@ impl Points {
     /// barycentric coordinates.
     ///
     /// p is off by its error, and so is each (vᵢ − p)·nᵢ, which the bᵢ only average: twice the error, and
-    /// what rounding makes of the ways to the corners. (Coordinates bᵢ that are off belong to a point
+    /// what rounding makes of the offsets to the corners. (Coordinates bᵢ that are off belong to a point
     /// nearby on the triangle.)
     #[inline(never)]
     pub(in crate::visibility) fn lift<S: Simd>(
@@ -230,11 +230,11 @@ fn lifted<S: Simd>(
     let mut lift = DVec3x16::splat(simd, DVec3::ZERO);
     let mut reach = zero;
     for corner in 0..3 {
-        let way = corners[corner] - position;
-        let height = way.dot(normals[corner]).max(zero);
+        let offset = corners[corner] - position;
+        let height = offset.dot(normals[corner]).max(zero);
         lift = lift + normals[corner].times(weights[corner] * height);
         // The sum of the components' magnitudes is at least the length.
-        reach = reach + weights[corner] * way.taxicab();
+        reach = reach + weights[corner] * offset.taxicab();
     }
     Lifted {
         start: position + lift,

@@ -7,17 +7,17 @@ use super::unit::unit;
 use crate::math::{DVec3, all_three};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
 use crate::visibility::primitive::{PLANES, Primitive, SPHERES};
-use crate::visibility::question::Nearest;
+use crate::visibility::question::NearestHit;
 use crate::visibility::rays::Rays;
 use crate::visibility::search::Search;
-use crate::visibility::shape::{Facet, Lie, plane, side_by_side, triangle};
+use crate::visibility::shape::{PlaneSetup, Triangle, plane, side_by_side, triangle};
 use crate::visibility::shapes::Shapes;
 use crate::world::geometry::{from_shorter_edges, triangle_normal};
 use crate::world::{Shape, World};
 
 /// What a primitive says about all its points.
 #[derive(Clone, Copy)]
-pub(in crate::visibility) struct Source {
+pub(in crate::visibility) struct SurfaceRecord {
     /// The center of a curved shape, or the normal of a flat one.
     pub(in crate::visibility) reference: DVec3,
     /// A point of a flat shape.
@@ -28,15 +28,15 @@ pub(in crate::visibility) struct Source {
 
 /// A shape that rays are known to meet first.
 #[derive(Clone, Copy)]
-pub(in crate::visibility) struct Shown<S: Simd> {
+pub(in crate::visibility) struct KnownShape<S: Simd> {
     pub(in crate::visibility) slot: u32,
     pub(in crate::visibility) primitive: Primitive,
-    pub(in crate::visibility) source: Source,
+    pub(in crate::visibility) surface: SurfaceRecord,
     /// Of a triangle, as seen from where the rays start.
-    pub(in crate::visibility) lie: Option<Lie<S>>,
+    pub(in crate::visibility) setup: Option<PlaneSetup<S>>,
 }
 
-impl<S: Simd> Shown<S> {
+impl<S: Simd> KnownShape<S> {
     #[inline(never)]
     pub(in crate::visibility) fn new(
         simd: S,
@@ -52,28 +52,28 @@ impl<S: Simd> Shown<S> {
 
     #[inline(always)]
     fn at(simd: S, shapes: &Shapes<'_>, slot: u32, rays: &Rays<S>) -> Self {
-        let mut lie = None;
+        let mut setup = None;
         let primitive = if slot >= PLANES {
             let plane = &shapes.world.planes()[(slot - PLANES) as usize];
             Primitive::whole(plane.object)
         } else if slot >= SPHERES {
             shapes.spheres.get(slot - SPHERES).primitive()
         } else {
-            let facet = shapes.triangles.get(slot);
-            let [a, b, c] = facet.vertices();
+            let triangle = shapes.triangles.get(slot);
+            let [a, b, c] = triangle.vertices();
             let corners = [
                 DVec3x16::splat(simd, a),
                 DVec3x16::splat(simd, b),
                 DVec3x16::splat(simd, c),
             ];
-            lie = Some(Lie::new(corners, rays.origin));
-            facet.primitive()
+            setup = Some(PlaneSetup::new(corners, rays.origin));
+            triangle.primitive()
         };
         Self {
             slot,
             primitive,
-            source: source(shapes.world, primitive),
-            lie,
+            surface: surface_of(shapes.world, primitive),
+            setup,
         }
     }
 
@@ -87,15 +87,15 @@ impl<S: Simd> Shown<S> {
         bits: u32,
     ) -> F64x16<S> {
         let asked = Mask64x16::from_bits(simd, bits);
-        if let Some(lie) = &self.lie {
-            let (_, t) = triangle::met(lie, rays, asked);
+        if let Some(setup) = &self.setup {
+            let (_, t) = triangle::met(setup, rays, asked);
             t
         } else if self.slot >= PLANES {
             let plane = &shapes.world.planes()[(self.slot - PLANES) as usize];
             plane::met(plane, rays)
         } else {
-            let ball = shapes.spheres.get(self.slot - SPHERES);
-            let met = ball.first_met(simd, rays, asked);
+            let sphere = shapes.spheres.get(self.slot - SPHERES);
+            let met = sphere.first_met(simd, rays, asked);
             let (_, t) = met.expect("a ray that surely meets a sphere meets it");
             t
         }
@@ -114,7 +114,7 @@ pub(in crate::visibility) fn below<S: Simd>(simd: S, slots: &[u32], end: u32) ->
 #[inline(never)]
 pub(in crate::visibility) fn meet_triangles<S: Simd>(
     simd: S,
-    triangles: &Search<Facet>,
+    triangles: &Search<Triangle>,
     rays: &Rays<S>,
     slots: &[u32],
     bits: u32,
@@ -128,18 +128,18 @@ pub(in crate::visibility) fn meet_triangles<S: Simd>(
                 #[inline(always)]
                 |lane| triangles.get(slots[lane]).vertices(),
             );
-            let lie = Lie::new(corners, rays.origin);
-            let (_, t) = triangle::met(&lie, rays, Mask64x16::from_bits(simd, bits));
+            let setup = PlaneSetup::new(corners, rays.origin);
+            let (_, t) = triangle::met(&setup, rays, Mask64x16::from_bits(simd, bits));
             let [a, ..] = corners;
-            let square = lie.normal.dot(lie.normal);
+            let square = setup.normal.dot(setup.normal);
             let inverse = square.inverse_root(simd);
-            (t, unit(simd, lie.normal, square, inverse, bits), a)
+            (t, unit(simd, setup.normal, square, inverse, bits), a)
         },
     )
 }
 
 /// What the primitives of a packet's rays say about the points, ray by ray.
-pub(in crate::visibility) struct Sources {
+pub(in crate::visibility) struct SurfaceRecords {
     pub(in crate::visibility) t: [f64; LANES],
     pub(in crate::visibility) primitive: [u64; LANES],
     pub(in crate::visibility) material: [u32; LANES],
@@ -148,10 +148,10 @@ pub(in crate::visibility) struct Sources {
     pub(in crate::visibility) curved: u32,
 }
 
-impl Sources {
+impl SurfaceRecords {
     /// Those of the nearest hits, as far as they are known.
     #[inline(always)]
-    pub(in crate::visibility) fn new<S: Simd>(nearest: &Nearest<S>) -> Self {
+    pub(in crate::visibility) fn new<S: Simd>(nearest: &NearestHit<S>) -> Self {
         Self {
             t: nearest.t.to_array(),
             primitive: nearest.primitive.to_array(),
@@ -167,22 +167,22 @@ impl Sources {
         let mut known = None;
         for lane in ones(bits) {
             let primitive = Primitive(self.primitive[lane]);
-            let source = match known {
-                Some((of, source)) if of == primitive => source,
-                _ => source(world, primitive),
+            let surface = match known {
+                Some((of, surface)) if of == primitive => surface,
+                _ => surface_of(world, primitive),
             };
-            known = Some((primitive, source));
-            self.put(lane, source);
+            known = Some((primitive, surface));
+            self.put(lane, surface);
         }
     }
 
-    fn put(&mut self, lane: usize, source: Source) {
+    fn put(&mut self, lane: usize, surface: SurfaceRecord) {
         for axis in 0..3 {
-            self.reference[axis][lane] = source.reference[axis];
-            self.tangent[axis][lane] = source.tangent[axis];
+            self.reference[axis][lane] = surface.reference[axis];
+            self.tangent[axis][lane] = surface.tangent[axis];
         }
-        self.curved |= u32::from(source.is_curved) << lane;
-        self.material[lane] = source.material;
+        self.curved |= u32::from(surface.is_curved) << lane;
+        self.material[lane] = surface.material;
     }
 
     /// Where the rays that surely meet shapes do so, each its own.
@@ -226,15 +226,15 @@ impl Sources {
             normal.z.to_array(),
         ];
         for lane in ones(bits) {
-            let facet = shapes.triangles.get(slots[lane]);
-            let (object, _) = facet.primitive().parts();
+            let triangle = shapes.triangles.get(slots[lane]);
+            let (object, _) = triangle.primitive().parts();
             self.t[lane] = t[lane];
-            self.primitive[lane] = facet.primitive().0;
+            self.primitive[lane] = triangle.primitive().0;
             self.put(
                 lane,
-                Source {
+                SurfaceRecord {
                     reference: DVec3::from_array(all_three(normal, |column| column[lane])),
-                    tangent: facet.vertices()[0],
+                    tangent: triangle.vertices()[0],
                     is_curved: false,
                     material: shapes.world.objects()[object as usize].material as u32,
                 },
@@ -261,24 +261,24 @@ impl Sources {
             }
             bits &= left;
             left &= !bits;
-            let shown = Shown::new(simd, shapes, slot, rays);
-            let t = shown.met(simd, shapes, rays, bits).to_array();
+            let known_shape = KnownShape::new(simd, shapes, slot, rays);
+            let t = known_shape.met(simd, shapes, rays, bits).to_array();
             for lane in ones(bits) {
                 self.t[lane] = t[lane];
-                self.primitive[lane] = shown.primitive.0;
-                self.put(lane, shown.source);
+                self.primitive[lane] = known_shape.primitive.0;
+                self.put(lane, known_shape.surface);
             }
         }
     }
 }
 
 #[inline]
-fn source(world: &World, primitive: Primitive) -> Source {
+fn surface_of(world: &World, primitive: Primitive) -> SurfaceRecord {
     let (object, triangle) = primitive.parts();
     let object = &world.objects()[object as usize];
     let material = object.material as u32;
     match object.shape {
-        Shape::Sphere(index) => Source {
+        Shape::Sphere(index) => SurfaceRecord {
             reference: world.spheres()[index].center.0,
             tangent: DVec3::ZERO,
             is_curved: true,
@@ -286,7 +286,7 @@ fn source(world: &World, primitive: Primitive) -> Source {
         },
         Shape::Plane(index) => {
             let plane = &world.planes()[index];
-            Source {
+            SurfaceRecord {
                 reference: plane.normal.get(),
                 tangent: plane.point.0,
                 is_curved: false,
@@ -296,7 +296,7 @@ fn source(world: &World, primitive: Primitive) -> Source {
         Shape::Mesh(_) => {
             let vertices = world.triangles().vertices(triangle);
             let normal = triangle_normal(vertices).expect("no triangle is degenerate");
-            Source {
+            SurfaceRecord {
                 reference: normal.get(),
                 tangent: from_shorter_edges(vertices)[0],
                 is_curved: false,

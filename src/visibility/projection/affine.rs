@@ -1,10 +1,10 @@
-//! Affine functions on a canvas.
+//! Affine functions on a projection.
 
 use fearless_simd::Simd;
 
 use crate::simd::F32x16;
 
-/// A function c₀ + c₁ x + c₂ y on the canvas.
+/// A function c₀ + c₁ x + c₂ y on the projection.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::visibility) struct Affine(pub(in crate::visibility) [f32; 3]);
 

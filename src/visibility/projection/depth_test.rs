@@ -1,44 +1,69 @@
-//! What is made of what shapes say of the rays on a [`Canvas`].
+//! The depth test of a [`BatchProjection`]: what is resolved by the fragments of shapes, and what stays ambiguous.
 
 use fearless_simd::Simd;
 
-use super::fragments::Claim;
-use super::{Canvas, State};
+use super::fragments::Fragments;
+use super::{BatchProjection, State};
 use crate::math::Point;
 use crate::simd::{F32x16, LANES, Mask32x16, U32x16, U64x16};
 use crate::visibility::batch::{BATCH, Column, PACKETS, offsets};
-use crate::visibility::primitive::{Primitive, Who};
+use crate::visibility::primitive::{Primitive, ShapeId};
 
-/// What is made of the claims.
-pub(in crate::visibility) trait Verdict: Copy {
+/// The depth test: what is made of fragments.
+pub(in crate::visibility) trait DepthTest: Copy {
     /// Whether all rays end on the shape.
-    fn are_all_on(self, who: Who) -> bool;
+    fn are_all_on(self, id: ShapeId) -> bool;
 
-    /// Takes note on a canvas that is only aimed of a shape that may be of interest: `cover` is between which
-    /// closenesses all rays surely meet it, if they do, and `most` the largest at which any does. Whether
+    /// Takes note, where there are only bounds, of a shape that may be of interest: `cover` is between which
+    /// reciprocal depths all rays surely meet it, if they do, and `most` the largest at which any does. Whether
     /// no ray need be asked.
-    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, most: f32) -> bool;
+    fn resolves_whole(
+        self,
+        projection: &mut BatchProjection,
+        id: ShapeId,
+        cover: Option<[f32; 2]>,
+        most: f32,
+    ) -> bool;
 
-    /// Stretches a canvas that is only aimed; whether it is fit for its rays.
-    fn is_ready<S: Simd>(self, simd: S, canvas: &mut Canvas) -> bool;
+    /// Projects the samples where there are only bounds; whether it is fit for its rays.
+    fn ensure_projected<S: Simd>(self, simd: S, projection: &mut BatchProjection) -> bool;
 
-    /// Takes note of a claim of the shape.
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>);
+    /// Tests the fragments of the shape, and resolves what it can.
+    fn resolve<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        id: ShapeId,
+        fragments: Fragments<S>,
+    );
 
-    /// The shape cannot be told from f32: all rays of a packet that may meet it are asked again.
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
+    /// The shape cannot be told from f32: all rays of a packet that may meet it fall back to f64.
+    fn leave_unresolved<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        id: ShapeId,
+    );
 
-    /// A shape that the end of a ray is on may hide it all the same: those are asked again.
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
+    /// A shape that the end of a ray is on may hide it all the same: those fall back to f64.
+    fn leave_own_unresolved<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        id: ShapeId,
+    );
 }
 
 /// What is the first that a primary ray meets?
 #[derive(Clone, Copy)]
-pub(in crate::visibility) struct First;
+pub(in crate::visibility) struct NearestHitTest;
 
 /// Which points does the light reach, of those with a bit?
 #[derive(Clone, Copy)]
-pub(in crate::visibility) struct Reached<'p> {
+pub(in crate::visibility) struct OcclusionTest<'p> {
     /// Where the light is.
     pub(in crate::visibility) light: Point,
     /// Where the shadow rays of the points start.
@@ -49,21 +74,21 @@ pub(in crate::visibility) struct Reached<'p> {
     pub(in crate::visibility) asked: &'p [u32; PACKETS],
 }
 
-impl Reached<'_> {
+impl OcclusionTest<'_> {
     /// The points of a packet that are on a shape.
     #[inline(always)]
-    fn are_on<S: Simd>(self, simd: S, packet: usize, who: Who) -> Mask32x16<S> {
+    fn are_on<S: Simd>(self, simd: S, packet: usize, id: ShapeId) -> Mask32x16<S> {
         let on = U64x16::load(simd, &self.primitives[packet * LANES..]);
-        Mask32x16::from_bits(simd, on.eq(who.primitive.lanes(simd)).to_bits())
+        Mask32x16::from_bits(simd, on.eq(id.primitive.lanes(simd)).to_bits())
     }
 
-    /// Stretches a canvas before the light.
+    /// Projects the points before the light.
     #[inline(never)]
-    pub(in crate::visibility) fn stretch<S: Simd>(self, simd: S, canvas: &mut Canvas) {
+    pub(in crate::visibility) fn project<S: Simd>(self, simd: S, projection: &mut BatchProjection) {
         simd.vectorize(
             #[inline(always)]
             || {
-                canvas.stretch(
+                projection.project(
                     simd,
                     self.asked,
                     #[inline(always)]
@@ -74,128 +99,172 @@ impl Reached<'_> {
     }
 }
 
-impl Verdict for First {
+impl DepthTest for NearestHitTest {
     #[inline(always)]
-    fn are_all_on(self, _: Who) -> bool {
+    fn are_all_on(self, _: ShapeId) -> bool {
         false
     }
 
     #[inline(always)]
-    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, most: f32) -> bool {
-        if canvas.state != State::Aimed {
+    fn resolves_whole(
+        self,
+        projection: &mut BatchProjection,
+        id: ShapeId,
+        cover: Option<[f32; 2]>,
+        most: f32,
+    ) -> bool {
+        if projection.state != State::Bounded {
             return false;
         }
-        let before = canvas.cover.map(|cover| cover.range);
+        let before = projection.cover.map(|cover| cover.range);
         match (cover, before) {
             (_, Some([least, _])) if most < least => {}
-            (Some(range), None) => canvas.cover_with(who, range),
-            (Some(range), Some([_, most])) if range[0] > most => canvas.cover_with(who, range),
-            _ => canvas.close(State::Unclear),
+            (Some(range), None) => projection.cover_with(id, range),
+            (Some(range), Some([_, most])) if range[0] > most => projection.cover_with(id, range),
+            _ => projection.close(State::Overlapping),
         }
         true
     }
 
     #[inline(always)]
-    fn is_ready<S: Simd>(self, _: S, canvas: &mut Canvas) -> bool {
-        canvas.state == State::Stretched
+    fn ensure_projected<S: Simd>(self, _: S, projection: &mut BatchProjection) -> bool {
+        projection.state == State::Projected
     }
 
     #[inline(always)]
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
+    fn resolve<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        id: ShapeId,
+        fragments: Fragments<S>,
+    ) {
         let first = packet * LANES;
-        let least = F32x16::load(simd, &canvas.least.0[first..]);
-        let maybe = claim.maybe & claim.most.ge(least);
-        let bits = maybe.to_bits();
+        let least = F32x16::load(simd, &projection.least.0[first..]);
+        let may_cover = fragments.may_cover & fragments.most.ge(least);
+        let bits = may_cover.to_bits();
         if bits == 0 {
             return;
         }
-        let most = F32x16::load(simd, &canvas.most.0[first..]);
-        let is_nearer = maybe & claim.surely & claim.least.gt(most);
+        let most = F32x16::load(simd, &projection.most.0[first..]);
+        let is_nearer = may_cover & fragments.covered & fragments.least.gt(most);
         let nearer = is_nearer.to_bits();
-        let least = is_nearer.select(claim.least, least);
-        least.store(&mut canvas.least.0[first..]);
-        let doubt = bits & !nearer;
-        let most_of_both = most.max(claim.most);
-        let most = Mask32x16::from_bits(simd, doubt).select(most_of_both, most);
+        let least = is_nearer.select(fragments.least, least);
+        least.store(&mut projection.least.0[first..]);
+        let ambiguous = bits & !nearer;
+        let most_of_both = most.max(fragments.most);
+        let most = Mask32x16::from_bits(simd, ambiguous).select(most_of_both, most);
         is_nearer
-            .select(claim.most, most)
-            .store(&mut canvas.most.0[first..]);
-        let slots = U32x16::load(simd, &canvas.slots[first..]);
-        let slots = is_nearer.select_words(U32x16::splat(simd, who.slot), slots);
-        slots.store(&mut canvas.slots[first..]);
-        canvas.doubtful[packet] = canvas.doubtful[packet] & !nearer | doubt;
-        canvas.far.0[packet] = least.smallest();
+            .select(fragments.most, most)
+            .store(&mut projection.most.0[first..]);
+        let slots = U32x16::load(simd, &projection.slots[first..]);
+        let slots = is_nearer.select_words(U32x16::splat(simd, id.slot), slots);
+        slots.store(&mut projection.slots[first..]);
+        projection.ambiguous[packet] = projection.ambiguous[packet] & !nearer | ambiguous;
+        projection.far.0[packet] = least.smallest();
     }
 
     #[inline(always)]
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, _: Who) {
-        canvas.undecided[packet] |= canvas.asking(simd, packet).to_bits();
+    fn leave_unresolved<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        _: ShapeId,
+    ) {
+        projection.unresolved[packet] |= projection.asking(simd, packet).to_bits();
     }
 
     #[inline(always)]
-    fn doubt_own<S: Simd>(self, _: S, _: &mut Canvas, _: usize, _: Who) {}
+    fn leave_own_unresolved<S: Simd>(self, _: S, _: &mut BatchProjection, _: usize, _: ShapeId) {}
 }
 
-impl Verdict for Reached<'_> {
+impl DepthTest for OcclusionTest<'_> {
     #[inline(always)]
-    fn are_all_on(self, who: Who) -> bool {
-        self.only == Some(who.primitive)
+    fn are_all_on(self, id: ShapeId) -> bool {
+        self.only == Some(id.primitive)
     }
 
     #[inline(always)]
-    fn settles(self, canvas: &mut Canvas, who: Who, cover: Option<[f32; 2]>, _: f32) -> bool {
-        let is_before = cover.is_some_and(|[least, _]| least > canvas.nearest_end);
-        let are_others = self.only.is_some_and(|own| own != who.primitive);
-        let is_dark = canvas.state == State::Aimed && is_before && are_others;
-        if is_dark {
-            canvas.close(State::Dark);
+    fn resolves_whole(
+        self,
+        projection: &mut BatchProjection,
+        id: ShapeId,
+        cover: Option<[f32; 2]>,
+        _: f32,
+    ) -> bool {
+        let is_before = cover.is_some_and(|[least, _]| least > projection.nearest_end);
+        let are_others = self.only.is_some_and(|own| own != id.primitive);
+        let is_occluded = projection.state == State::Bounded && is_before && are_others;
+        if is_occluded {
+            projection.close(State::Occluded);
         }
-        is_dark
+        is_occluded
     }
 
     #[inline(always)]
-    fn is_ready<S: Simd>(self, simd: S, canvas: &mut Canvas) -> bool {
-        if canvas.state == State::Aimed {
-            self.stretch(simd, canvas);
+    fn ensure_projected<S: Simd>(self, simd: S, projection: &mut BatchProjection) -> bool {
+        if projection.state == State::Bounded {
+            self.project(simd, projection);
         }
-        canvas.state == State::Stretched
+        projection.state == State::Projected
     }
 
     #[inline(always)]
-    fn hear<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who, claim: Claim<S>) {
+    fn resolve<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        id: ShapeId,
+        fragments: Fragments<S>,
+    ) {
         let first = packet * LANES;
-        let least = F32x16::load(simd, &canvas.least.0[first..]);
-        let maybe = claim.maybe & claim.most.ge(least);
-        if maybe.to_bits() == 0 {
+        let least = F32x16::load(simd, &projection.least.0[first..]);
+        let may_cover = fragments.may_cover & fragments.most.ge(least);
+        if may_cover.to_bits() == 0 {
             return;
         }
-        let maybe = maybe & !self.are_on(simd, packet, who);
-        let bits = maybe.to_bits();
+        let may_cover = may_cover & !self.are_on(simd, packet, id);
+        let bits = may_cover.to_bits();
         if bits == 0 {
             return;
         }
-        let most = F32x16::load(simd, &canvas.most.0[first..]);
-        let is_dark = maybe & claim.surely & claim.least.gt(most);
-        let dark = is_dark.to_bits();
-        canvas.doubtful[packet] = (canvas.doubtful[packet] | bits) & !dark;
-        canvas.undecided[packet] &= !dark;
-        if dark != 0 {
+        let most = F32x16::load(simd, &projection.most.0[first..]);
+        let is_occluded = may_cover & fragments.covered & fragments.least.gt(most);
+        let occluded = is_occluded.to_bits();
+        projection.ambiguous[packet] = (projection.ambiguous[packet] | bits) & !occluded;
+        projection.unresolved[packet] &= !occluded;
+        if occluded != 0 {
             let infinite = F32x16::splat(simd, f32::INFINITY);
-            let least = is_dark.select(infinite, least);
-            least.store(&mut canvas.least.0[first..]);
-            canvas.far.0[packet] = least.smallest();
+            let least = is_occluded.select(infinite, least);
+            least.store(&mut projection.least.0[first..]);
+            projection.far.0[packet] = least.smallest();
         }
     }
 
     #[inline(always)]
-    fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who) {
-        let own = self.are_on(simd, packet, who);
-        canvas.undecided[packet] |= (canvas.asking(simd, packet) & !own).to_bits();
+    fn leave_unresolved<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        id: ShapeId,
+    ) {
+        let own = self.are_on(simd, packet, id);
+        projection.unresolved[packet] |= (projection.asking(simd, packet) & !own).to_bits();
     }
 
     #[inline(always)]
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who) {
-        let own = self.are_on(simd, packet, who);
-        canvas.undecided[packet] |= (canvas.asking(simd, packet) & own).to_bits();
+    fn leave_own_unresolved<S: Simd>(
+        self,
+        simd: S,
+        projection: &mut BatchProjection,
+        packet: usize,
+        id: ShapeId,
+    ) {
+        let own = self.are_on(simd, packet, id);
+        projection.unresolved[packet] |= (projection.asking(simd, packet) & own).to_bits();
     }
 }

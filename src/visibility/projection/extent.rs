@@ -1,11 +1,11 @@
-//! How far shapes reach on a [`Canvas`](super::canvas::Canvas).
+//! How far shapes reach on a [`BatchProjection`](super::BatchProjection).
 
 use fearless_simd::Simd;
 
 use crate::simd::{F32x16, LANES};
 use crate::visibility::batch::Row;
 
-/// The box of a shape on the canvas, and the largest closeness of any of its points.
+/// The box of a shape on the projection, and the largest reciprocal depth of any of its points.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::visibility) struct Extent {
     pub(in crate::visibility) x: [f32; 2],
@@ -22,15 +22,15 @@ impl Extent {
     };
 }
 
-/// The extents of sixteen shapes, and what all rays of an aimed canvas meet of them.
+/// The extents of sixteen shapes, and what all rays of a bounded projection meet of them.
 #[derive(Clone, Debug)]
 pub(in crate::visibility) struct Extents {
     /// The least and the largest x and y.
     pub(in crate::visibility) boxes: [Row; 4],
-    /// The largest closeness.
+    /// The largest reciprocal depth.
     pub(in crate::visibility) most: Row,
-    /// One bit for each shape that all rays of a canvas that is aimed surely meet, and the range of its
-    /// closeness.
+    /// One bit for each shape that all rays of a projection that is only bounded surely meet, and the range of its
+    /// reciprocal depth.
     pub(in crate::visibility) covers: u32,
     pub(in crate::visibility) ranges: [Row; 2],
 }
@@ -48,7 +48,7 @@ impl Default for Extents {
 }
 
 impl Extents {
-    /// Takes the least and the largest x and y, and the largest closenesses.
+    /// Takes the least and the largest x and y, and the largest reciprocal depths.
     #[inline(always)]
     pub(in crate::visibility) fn store<S: Simd>(&mut self, boxes: [F32x16<S>; 4], most: F32x16<S>) {
         let [left, right, bottom, top] = boxes;
@@ -59,7 +59,7 @@ impl Extents {
         most.store(&mut self.most.0);
     }
 
-    /// Takes what covers an aimed canvas, and the ranges of closenesses within it.
+    /// Takes what covers a bounded projection, and the ranges of reciprocal depths within it.
     #[inline(always)]
     pub(in crate::visibility) fn cover_with<S: Simd>(
         &mut self,
@@ -81,13 +81,13 @@ impl Extents {
         }
     }
 
-    /// The range of the closeness of a shape that all rays of an aimed canvas surely meet.
+    /// The range of the reciprocal depth of a shape that all rays of a bounded projection surely meet.
     pub(in crate::visibility) fn cover(&self, index: usize) -> Option<[f32; 2]> {
         let covers = self.covers >> index & 1 == 1;
         covers.then(|| [self.ranges[0].0[index], self.ranges[1].0[index]])
     }
 
-    /// The largest closeness of a shape within an aimed canvas.
+    /// The largest reciprocal depth of a shape within a bounded projection.
     pub(in crate::visibility) fn most_within(&self, index: usize) -> f32 {
         self.ranges[1].0[index]
     }

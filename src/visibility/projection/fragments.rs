@@ -6,12 +6,12 @@ use crate::simd::{F32x16, Mask32x16};
 
 /// What a shape says of the rays of a packet.
 #[derive(Clone, Copy)]
-pub(in crate::visibility) struct Claim<S: Simd> {
+pub(in crate::visibility) struct Fragments<S: Simd> {
     /// Those that may meet it.
-    pub(in crate::visibility) maybe: Mask32x16<S>,
+    pub(in crate::visibility) may_cover: Mask32x16<S>,
     /// Those that do, certainly.
-    pub(in crate::visibility) surely: Mask32x16<S>,
-    /// Between which closenesses they do.
+    pub(in crate::visibility) covered: Mask32x16<S>,
+    /// Between which reciprocal depths they do.
     pub(in crate::visibility) least: F32x16<S>,
     pub(in crate::visibility) most: F32x16<S>,
 }

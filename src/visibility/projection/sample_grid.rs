@@ -1,6 +1,6 @@
-//! Which rays of a batch a box on their canvas holds.
+//! Which rays of a batch a box on their projection holds.
 //!
-//! The canvas is parted into columns and into rows, and for each of these there is one bit for each ray
+//! The projection is parted into columns and into rows, and for each of these there is one bit for each ray
 //! in it or before it. The rays of some columns and some rows are then four such sets, whatever their
 //! number: of a thousand triangles smaller than a pixel, those without any ray are soon told.
 
@@ -10,7 +10,7 @@ use crate::simd::{F32x16, LANES, U32x16, ones};
 use crate::visibility::batch::{BATCH, PACKETS};
 
 /// Columns, and rows: one less than a power of two.
-const BINS: usize = 127;
+const CELLS: usize = 127;
 
 /// Widths below this are none.
 const NARROWEST: f32 = 1e-30;
@@ -19,24 +19,24 @@ const NARROWEST: f32 = 1e-30;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::visibility) struct RaySet([u64; BATCH / 64]);
 
-/// The columns and the rows of the rays on a canvas.
+/// The columns and the rows of the rays on a projection.
 #[derive(Debug)]
-pub(in crate::visibility) struct Bins {
+pub(in crate::visibility) struct SampleGrid {
     axes: [Axis; 2],
 }
 
-/// Bins along x or y.
+/// Cells along x or y.
 #[derive(Debug)]
 struct Axis {
     least: f32,
     most: f32,
-    /// Bins per length.
+    /// Cells per length.
     density: f32,
-    /// The rays in the bins before each, and all.
-    before: [RaySet; BINS + 1],
+    /// The rays in the cells before each, and all.
+    before: [RaySet; CELLS + 1],
 }
 
-/// For each of sixteen boxes the first bins along x and y that it has to do with, and the first it has not.
+/// For each of sixteen boxes the first cells along x and y that it has to do with, and the first it has not.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::visibility) struct Places([[[u32; LANES]; 2]; 2]);
 
@@ -84,13 +84,13 @@ impl RaySet {
     }
 }
 
-impl Default for Bins {
+impl Default for SampleGrid {
     fn default() -> Self {
         let axis = || Axis {
             least: 0.0,
             most: 0.0,
             density: 0.0,
-            before: [RaySet::NONE; BINS + 1],
+            before: [RaySet::NONE; CELLS + 1],
         };
         Self {
             axes: [axis(), axis()],
@@ -111,7 +111,7 @@ impl Axis {
         let width = most - least;
         (self.least, self.most) = (least, most);
         self.density = if width > NARROWEST {
-            BINS as f32 / width
+            CELLS as f32 / width
         } else {
             0.0
         };
@@ -120,12 +120,12 @@ impl Axis {
             if bits == 0 {
                 continue;
             }
-            let mut bins = [0; LANES];
+            let mut cells = [0; LANES];
             let places = F32x16::load(simd, &places[packet * LANES..]);
-            self.bins(simd, places).store(&mut bins);
+            self.cells(simd, places).store(&mut cells);
             let (word, shift) = (packet / 4, packet % 4 * LANES);
             for lane in ones(bits) {
-                let set = &mut self.before[(bins[lane] as usize + 1) & BINS];
+                let set = &mut self.before[(cells[lane] as usize + 1) & CELLS];
                 set.0[word] |= 1 << (shift + lane);
             }
         }
@@ -136,25 +136,26 @@ impl Axis {
         }
     }
 
-    /// In which bins numbers are; what is outside counts as at the border. A larger number is never in an
-    /// earlier bin.
+    /// In which cells numbers are; what is outside counts as at the border. A larger number is never in an
+    /// earlier cell.
     #[inline(always)]
-    fn bins<S: Simd>(&self, simd: S, places: F32x16<S>) -> U32x16<S> {
+    fn cells<S: Simd>(&self, simd: S, places: F32x16<S>) -> U32x16<S> {
         let least = F32x16::splat(simd, self.least);
         let places = places.max(least).min(F32x16::splat(simd, self.most));
-        let bins = (places - least) * F32x16::splat(simd, self.density);
-        bins.min(F32x16::splat(simd, (BINS - 1) as f32))
+        let cells = (places - least) * F32x16::splat(simd, self.density);
+        cells
+            .min(F32x16::splat(simd, (CELLS - 1) as f32))
             .truncated(simd)
     }
 
     #[inline(always)]
     fn within(&self, first: u32, last: u32) -> RaySet {
-        let end = (last as usize + 1) & BINS;
-        self.before[end].but(self.before[first as usize & BINS])
+        let end = (last as usize + 1) & CELLS;
+        self.before[end].but(self.before[first as usize & CELLS])
     }
 }
 
-impl Bins {
+impl SampleGrid {
     /// Takes the rays with a bit in `asked`, which are all within a rectangle: left, right, bottom, top.
     #[inline(always)]
     pub(in crate::visibility) fn fill<S: Simd>(
@@ -169,17 +170,17 @@ impl Bins {
         rows.fill(simd, [bottom, top], y, asked);
     }
 
-    /// Which bins sixteen boxes have to do with: left, right, bottom, top.
+    /// Which cells sixteen boxes have to do with: left, right, bottom, top.
     #[inline(always)]
     pub(in crate::visibility) fn places<S: Simd>(&self, simd: S, boxes: [F32x16<S>; 4]) -> Places {
         let [left, right, bottom, top] = boxes;
         let [columns, rows] = &self.axes;
         let mut places = Places([[[0; LANES]; 2]; 2]);
         let Places([[first_x, last_x], [first_y, last_y]]) = &mut places;
-        columns.bins(simd, left).store(first_x);
-        columns.bins(simd, right).store(last_x);
-        rows.bins(simd, bottom).store(first_y);
-        rows.bins(simd, top).store(last_y);
+        columns.cells(simd, left).store(first_x);
+        columns.cells(simd, right).store(last_x);
+        rows.cells(simd, bottom).store(first_y);
+        rows.cells(simd, top).store(last_y);
         places
     }
 
@@ -221,8 +222,8 @@ mod tests {
                 std::array::from_fn(|i| bottom + height * scattered(i, 0.671_043_606));
             let asked: [u32; PACKETS] =
                 std::array::from_fn(|packet| if packet == 3 { 0 } else { 0x7ffe });
-            let mut bins = Bins::default();
-            bins.fill(simd, RECTANGLE, [&x, &y], &asked);
+            let mut grid = SampleGrid::default();
+            grid.fill(simd, RECTANGLE, [&x, &y], &asked);
             for round in 0..64 {
                 let size = 0.5_f32.powi(round / 8);
                 let boxes: [[f32; LANES]; 4] = std::array::from_fn(|side| {
@@ -239,10 +240,10 @@ mod tests {
                     })
                 });
                 let sides = boxes.each_ref().map(|side| F32x16::load(simd, side));
-                let places = bins.places(simd, sides);
+                let places = grid.places(simd, sides);
                 for lane in 0..LANES {
                     let [l, r, b, t] = boxes.each_ref().map(|side| side[lane]);
-                    // Packets with rays in a box that is larger by some part of a bin.
+                    // Packets with rays in a box that is larger by some part of a cell.
                     let packets = |give: f32| {
                         let (over_x, over_y) = (give * width, give * height);
                         let holds = |&ray: &usize| {
@@ -253,11 +254,11 @@ mod tests {
                         let rays = (0..BATCH).filter(holds);
                         rays.fold(0, |packets, ray| packets | 1 << (ray / LANES))
                     };
-                    let found = bins.packets(&places, lane);
+                    let found = grid.packets(&places, lane);
                     assert_eq!(packets(0.0) & !found, 0, "none is missed");
                     // A box beyond the rectangle counts as at its border.
                     let is_inside = l <= right && r >= left && b <= top && t >= bottom;
-                    let most = packets(1.01 / BINS as f32);
+                    let most = packets(1.01 / CELLS as f32);
                     assert!(!is_inside || found & !most == 0, "nothing far from the box");
                 }
             }

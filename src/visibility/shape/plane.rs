@@ -6,10 +6,10 @@ use fearless_simd::Simd;
 
 use crate::simd::F64x16;
 use crate::visibility::primitive::Primitive;
-use crate::visibility::question::{Nearest, Shadow};
+use crate::visibility::question::{NearestHit, Occlusion};
 use crate::visibility::rays::{ROUNDING, Rays};
 use crate::world::Plane;
-pub(in crate::visibility) use setup::cast_plane;
+pub(in crate::visibility) use setup::rasterize_plane;
 
 /// L2: where the rays meet the plane, if they do so at t above 0.
 #[inline(always)]
@@ -17,7 +17,7 @@ pub(in crate::visibility) fn intersect<S: Simd>(
     simd: S,
     plane: &Plane,
     rays: &Rays<S>,
-    nearest: &mut Nearest<S>,
+    nearest: &mut NearestHit<S>,
 ) {
     let t = met(plane, rays);
     // A ray along the plane gives an infinite or NaN t.
@@ -36,15 +36,19 @@ pub(in crate::visibility) fn met<S: Simd>(plane: &Plane, rays: &Rays<S>) -> F64x
 /// L4: whether the plane stands strictly between the start of the ray, a light, and the point at
 /// its end: they are on different sides of it, each further from it than its rounding error.
 #[inline(always)]
-pub(in crate::visibility) fn occlude<S: Simd>(simd: S, plane: &Plane, shadow: &mut Shadow<'_, S>) {
+pub(in crate::visibility) fn occlude<S: Simd>(
+    simd: S,
+    plane: &Plane,
+    occlusion: &mut Occlusion<'_, S>,
+) {
     let normal = plane.normal.get();
-    let light = shadow.light;
+    let light = occlusion.light;
     let to_light = light.from(plane.point);
     let light_height = normal.dot(to_light);
     if light_height.abs() <= ROUNDING * (to_light.length() + light.0.length()) {
         return;
     }
-    let points = shadow.points;
+    let points = occlusion.points;
     let to_point = points.position.minus(plane.point.0);
     let point_height = to_point.dot_with(normal);
     let is_own = points
@@ -59,5 +63,5 @@ pub(in crate::visibility) fn occlude<S: Simd>(simd: S, plane: &Plane, shadow: &m
         point_height
     };
     let is_clear = beyond.gt(points.error + length * ROUNDING);
-    shadow.hide(is_clear & !is_own);
+    occlusion.hide(is_clear & !is_own);
 }

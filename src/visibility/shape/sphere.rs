@@ -7,17 +7,17 @@ use fearless_simd::Simd;
 use super::{Block, Shape};
 use crate::math::{DVec3, Point, all_three};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
-use crate::visibility::primitive::{Primitive, SPHERES, Who};
-use crate::visibility::projection::{Canvas, NEGLIGIBLE, Verdict};
-use crate::visibility::question::{Nearest, Shadow};
+use crate::visibility::primitive::{Primitive, SPHERES, ShapeId};
+use crate::visibility::projection::{BatchProjection, DepthTest, NEGLIGIBLE};
+use crate::visibility::question::{NearestHit, Occlusion};
 use crate::visibility::rays::{ROUNDING, Rays, ShearedRays};
 use crate::visibility::tree::{Beam, Bounds};
-use crate::world::{Camera, Projection, Sphere};
-use conic::{Discs, Spheres};
+use crate::world::{self, Camera, Projection};
+use conic::{ProjectedConics, SphereLanes};
 
 /// A sphere with its index in the world.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::visibility) struct Ball {
+pub(in crate::visibility) struct Sphere {
     center: Point,
     radius: f64,
     object: u32,
@@ -32,8 +32,8 @@ struct Crossings<S: Simd> {
     second: F64x16<S>,
 }
 
-impl Ball {
-    pub(in crate::visibility) fn new(sphere: &Sphere, camera: &Camera) -> Self {
+impl Sphere {
+    pub(in crate::visibility) fn new(sphere: &world::Sphere, camera: &Camera) -> Self {
         let from_eye = sphere.center.from(camera.eye());
         let distance = match camera.projection() {
             Projection::Perspective { .. } => from_eye.length(),
@@ -117,7 +117,7 @@ impl Ball {
 /// Sixteen spheres or fewer, side by side.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::visibility) struct Balls {
+pub(in crate::visibility) struct SphereBlock {
     center: [[f64; LANES]; 3],
     radius: [f64; LANES],
     object: [u32; LANES],
@@ -125,11 +125,11 @@ pub(in crate::visibility) struct Balls {
     shows_outside: u32,
 }
 
-impl Balls {
+impl SphereBlock {
     #[inline(always)]
-    fn spheres<S: Simd>(&self, simd: S) -> Spheres<S> {
+    fn spheres<S: Simd>(&self, simd: S) -> SphereLanes<S> {
         let [x, y, z] = &self.center;
-        Spheres {
+        SphereLanes {
             center: DVec3x16::load(simd, [x, y, z]),
             radius: F64x16::load(simd, &self.radius),
             shows_outside: self.shows_outside,
@@ -137,30 +137,30 @@ impl Balls {
     }
 }
 
-impl Block<Ball> for Balls {
-    type Drawing = Discs;
+impl Block<Sphere> for SphereBlock {
+    type Setup = ProjectedConics;
 
-    fn of(shapes: &[Ball], _: u32) -> Self {
-        let mut balls = Self {
+    fn of(shapes: &[Sphere], _: u32) -> Self {
+        let mut block = Self {
             center: [[0.0; LANES]; 3],
             radius: [1.0; LANES],
             object: [0; LANES],
             shows_outside: 0,
         };
-        for (place, ball) in shapes.iter().enumerate() {
+        for (place, sphere) in shapes.iter().enumerate() {
             for axis in 0..3 {
-                balls.center[axis][place] = ball.center.0[axis];
+                block.center[axis][place] = sphere.center.0[axis];
             }
-            balls.radius[place] = ball.radius;
-            balls.object[place] = ball.object;
-            balls.shows_outside |= u32::from(ball.shows_outside) << place;
+            block.radius[place] = sphere.radius;
+            block.object[place] = sphere.object;
+            block.shows_outside |= u32::from(sphere.shows_outside) << place;
         }
-        balls
+        block
     }
 
     #[inline(always)]
-    fn get(&self, _: &[Ball], place: usize) -> Ball {
-        Ball {
+    fn get(&self, _: &[Sphere], place: usize) -> Sphere {
+        Sphere {
             center: all_three(self.center, |column| column[place]).into(),
             radius: self.radius[place],
             object: self.object[place],
@@ -172,46 +172,55 @@ impl Block<Ball> for Balls {
 
     #[inline(always)]
     fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
-        let Spheres { center, radius, .. } = self.spheres(simd);
-        beam.may_meet_spheres(simd, center, radius)
+        let SphereLanes { center, radius, .. } = self.spheres(simd);
+        let center = center.minus(beam.center());
+        let mut bits = u32::MAX;
+        for plane in &beam.planes() {
+            let reach = center.dot_with(plane.normal) + radius * plane.size();
+            bits &= reach.ge(F64x16::splat(simd, plane.offset)).to_bits();
+        }
+        bits
     }
 
     #[inline(always)]
-    fn cast<S: Simd>(
+    fn rasterize<S: Simd>(
         &self,
         simd: S,
         bits: u32,
         slot: u32,
-        discs: &mut Discs,
-        canvas: &mut Canvas,
-        verdict: impl Verdict,
+        conics: &mut ProjectedConics,
+        projection: &mut BatchProjection,
+        depth_test: impl DepthTest,
     ) {
-        discs.draw(simd, canvas, &self.spheres(simd), bits);
-        for place in ones(discs.of_interest) {
-            let who = Who {
+        conics.set_up(simd, projection, &self.spheres(simd), bits);
+        for place in ones(conics.of_interest) {
+            let id = ShapeId {
                 slot: slot + place as u32,
                 primitive: Primitive::whole(self.object[place]),
             };
-            let is_harmless = verdict.are_all_on(who) && !discs.hides_own(place);
-            let (cover, most) = (discs.extents.cover(place), discs.extents.most_within(place));
+            let is_harmless = depth_test.are_all_on(id) && !conics.hides_own(place);
+            let (cover, most) = (
+                conics.extents.cover(place),
+                conics.extents.most_within(place),
+            );
             if !is_harmless
-                && !verdict.settles(canvas, who, cover, most)
-                && verdict.is_ready(simd, canvas)
+                && !depth_test.resolves_whole(projection, id, cover, most)
+                && depth_test.ensure_projected(simd, projection)
             {
-                discs.cast(simd, place, who, canvas, verdict);
+                conics.rasterize(simd, place, id, projection, depth_test);
             }
         }
     }
 }
 
-impl Shape for Ball {
-    type Block = Balls;
+impl Shape for Sphere {
+    type Block = SphereBlock;
 
     const WIDTH: usize = LANES;
 
     const SLOTS: u32 = SPHERES;
 
-    const IS_SKETCHED: bool = false;
+    const IS_QUANTIZED: bool = false;
 
     fn bounds(&self) -> Bounds {
         Bounds {
@@ -221,24 +230,24 @@ impl Shape for Ball {
     }
 
     #[inline(always)]
-    fn intersect<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, nearest: &mut Nearest<S>) {
+    fn intersect<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, nearest: &mut NearestHit<S>) {
         if let Some((found, t)) = self.first_met(simd, &packet.rays, nearest.asked) {
             nearest.offer(simd, found, t, self.primitive());
         }
     }
 
     #[inline]
-    fn is_beside(&self, _: &Canvas) -> bool {
+    fn is_beside(&self, _: &BatchProjection) -> bool {
         false
     }
 
     /// L4: whether the sphere stands strictly between the start of the ray, a light, and the
     /// point at its end.
     #[inline(always)]
-    fn occlude<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, shadow: &mut Shadow<'_, S>) {
+    fn occlude<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, occlusion: &mut Occlusion<'_, S>) {
         let rays = &packet.rays;
-        let light = shadow.light;
-        let points = shadow.points;
+        let light = occlusion.light;
+        let points = occlusion.points;
         let outwards = points.position.minus(self.center.0);
         let distance_square = outwards.dot(outwards);
         let light_distance = light.from(self.center).length();
@@ -253,24 +262,24 @@ impl Shape for Ball {
         let at_point = points.error + reach * ROUNDING;
         let off = (distance_square - self.radius * self.radius).abs();
         let is_on = is_own | off.le(at_point * reach);
-        if (is_on & shadow.asked).any() {
+        if (is_on & occlusion.asked).any() {
             // The point is on this sphere, so no root of L2 at the point can be trusted. Where the
             // way to the light leads inwards, it leaves the sphere again unless the light is
             // inside; where it leads outwards, it never comes back.
             if light_distance - self.radius > at_light {
                 let inwards = outwards.dot(rays.direction).is_positive();
-                shadow.hide(is_on & inwards);
+                occlusion.hide(is_on & inwards);
             }
         }
         if let Some(Crossings {
             exist,
             first,
             second,
-        }) = self.crossings(simd, rays, shadow.asked & !is_on)
+        }) = self.crossings(simd, rays, occlusion.asked & !is_on)
         {
             let hidden =
                 is_between(simd, first, rays, at_light) | is_between(simd, second, rays, at_light);
-            shadow.hide(exist & hidden);
+            occlusion.hide(exist & hidden);
         }
     }
 }

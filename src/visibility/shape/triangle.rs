@@ -15,18 +15,18 @@ use fearless_simd::Simd;
 use super::{Block, Shape};
 use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
-use crate::visibility::primitive::{Primitive, TRIANGLES, Who};
-use crate::visibility::projection::{Canvas, State, Verdict};
-use crate::visibility::question::{Nearest, Shadow};
+use crate::visibility::primitive::{Primitive, ShapeId, TRIANGLES};
+use crate::visibility::projection::{BatchProjection, DepthTest, State};
+use crate::visibility::question::{NearestHit, Occlusion};
 use crate::visibility::rays::{CYCLE, ROUNDING, Rays, Shear, ShearedRays};
 use crate::visibility::tree::{Beam, Bounds};
 use crate::world::geometry::{area_vector, from_shorter_edges};
-use leaf_block::Sketch;
-use setup::Outlines;
+use leaf_block::LeafBlock;
+use setup::TriangleSetups;
 
 /// A triangle with its place in the world, its corners in f64.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::visibility) struct Facet {
+pub(in crate::visibility) struct Triangle {
     /// In the cyclic order of the world, from the corner between the two shorter edges on.
     vertices: [DVec3; 3],
     primitive: Primitive,
@@ -93,9 +93,9 @@ pub(in crate::visibility) fn edge<S: Simd>(p: [F64x16<S>; 2], q: [F64x16<S>; 2])
     p[0] * q[1] - q[0] * p[1]
 }
 
-/// How triangles lie, as seen from where rays start.
+/// The planes of triangles, as seen from where rays start.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::visibility) struct Lie<S: Simd> {
+pub(in crate::visibility) struct PlaneSetup<S: Simd> {
     /// Twice the area, as a vector.
     pub(in crate::visibility) normal: DVec3x16<S>,
     /// The way to the plane, times the length of `normal`.
@@ -107,7 +107,7 @@ pub(in crate::visibility) struct Lie<S: Simd> {
     most: DVec3x16<S>,
 }
 
-impl<S: Simd> Lie<S> {
+impl<S: Simd> PlaneSetup<S> {
     /// By the corners of each lane's triangle from the one between the shorter edges on.
     #[inline(always)]
     pub(in crate::visibility) fn new([a, b, c]: [DVec3x16<S>; 3], origin: DVec3x16<S>) -> Self {
@@ -132,24 +132,24 @@ fn along<S: Simd>(is_x: Mask64x16<S>, is_y: Mask64x16<S>, vectors: DVec3x16<S>) 
 /// seen at all.
 #[inline(always)]
 pub(in crate::visibility) fn met<S: Simd>(
-    lie: &Lie<S>,
+    setup: &PlaneSetup<S>,
     rays: &Rays<S>,
     asked: Mask64x16<S>,
 ) -> (Mask64x16<S>, F64x16<S>) {
     let d = rays.direction;
-    let speed = d.dot(lie.normal);
+    let speed = d.dot(setup.normal);
     // Seen edge-on, as far as can be told, a triangle has no extent.
-    let is_seen = (speed * speed).gt(rays.square * lie.rounding);
-    let t = lie.height / speed;
+    let is_seen = (speed * speed).gt(rays.square * setup.rounding);
+    let t = setup.height / speed;
     // The hit is between the corners, also where the normal of a sliver is not worth much.
     let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
     let is_x = x.ge(y) & x.ge(z);
     let is_y = y.ge(z);
     let direction = along(is_x, is_y, d);
-    let to_least = along(is_x, is_y, lie.least);
-    let to_most = along(is_x, is_y, lie.most);
-    let way = direction * t;
-    let is_between = way.ge(to_least) & way.le(to_most);
+    let to_least = along(is_x, is_y, setup.least);
+    let to_most = along(is_x, is_y, setup.most);
+    let offset = direction * t;
+    let is_between = offset.ge(to_least) & offset.le(to_most);
     let t = if (asked & !is_between).any() {
         let (to_least, to_most) = (to_least / direction, to_most / direction);
         let near = to_least.min(to_most);
@@ -165,17 +165,17 @@ pub(in crate::visibility) fn met<S: Simd>(
 #[inline(never)]
 fn met_apart<S: Simd>(
     simd: S,
-    lie: &Lie<S>,
+    setup: &PlaneSetup<S>,
     rays: &Rays<S>,
     asked: Mask64x16<S>,
 ) -> (Mask64x16<S>, F64x16<S>) {
     simd.vectorize(
         #[inline(always)]
-        || met(lie, rays, asked),
+        || met(setup, rays, asked),
     )
 }
 
-impl Facet {
+impl Triangle {
     /// The corners, from the one between the shorter edges on.
     pub(in crate::visibility) fn vertices(&self) -> [DVec3; 3] {
         self.vertices
@@ -194,85 +194,100 @@ impl Facet {
     }
 }
 
-/// Sixteen triangles or fewer, as canvases take them. The facets that they stand for are elsewhere.
+/// Sixteen triangles or fewer, as projections take them. The triangles that they stand for are elsewhere.
 #[derive(Clone, Debug)]
-pub(in crate::visibility) struct Facets {
-    sketch: Sketch,
+pub(in crate::visibility) struct TriangleBlock {
+    leaf: LeafBlock,
     primitives: [Primitive; LANES],
 }
 
-impl Block<Facet> for Facets {
-    type Drawing = Outlines;
+impl Block<Triangle> for TriangleBlock {
+    type Setup = TriangleSetups;
 
-    fn of(shapes: &[Facet], first: u32) -> Self {
+    fn of(shapes: &[Triangle], first: u32) -> Self {
         let mut primitives = [shapes[0].primitive; LANES];
         for (primitive, shape) in primitives.iter_mut().zip(shapes) {
             *primitive = shape.primitive;
         }
         Self {
-            sketch: Sketch::of(shapes.iter().map(Facet::vertices), first),
+            leaf: LeafBlock::of(shapes.iter().map(Triangle::vertices), first),
             primitives,
         }
     }
 
     #[inline(always)]
-    fn get(&self, shapes: &[Facet], place: usize) -> Facet {
-        shapes[self.sketch.number as usize + place]
+    fn get(&self, shapes: &[Triangle], place: usize) -> Triangle {
+        shapes[self.leaf.number as usize + place]
     }
 
     #[inline(always)]
     fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
-        beam.may_meet(simd, self.sketch.corners(simd), self.sketch.error())
+        let [a, b, c] = self.leaf.corners(simd);
+        let error = self.leaf.error();
+        let center = beam.center();
+        let (a, b, c) = (a.minus(center), b.minus(center), c.minus(center));
+        let mut bits = u32::MAX;
+        for plane in &beam.planes() {
+            let (a, b, c) = (
+                a.dot_with(plane.normal),
+                b.dot_with(plane.normal),
+                c.dot_with(plane.normal),
+            );
+            let offset = plane.offset - plane.size() * error;
+            let reaches = a.max(b).max(c).ge(F64x16::splat(simd, offset));
+            bits &= reaches.to_bits();
+        }
+        bits
     }
 
     #[inline(always)]
     fn touch(&self) {
-        self.sketch.touch();
+        self.leaf.touch();
     }
 
     #[inline(always)]
-    fn cast<S: Simd>(
+    fn rasterize<S: Simd>(
         &self,
         simd: S,
         bits: u32,
         _: u32,
-        outlines: &mut Outlines,
-        canvas: &mut Canvas,
-        verdict: impl Verdict,
+        setups: &mut TriangleSetups,
+        projection: &mut BatchProjection,
+        depth_test: impl DepthTest,
     ) {
-        outlines.draw(simd, canvas, &self.sketch, bits);
-        let who = |place: usize| Who {
-            slot: Facet::SLOTS | (self.sketch.number + place as u32),
+        setups.set_up(simd, projection, &self.leaf, bits);
+        let id = |place: usize| ShapeId {
+            slot: Triangle::SLOTS | (self.leaf.number + place as u32),
             primitive: self.primitives[place],
         };
-        let mut left = outlines.of_interest;
-        if canvas.state != State::Stretched {
-            for place in ones(outlines.of_interest) {
+        let mut left = setups.of_interest;
+        if projection.state != State::Projected {
+            for place in ones(setups.of_interest) {
                 let (cover, most) = (
-                    outlines.extents.cover(place),
-                    outlines.extents.most_within(place),
+                    setups.extents.cover(place),
+                    setups.extents.most_within(place),
                 );
                 // A triangle does not hide its own points.
-                let is_settled = verdict.are_all_on(who(place))
-                    || verdict.settles(canvas, who(place), cover, most)
-                    || !verdict.is_ready(simd, canvas);
-                left &= !(u32::from(is_settled) << place);
+                let is_resolved = depth_test.are_all_on(id(place))
+                    || depth_test.resolves_whole(projection, id(place), cover, most)
+                    || !depth_test.ensure_projected(simd, projection);
+                left &= !(u32::from(is_resolved) << place);
             }
         }
         if left != 0 {
-            outlines.cast(simd, left, who, canvas, verdict);
+            setups.rasterize(simd, left, id, projection, depth_test);
         }
     }
 }
 
-impl Shape for Facet {
-    type Block = Facets;
+impl Shape for Triangle {
+    type Block = TriangleBlock;
 
     const WIDTH: usize = LANES;
 
     const SLOTS: u32 = TRIANGLES;
 
-    const IS_SKETCHED: bool = true;
+    const IS_QUANTIZED: bool = true;
 
     fn bounds(&self) -> Bounds {
         let [a, b, c] = self.vertices;
@@ -283,7 +298,7 @@ impl Shape for Facet {
     }
 
     #[inline(always)]
-    fn intersect<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, nearest: &mut Nearest<S>) {
+    fn intersect<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, nearest: &mut NearestHit<S>) {
         let passes =
             passes_through(simd, self.vertices, packet, nearest.asked_bits) & nearest.asked;
         if !passes.any() {
@@ -295,27 +310,28 @@ impl Shape for Facet {
             DVec3x16::splat(simd, b),
             DVec3x16::splat(simd, c),
         ];
-        let lie = Lie::new(corners, packet.rays.origin);
-        let (is_met, t) = met_apart(simd, &lie, &packet.rays, passes);
+        let setup = PlaneSetup::new(corners, packet.rays.origin);
+        let (is_met, t) = met_apart(simd, &setup, &packet.rays, passes);
         nearest.offer(simd, passes & is_met, t, self.primitive);
     }
 
     #[inline]
-    fn is_beside(&self, canvas: &Canvas) -> bool {
-        canvas.is_beside(self.vertices[0], area_vector(self.vertices))
+    fn is_beside(&self, projection: &BatchProjection) -> bool {
+        projection.is_beside(self.vertices[0], area_vector(self.vertices))
     }
 
     /// L4: whether the triangle stands strictly between the start of the ray, a light, and the
     /// point at its end: they are on different sides of its plane, each further from it than its
     /// rounding error, and the ray passes through it. A triangle does not occlude itself.
     #[inline(always)]
-    fn occlude<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, shadow: &mut Shadow<'_, S>) {
-        let passes = passes_through(simd, self.vertices, packet, shadow.asked_bits) & shadow.asked;
+    fn occlude<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, occlusion: &mut Occlusion<'_, S>) {
+        let passes =
+            passes_through(simd, self.vertices, packet, occlusion.asked_bits) & occlusion.asked;
         if !passes.any() {
             return;
         }
         let normal = area_vector(self.vertices);
-        let light = shadow.light.0;
+        let light = occlusion.light.0;
         let to_light = light - self.vertices[0];
         let light_height = normal.dot(to_light);
         let scale = normal.length();
@@ -323,7 +339,7 @@ impl Shape for Facet {
         if light_height.abs() <= light_error * scale {
             return;
         }
-        let points = shadow.points;
+        let points = occlusion.points;
         let to_point = points.position.minus(self.vertices[0]);
         let point_height = to_point.dot_with(normal);
         let beyond = if light_height > 0.0 {
@@ -335,7 +351,7 @@ impl Shape for Facet {
         let length = to_point.taxicab();
         let is_clear = beyond.gt((points.error + length * ROUNDING) * scale);
         let is_own = points.primitive.eq(self.primitive.lanes(simd));
-        shadow.hide(passes & is_clear & !is_own);
+        occlusion.hide(passes & is_clear & !is_own);
     }
 }
 

@@ -5,15 +5,15 @@ use fearless_simd::{Simd, f32x8};
 
 use super::node::WIDTH;
 use super::stack::{Entry, Stack};
-use super::wide::{Node, Tree};
+use super::wide::{Tree, WideNode};
 use crate::math::DVec3;
-use crate::simd::{DVec3x16, F64x16, Mask64x16, ones};
+use crate::simd::{Mask64x16, ones};
 use crate::visibility::batch::range;
 use crate::visibility::rays::{ROUNDING, Rays};
 
 /// By how much planes and depths give way, over the sum of the magnitudes that go into them: rounding a
 /// normal, an offset, and the three products and sums to f32, 2⁻²⁴ each, eight in all, and as much again.
-const GIVES_WAY: f64 = 1.0 / (1 << 20) as f64;
+const PLANE_ERROR: f64 = 1.0 / (1 << 20) as f64;
 
 /// The largest coordinate of a box in a tree's frame, in which the whole is about 1 across.
 const REACH: f64 = 2.0;
@@ -38,7 +38,7 @@ impl Side {
     fn new(normal: DVec3, offset: f64, distance: f64, error: f64) -> Self {
         let size = normal.x.abs() + normal.y.abs() + normal.z.abs();
         let rounding = distance * ROUNDING + error;
-        let room = (size * REACH + offset.abs()) * GIVES_WAY + size * rounding;
+        let room = (size * REACH + offset.abs()) * PLANE_ERROR + size * rounding;
         let offset = offset - room;
         // Too far away to tell, and NaN: everything.
         let offset = if offset.abs() < FARTHEST {
@@ -60,7 +60,7 @@ impl Side {
 
     /// How far along n the boxes of a node reach: `end` is 1 for their farthest corners, 0 for the nearest.
     #[inline(always)]
-    fn reach<S: Simd>(&self, simd: S, node: &Node, end: usize) -> f32x8<S> {
+    fn reach<S: Simd>(&self, simd: S, node: &WideNode, end: usize) -> f32x8<S> {
         let [x, y, z] = self.normal;
         let [ux, uy, uz] = self.upper;
         let place = |upper: usize| upper ^ (1 - end);
@@ -68,6 +68,22 @@ impl Side {
         let along_y = f32x8::from_slice(simd, &node.planes[1][place(uy)]) * y;
         let along_z = f32x8::from_slice(simd, &node.planes[2][place(uz)]) * z;
         along_x + along_y + along_z
+    }
+}
+
+/// A plane that all rays of a beam are beyond: n · (p − center) ≥ `offset` for every point p that a ray may meet.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::visibility) struct BeamPlane {
+    /// n, of any length.
+    pub(in crate::visibility) normal: DVec3,
+    pub(in crate::visibility) offset: f64,
+}
+
+impl BeamPlane {
+    /// |n_x| + |n_y| + |n_z|, which is at least the length of n.
+    #[inline(always)]
+    pub(in crate::visibility) fn size(&self) -> f64 {
+        self.normal.x.abs() + self.normal.y.abs() + self.normal.z.abs()
     }
 }
 
@@ -197,7 +213,7 @@ impl Beam {
     fn limit(&self, depth: f64) -> f32 {
         let depth = depth * self.scale;
         let start = f64::from(self.start.offset);
-        let limit = start + depth + (REACH + depth + start.abs()) * (4.0 * GIVES_WAY);
+        let limit = start + depth + (REACH + depth + start.abs()) * (4.0 * PLANE_ERROR);
         if limit < FARTHEST {
             limit as f32
         } else {
@@ -208,7 +224,7 @@ impl Beam {
     /// One bit for each child of a node whose box a ray might meet up to `limit`, and how deep the box
     /// begins.
     #[inline(always)]
-    fn meet<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, [f32; WIDTH]) {
+    fn meet<S: Simd>(&self, simd: S, node: &WideNode, limit: f32) -> (u32, [f32; WIDTH]) {
         let [left, right, bottom, top] = &self.sides;
         let begins = self.start.reach(simd, node, 0);
         let meets = left.reach(simd, node, 1).simd_ge(left.offset)
@@ -257,54 +273,30 @@ impl Beam {
         }
     }
 
-    /// One bit for each of sixteen triangles that a ray might meet, by their corners, each coordinate of
-    /// which may be off by `error`.
+    /// The planes around the rays, in lengths of the world.
     #[inline(always)]
-    pub(in crate::visibility) fn may_meet<S: Simd>(
-        &self,
-        simd: S,
-        corners: [DVec3x16<S>; 3],
-        error: f64,
-    ) -> u32 {
-        let [a, b, c] = corners;
-        let (a, b, c) = (
-            a.minus(self.center),
-            b.minus(self.center),
-            c.minus(self.center),
-        );
-        let mut bits = u32::MAX;
-        for side in &self.sides {
-            let (a, b, c) = (
-                a.dot_with(side.exact),
-                b.dot_with(side.exact),
-                c.dot_with(side.exact),
-            );
-            let size = side.exact.x.abs() + side.exact.y.abs() + side.exact.z.abs();
-            let offset = f64::from(side.offset) / self.scale - size * error;
-            let reaches = a.max(b).max(c).ge(F64x16::splat(simd, offset));
-            bits &= reaches.to_bits();
-        }
-        bits
+    pub(in crate::visibility) fn planes(&self) -> [BeamPlane; 4] {
+        let [left, right, bottom, top] = &self.sides;
+        [
+            self.plane(left),
+            self.plane(right),
+            self.plane(bottom),
+            self.plane(top),
+        ]
     }
 
-    /// One bit for each of sixteen spheres that a ray might meet.
     #[inline(always)]
-    pub(in crate::visibility) fn may_meet_spheres<S: Simd>(
-        &self,
-        simd: S,
-        center: DVec3x16<S>,
-        radius: F64x16<S>,
-    ) -> u32 {
-        let center = center.minus(self.center);
-        let mut bits = u32::MAX;
-        for side in &self.sides {
-            // The sum of the components' magnitudes is at least the length.
-            let size = side.exact.abs().element_sum();
-            let reach = center.dot_with(side.exact) + radius * size;
-            let offset = f64::from(side.offset) / self.scale;
-            bits &= reach.ge(F64x16::splat(simd, offset)).to_bits();
+    fn plane(&self, side: &Side) -> BeamPlane {
+        BeamPlane {
+            normal: side.exact,
+            offset: f64::from(side.offset) / self.scale,
         }
-        bits
+    }
+
+    /// The point from which the planes' offsets count.
+    #[inline(always)]
+    pub(in crate::visibility) fn center(&self) -> DVec3 {
+        self.center
     }
 
     /// Puts the children of a node that the beam meets on the stack, the nearest on top; its new height.
@@ -312,7 +304,7 @@ impl Beam {
     fn open<S: Simd>(
         &self,
         simd: S,
-        node: &Node,
+        node: &WideNode,
         limit: f32,
         stack: &mut Stack,
         bottom: usize,

@@ -12,7 +12,7 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::node::{Child, Member, Node, WIDTH};
+use super::node::{BuildNode, Child, Member, WIDTH};
 use crate::math::all_three;
 
 /// Bins along each axis.
@@ -87,7 +87,7 @@ struct Bins<const N: usize> {
 
 /// From centers to bins.
 #[derive(Clone, Copy, Debug)]
-struct Grid {
+struct Binning {
     /// The least of all centers, doubled.
     origin: Vec4,
     /// Bins per length, 0 along an axis that cannot part the centers.
@@ -99,7 +99,7 @@ enum Top {
     /// Two parts of more than [`SUBTREE`] shapes together.
     Parted { bounds: Box4, parts: Box<[Self; 2]> },
     /// A tree of its own, whose root comes first.
-    Subtree { bounds: Box4, nodes: Vec<Node> },
+    Subtree { bounds: Box4, nodes: Vec<BuildNode> },
     /// Shapes that no plane parts.
     Leaf { bounds: Box4, child: Child },
 }
@@ -109,7 +109,7 @@ enum Top {
 pub(in crate::visibility) fn build(
     mut items: Vec<Item>,
     leaf_size: usize,
-) -> (Vec<Node>, Vec<u32>) {
+) -> (Vec<BuildNode>, Vec<u32>) {
     let bounds = bounds_of(&items);
     let top = Top::new(&mut items, 0, bounds, 0, leaf_size);
     let order = items.par_iter().map(Item::index).collect();
@@ -122,7 +122,7 @@ impl Top {
     fn new(items: &mut [Item], first: usize, bounds: Box4, depth: u32, leaf_size: usize) -> Self {
         if items.len() <= SUBTREE {
             let mut nodes = Vec::with_capacity(items.len() / 4 + 1);
-            nodes.push(Node::EMPTY);
+            nodes.push(BuildNode::EMPTY);
             fill_node(&mut nodes, 0, items, first, bounds, depth, leaf_size);
             return Self::Subtree { bounds, nodes };
         }
@@ -152,8 +152,8 @@ impl Top {
     }
 
     /// Makes nodes of eight, and puts the subtrees behind them.
-    fn into_nodes(self) -> Vec<Node> {
-        let mut upper = vec![Node::EMPTY];
+    fn into_nodes(self) -> Vec<BuildNode> {
+        let mut upper = vec![BuildNode::EMPTY];
         let mut subtrees = Vec::new();
         match self {
             Self::Subtree { nodes, .. } => return nodes,
@@ -192,10 +192,10 @@ impl Top {
     /// Fills the node at `place` from two parts; lists each subtree with the node and member
     /// that is to hold it.
     fn fill_upper(
-        nodes: &mut Vec<Node>,
+        nodes: &mut Vec<BuildNode>,
         place: usize,
         parts: [Self; 2],
-        subtrees: &mut Vec<(Vec<Node>, usize, usize)>,
+        subtrees: &mut Vec<(Vec<BuildNode>, usize, usize)>,
     ) {
         let mut open = Vec::with_capacity(WIDTH);
         open.extend(parts);
@@ -214,7 +214,7 @@ impl Top {
             match part {
                 Self::Parted { parts, .. } => {
                     let child = nodes.len();
-                    nodes.push(Node::EMPTY);
+                    nodes.push(BuildNode::EMPTY);
                     nodes[place].push(bounds.member(Child::Node(child as u32)));
                     Self::fill_upper(nodes, child, *parts, subtrees);
                 }
@@ -231,7 +231,7 @@ impl Top {
 /// Fills the node at `place` with the items, of which `first` come before in the order of all,
 /// and makes the nodes below it.
 fn fill_node(
-    nodes: &mut Vec<Node>,
+    nodes: &mut Vec<BuildNode>,
     place: usize,
     items: &mut [Item],
     first: usize,
@@ -295,7 +295,7 @@ fn fill_node(
     let mut child = nodes.len();
     for part in parts {
         let child = if part.may_part(leaf_size) {
-            nodes.push(Node::EMPTY);
+            nodes.push(BuildNode::EMPTY);
             Child::Node(nodes.len() as u32 - 1)
         } else {
             leaf(first + part.start, part.end - part.start)
@@ -336,7 +336,7 @@ impl Part {
 fn part(items: &mut [Item], depth: u32, leaf_size: usize) -> Option<(usize, Box4, Box4)> {
     let centers = centers_of(items);
     if leaf_size > 1 && items.len() <= leaf_size * FULL_LEAVES {
-        Grid::new(&centers, FEW_BINS)?;
+        Binning::new(&centers, FEW_BINS)?;
         let leaves = items.len().div_ceil(leaf_size);
         return Some(part_at(items, &centers, leaves / 2 * leaf_size));
     }
@@ -352,7 +352,7 @@ fn part_at_bins<const N: usize>(
     centers: &Box4,
     depth: u32,
 ) -> Option<(usize, Box4, Box4)> {
-    let grid = Grid::new(centers, N)?;
+    let grid = Binning::new(centers, N)?;
     if depth >= BY_SURFACE {
         return Some(part_at(items, centers, items.len() / 2));
     }
@@ -418,7 +418,7 @@ fn centers_of(items: &[Item]) -> Box4 {
     fold(items, some, |a, b| a.union(&b))
 }
 
-impl Grid {
+impl Binning {
     /// A grid of `bins` over these centers, `None` where they are one.
     fn new(centers: &Box4, bins: usize) -> Option<Self> {
         /// Below this, bins per length would not be finite.
@@ -454,7 +454,7 @@ impl<const N: usize> Bins<N> {
         counts: [[0; N]; 3],
     };
 
-    fn of(items: &[Item], grid: &Grid) -> Self {
+    fn of(items: &[Item], grid: &Binning) -> Self {
         let some = |items: &[Item]| {
             let mut bins = Self::EMPTY;
             for item in items {
@@ -483,7 +483,7 @@ impl<const N: usize> Bins<N> {
 
     /// The border between bins, with something on both sides, at which the sum of surface times
     /// count is least.
-    fn best_border(&self, grid: &Grid) -> Option<Border> {
+    fn best_border(&self, grid: &Binning) -> Option<Border> {
         let mut best: Option<Border> = None;
         let mut least = f32::INFINITY;
         for axis in 0..3 {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::bounds::Bounds;
 use super::builder::{self, Item};
-use super::node::Node;
+use super::node::BuildNode;
 use crate::math::all_three;
 
 /// The tree's frame is at most this power of two larger or smaller than the world: f32 boxes and
@@ -19,7 +19,7 @@ const LARGEST_EXPONENT: i32 = 100;
 /// The tree.
 #[derive(Debug)]
 pub(in crate::visibility) struct Bvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BuildNode>,
     /// Middle of the tree's frame in world space.
     center: DVec3,
     /// From world space to the tree's frame: a power of two.
@@ -84,7 +84,7 @@ impl Bvh {
     }
 
     /// All nodes, the root first.
-    pub(in crate::visibility) fn nodes(&self) -> &[Node] {
+    pub(in crate::visibility) fn nodes(&self) -> &[BuildNode] {
         &self.nodes
     }
 

@@ -11,4 +11,4 @@ mod wide;
 pub(in crate::visibility) use beam::Beam;
 pub(in crate::visibility) use bounds::Bounds;
 pub(in crate::visibility) use stack::{EMPTY_STACK, Stack};
-pub(in crate::visibility) use wide::{Members, Tree, blocks_of};
+pub(in crate::visibility) use wide::{BlockRange, Tree, blocks_of};

@@ -7,7 +7,7 @@ pub(in crate::visibility) const WIDTH: usize = 8;
 
 /// Up to eight boxes and what is in them.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::visibility) struct Node {
+pub(in crate::visibility) struct BuildNode {
     /// The first `len` are there.
     members: [Member; WIDTH],
     len: u8,
@@ -30,7 +30,7 @@ pub(in crate::visibility) enum Child {
     Leaf { first: u32, count: u32 },
 }
 
-impl Node {
+impl BuildNode {
     /// Nothing yet.
     pub(in crate::visibility) const EMPTY: Self = Self {
         members: [Member {

@@ -9,7 +9,7 @@ use super::node::{Child, Member, WIDTH};
 
 /// Up to eight boxes and what is in them.
 #[derive(Clone, Debug)]
-pub(in crate::visibility) struct Node {
+pub(in crate::visibility) struct WideNode {
     /// For each axis the lower and the upper planes of the boxes.
     pub(in crate::visibility) planes: [[[f32; WIDTH]; 2]; 3],
     /// A node, or the first block of the shapes in the box.
@@ -24,7 +24,7 @@ pub(in crate::visibility) struct Node {
 #[derive(Debug)]
 pub(in crate::visibility) struct Tree {
     /// The root first.
-    pub(in crate::visibility) nodes: Vec<Node>,
+    pub(in crate::visibility) nodes: Vec<WideNode>,
     /// Middle of the tree's frame in world space.
     pub(in crate::visibility) center: DVec3,
     /// From world space to the tree's frame: a power of two.
@@ -33,7 +33,7 @@ pub(in crate::visibility) struct Tree {
 
 /// The shapes of a block.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::visibility) struct Members {
+pub(in crate::visibility) struct BlockRange {
     /// The first in the order of the tree.
     pub(in crate::visibility) first: u32,
     pub(in crate::visibility) count: u32,
@@ -47,7 +47,7 @@ impl Tree {
         width: usize,
         bounds: &(impl Fn(u32) -> Bounds + Sync),
         listed: &[u32],
-        blocks: &mut Vec<Members>,
+        blocks: &mut Vec<BlockRange>,
     ) -> (Self, Vec<u32>) {
         let (bvh, order) = Bvh::new(count, width, bounds, listed);
         let before = listed.len() as u32;
@@ -64,7 +64,7 @@ impl Tree {
         let nodes = bvh.nodes().par_iter().zip(&starts);
         let nodes = nodes.map(|(node, &start)| {
             let mut next = start;
-            Node::of(node.members(), &mut |count| {
+            WideNode::of(node.members(), &mut |count| {
                 let place = next;
                 next += count.div_ceil(width as u32);
                 place
@@ -90,14 +90,14 @@ pub(in crate::visibility) fn blocks_of(
     first: u32,
     count: u32,
     width: usize,
-) -> impl Iterator<Item = Members> {
-    (0..count).step_by(width).map(move |start| Members {
+) -> impl Iterator<Item = BlockRange> {
+    (0..count).step_by(width).map(move |start| BlockRange {
         first: first + start,
         count: (count - start).min(width as u32),
     })
 }
 
-impl Node {
+impl WideNode {
     /// Of at most eight members; `block` gives the first block of a leaf by the number of its shapes.
     fn of(members: &[Member], block: &mut impl FnMut(u32) -> u32) -> Self {
         let mut node = Self {

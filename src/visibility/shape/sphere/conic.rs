@@ -1,4 +1,4 @@
-//! The outlines of spheres on a [`Canvas`].
+//! The projected conics of spheres: their discriminants as functions of a sample.
 
 mod parallel;
 
@@ -9,13 +9,14 @@ use fearless_simd::Simd;
 use crate::math::{all_three, both};
 use crate::simd::{DVec3x16, F32x16, F64x16, LANES, Mask32x16, ones};
 use crate::visibility::batch::Row;
-use crate::visibility::primitive::Who;
+use crate::visibility::primitive::ShapeId;
 use crate::visibility::projection::{
-    CLOSENESS, Canvas, Claim, Extents, GIVES_WAY, NEGLIGIBLE, NOISE, Shared, State, Verdict,
+    BatchProjection, DepthTest, Extents, Fragments, NEGLIGIBLE, NOISE, POLYNOMIAL_ERROR,
+    RECIPROCAL_DEPTH_LIMIT, Shared, State,
 };
 
 /// Where R²|d|² − |oc × d|², over the sum of the magnitudes of its terms, is above this, a ray surely
-/// meets a sphere, and the root of it is off by [`GIVES_WAY`] over twice the root of this at most.
+/// meets a sphere, and the root of it is off by [`POLYNOMIAL_ERROR`] over twice the root of this at most.
 const SURELY: f32 = 1.0 / (1 << 13) as f32;
 
 /// By how much that root is off at most, √ of [`SURELY`] being 2⁻⁶·⁵: 2⁻²⁰ · 2⁶·⁵ / 2, and room.
@@ -31,17 +32,17 @@ const SQUARES_FIT: Range<f64> = 1e-14..1e14;
 /// By how much |oc|² − R² has to be clear of 0, over |oc|²: rounding it to f64 is then [`NEGLIGIBLE`].
 const CLEAR: f64 = 2.0 * NEGLIGIBLE;
 
-/// The discs that sixteen spheres are on a canvas.
+/// The projected conics of sixteen spheres.
 #[derive(Clone, Debug)]
-pub(in crate::visibility) struct Discs {
+pub(in crate::visibility) struct ProjectedConics {
     /// The coefficients of 1, x, y, x², x y and y² of R²|d|² − |oc × d|², over the sum of the magnitudes of
     /// the terms.
     discriminant: [Row; 6],
     /// Those of 1, x and y of oc · d, and the factor of the root of the discriminant, so that the sum is
-    /// the closeness.
+    /// the reciprocal depth.
     along: [Row; 3],
     root_scale: Row,
-    /// How far the closeness may be off.
+    /// How far the reciprocal depth may be off.
     error: Row,
     pub(in crate::visibility) extents: Extents,
     /// One bit for each sphere that may be of interest to any ray.
@@ -54,7 +55,7 @@ pub(in crate::visibility) struct Discs {
     cut: u32,
 }
 
-impl Default for Discs {
+impl Default for ProjectedConics {
     fn default() -> Self {
         let row = Row([0.0; LANES]);
         Self {
@@ -73,20 +74,20 @@ impl Default for Discs {
 
 /// Spheres side by side.
 #[derive(Clone, Copy)]
-pub(in crate::visibility) struct Spheres<S: Simd> {
+pub(in crate::visibility) struct SphereLanes<S: Simd> {
     pub(in crate::visibility) center: DVec3x16<S>,
     pub(in crate::visibility) radius: F64x16<S>,
     /// One bit for each that no viewer sees from within.
     pub(in crate::visibility) shows_outside: u32,
 }
 
-impl<S: Simd> Spheres<S> {
-    /// Centers in the axes of a canvas, and radii, both in its unit.
+impl<S: Simd> SphereLanes<S> {
+    /// Centers in the axes of a projection, and radii, both in its unit.
     #[inline(always)]
-    fn before(&self, canvas: &Canvas) -> (DVec3x16<S>, F64x16<S>) {
-        let over_unit = 1.0 / canvas.unit;
-        let from_origin = self.center.minus(canvas.origin);
-        let [u, v, w] = all_three(canvas.axes, |axis| axis * over_unit);
+    fn before(&self, projection: &BatchProjection) -> (DVec3x16<S>, F64x16<S>) {
+        let over_unit = 1.0 / projection.unit;
+        let from_origin = self.center.minus(projection.origin);
+        let [u, v, w] = all_three(projection.axes, |axis| axis * over_unit);
         let center = DVec3x16 {
             x: from_origin.dot_with(u),
             y: from_origin.dot_with(v),
@@ -96,34 +97,34 @@ impl<S: Simd> Spheres<S> {
     }
 }
 
-impl Discs {
-    /// The discs of the spheres with a bit. All is in units of the canvas's unit.
+impl ProjectedConics {
+    /// Sets up the conics of the spheres with a bit. All is in units of the projection's unit.
     #[inline(always)]
-    pub(in crate::visibility) fn draw<S: Simd>(
+    pub(in crate::visibility) fn set_up<S: Simd>(
         &mut self,
         simd: S,
-        canvas: &Canvas,
-        spheres: &Spheres<S>,
+        projection: &BatchProjection,
+        spheres: &SphereLanes<S>,
         bits: u32,
     ) {
-        if let Shared::Direction(start) = canvas.shared {
-            self.draw_parallel(simd, canvas, start, spheres, bits);
+        if let Shared::Direction(start) = projection.shared {
+            self.set_up_parallel(simd, projection, start, spheres, bits);
             return;
         }
         self.cut = 0;
-        let (center, radius) = spheres.before(canvas);
-        let error = canvas.error / canvas.unit;
+        let (center, radius) = spheres.before(projection);
+        let error = projection.error / projection.unit;
         let is_tiny = radius
             .le(F64x16::splat(simd, error * SMALLEST_RADIUS))
             .to_bits();
-        self.of_interest = bits & (is_tiny | near(canvas, center, radius));
+        self.of_interest = bits & (is_tiny | near(projection, center, radius));
         if self.of_interest == 0 {
             return;
         }
         let reach = center.taxicab() + radius;
         let fits = reach.is_within(simd, SQUARES_FIT).to_bits() & !is_tiny;
-        self.draw_boxes(simd, canvas, center, radius, fits);
-        // oc × d = g₀ + g₁ x + g₂ y in the axes of the canvas, g₀ = (y, −x, 0), g₁ = (0, z, −y),
+        self.set_up_boxes(simd, projection, center, radius, fits);
+        // oc × d = g₀ + g₁ x + g₂ y in the axes of the projection, g₀ = (y, −x, 0), g₁ = (0, z, −y),
         // g₂ = (−z, 0, x).
         let DVec3x16 { x, y, z } = center;
         let [xx, yy, zz] = [x * x, y * y, z * z];
@@ -133,7 +134,7 @@ impl Discs {
         let cxx = square - (yy + zz);
         let cxy = x * y * 2.0;
         let cyy = square - (xx + zz);
-        let [ex, ey] = canvas.extent;
+        let [ex, ey] = projection.extent;
         let magnitude = (square + xx + yy)
             + (cx.abs() * ex + cy.abs() * ey)
             + (cxx.abs() * (ex * ex) + cyy.abs() * (ey * ey) + cxy.abs() * (ex * ey));
@@ -165,14 +166,16 @@ impl Discs {
         for (row, coefficient) in self.along.iter_mut().zip(along) {
             coefficient.store(&mut row.0);
         }
-        let [ex, ey] = both(canvas.extent, |extent| F32x16::splat(simd, extent as f32));
+        let [ex, ey] = both(projection.extent, |extent| {
+            F32x16::splat(simd, extent as f32)
+        });
         let along_size = along[0].abs() + along[1].abs() * ex + along[2].abs() * ey;
         let root_scale = magnitude.sqrt() * scale.abs();
         root_scale.store(&mut self.root_scale.0);
         let root_error = F32x16::splat(simd, ROOT_ERROR as f32);
-        let give = F32x16::splat(simd, GIVES_WAY);
-        let closeness_error = along_size * give + root_scale * root_error;
-        closeness_error.store(&mut self.error.0);
+        let give = F32x16::splat(simd, POLYNOMIAL_ERROR);
+        let reciprocal_depth_error = along_size * give + root_scale * root_error;
+        reciprocal_depth_error.store(&mut self.error.0);
         let size = (along_size + root_scale).widened(simd);
         let distance = distance_square.narrowed(simd).sqrt().widened(simd);
         let room = error / NEGLIGIBLE;
@@ -180,25 +183,25 @@ impl Discs {
             .abs()
             .gt(distance_square * CLEAR + (distance + radius) * room)
             & radius.gt(distance * NEGLIGIBLE + room)
-            & size.is_within(simd, 1.0 / CLOSENESS..CLOSENESS);
+            & size.is_within(simd, 1.0 / RECIPROCAL_DEPTH_LIMIT..RECIPROCAL_DEPTH_LIMIT);
         self.untold = !(is_told.to_bits() & fits);
         // Seen from outside, a sphere does not hide points of its own that face the light.
         let is_inside = power.lt(F64x16::splat(simd, 0.0)).to_bits();
         self.hides_own = self.untold | !(spheres.shows_outside | is_inside);
         self.extents.covers = 0;
-        if canvas.state == State::Aimed {
+        if projection.state == State::Bounded {
             let [c, cx, cy, cxx, cxy, cyy] = coefficients;
             let zero = F32x16::splat(simd, 0.0);
-            let surely = F32x16::splat(simd, 2.0 * SURELY);
+            let threshold = F32x16::splat(simd, 2.0 * SURELY);
             let sides = cx.abs() * ex + cy.abs() * ey + cxy.abs() * (ex * ey);
             let least = c - sides + cxx.min(zero) * (ex * ex) + cyy.min(zero) * (ey * ey);
             let most = c + sides + cxx.max(zero) * (ex * ex) + cyy.max(zero) * (ey * ey);
-            let is_met = least.gt(surely);
+            let is_met = least.gt(threshold);
             // Twice the error: for the sums of this.
-            let error = closeness_error + closeness_error;
+            let error = reciprocal_depth_error + reciprocal_depth_error;
             let sides = along[1].abs() * ex + along[2].abs() * ey + error;
             // Where it is not sure that the sphere is met, the root is below that of 2 · SURELY.
-            let roots = [least.max(zero).sqrt(), most.max(surely).sqrt()];
+            let roots = [least.max(zero).sqrt(), most.max(threshold).sqrt()];
             let least = along[0] - sides + roots[0] * root_scale;
             let most = along[0] + sides + roots[1] * root_scale;
             let covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
@@ -209,20 +212,20 @@ impl Discs {
         }
     }
 
-    /// The boxes of spheres on the canvas: the planes through the origin and an axis that touch them (Mara &
+    /// The boxes of spheres on the projection: the planes through the origin and an axis that touch them (Mara &
     /// McGuire 2013, "2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere"). Anywhere, for
     /// spheres that reach behind it, and without a bit.
     #[inline(always)]
-    fn draw_boxes<S: Simd>(
+    fn set_up_boxes<S: Simd>(
         &mut self,
         simd: S,
-        canvas: &Canvas,
+        projection: &BatchProjection,
         center: DVec3x16<S>,
         radius: F64x16<S>,
         fits: u32,
     ) {
         let one = F32x16::splat(simd, 1.0);
-        let give = F32x16::splat(simd, GIVES_WAY);
+        let give = F32x16::splat(simd, POLYNOMIAL_ERROR);
         let infinite = F32x16::splat(simd, f32::INFINITY);
         let nowhere = F32x16::splat(simd, f32::NEG_INFINITY);
         let nearest = (center.z - radius).narrowed(simd);
@@ -244,7 +247,7 @@ impl Discs {
             let middle = across * z;
             let least = (middle - root) * over_width;
             let most = (middle + root) * over_width;
-            let extent = F32x16::splat(simd, canvas.extent[axis] as f32);
+            let extent = F32x16::splat(simd, projection.extent[axis] as f32);
             let room = (least.abs().max(most.abs()) + extent) * give + noise;
             sides[axis] = [
                 is_before.select(least - room, nowhere),
@@ -261,17 +264,17 @@ impl Discs {
         self.hides_own >> index & 1 == 1
     }
 
-    /// Puts one sphere on the canvas.
+    /// Rasterizes one sphere.
     #[inline(always)]
-    pub(in crate::visibility) fn cast<S: Simd>(
+    pub(in crate::visibility) fn rasterize<S: Simd>(
         &self,
         simd: S,
         index: usize,
-        who: Who,
-        canvas: &mut Canvas,
-        verdict: impl Verdict,
+        id: ShapeId,
+        projection: &mut BatchProjection,
+        depth_test: impl DepthTest,
     ) {
-        let packets = canvas.meets(simd, &self.extents.get(index));
+        let packets = projection.meets(simd, &self.extents.get(index));
         let is_untold = self.untold >> index & 1 == 1;
         let hides_own = self.hides_own(index);
         let is_cut = self.cut >> index & 1 == 1;
@@ -296,51 +299,51 @@ impl Discs {
         let edge_error = root_scale * F32x16::splat(simd, (2.0 * SURELY).sqrt());
         for packet in ones(packets) {
             if hides_own {
-                verdict.doubt_own(simd, canvas, packet, who);
+                depth_test.leave_own_unresolved(simd, projection, packet, id);
             }
             if is_untold {
-                verdict.abstain(simd, canvas, packet, who);
+                depth_test.leave_unresolved(simd, projection, packet, id);
                 continue;
             }
-            let [x, y] = canvas.dots(simd, packet);
+            let [x, y] = projection.samples(simd, packet);
             let discriminant = x.times_plus(
                 x.times_plus(cxx, y.times_plus(cxy, cx)),
                 y.times_plus(y.times_plus(cyy, cy), c),
             );
-            let maybe = discriminant.ge(F32x16::splat(simd, -GIVES_WAY));
-            if maybe.to_bits() == 0 {
+            let may_cover = discriminant.ge(F32x16::splat(simd, -POLYNOMIAL_ERROR));
+            if may_cover.to_bits() == 0 {
                 continue;
             }
-            let surely = discriminant.gt(F32x16::splat(simd, SURELY));
+            let covered = discriminant.gt(F32x16::splat(simd, SURELY));
             let root = discriminant.max(zero).sqrt();
             let along = y.times_plus(along_y, x.times_plus(along_x, along));
-            let closeness = root.times_plus(root_scale, along);
-            let most = closeness + error;
-            let claim = Claim {
-                maybe,
-                surely,
-                least: closeness - error,
-                most: surely.select(most, most + edge_error),
+            let reciprocal_depth = root.times_plus(root_scale, along);
+            let most = reciprocal_depth + error;
+            let fragments = Fragments {
+                may_cover,
+                covered,
+                least: reciprocal_depth - error,
+                most: covered.select(most, most + edge_error),
             };
-            let claim = if is_cut {
+            let fragments = if is_cut {
                 let second = along - root * root_scale;
-                canvas.first_ahead(simd, claim, second, [error, edge_error])
+                projection.first_ahead(simd, fragments, second, [error, edge_error])
             } else {
-                claim
+                fragments
             };
-            verdict.hear(simd, canvas, packet, who, claim);
+            depth_test.resolve(simd, projection, packet, id, fragments);
         }
     }
 }
 
-/// One bit for each sphere that the beam of a canvas's rays may meet as deep as is of interest.
+/// One bit for each sphere that the beam of a projection's rays may meet as deep as is of interest.
 #[inline(always)]
-fn near<S: Simd>(canvas: &Canvas, center: DVec3x16<S>, radius: F64x16<S>) -> u32 {
+fn near<S: Simd>(projection: &BatchProjection, center: DVec3x16<S>, radius: F64x16<S>) -> u32 {
     let DVec3x16 { x, y, z } = center;
-    let [left, right, bottom, top] = canvas.rectangle();
-    let depth = 1.0 / f64::from(canvas.farthest);
+    let [left, right, bottom, top] = projection.rectangle();
+    let depth = 1.0 / f64::from(projection.farthest);
     // By how much each sphere is beyond a plane, over its normal's length.
-    let give = f64::from(GIVES_WAY);
+    let give = f64::from(POLYNOMIAL_ERROR);
     let room = (center.taxicab() + radius) * give + radius;
     let side = |slope: f64| 1.0 / (1.0 + slope * slope).sqrt();
     let beside = ((z * left - x) * side(left)).gt(room)

@@ -1,4 +1,4 @@
-//! Triangles as canvases take them: in f32, beside a middle in f64.
+//! Leaf blocks: triangles quantized to f32 around a middle in f64, as projections take them.
 
 use std::hint::black_box;
 
@@ -7,10 +7,10 @@ use fearless_simd::Simd;
 use crate::math::{DVec3, all_three, both};
 use crate::simd::{DVec3x16, F32x16, LANES};
 use crate::visibility::batch::Row;
-use crate::visibility::projection::{Canvas, NEGLIGIBLE};
+use crate::visibility::projection::{BatchProjection, NEGLIGIBLE};
 
 /// One rounding to f32.
-pub(in crate::visibility) const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
+pub(in crate::visibility) const F32_ROUNDING: f32 = 1.0 / (1 << 24) as f32;
 
 /// A vector in each lane.
 #[derive(Clone, Copy)]
@@ -98,20 +98,20 @@ impl<S: Simd> SingleVectors<S> {
         }
     }
 
-    /// The largest values of functions on a canvas, or more.
+    /// The largest values of functions on a projection, or more.
     #[inline(always)]
     pub(in crate::visibility) fn largest(self, [x, y]: [F32x16<S>; 2]) -> F32x16<S> {
         let terms = self.y.abs().times_plus(y, self.z);
         self.x.abs().times_plus(x, terms)
     }
 
-    /// The smallest values of functions on a canvas, or less.
+    /// The smallest values of functions on a projection, or less.
     #[inline(always)]
     pub(in crate::visibility) fn smallest(self, [x, y]: [F32x16<S>; 2]) -> F32x16<S> {
         self.z - (self.x.abs() * x + self.y.abs() * y)
     }
 
-    /// The sum of the magnitudes of the terms of functions on a canvas, at most.
+    /// The sum of the magnitudes of the terms of functions on a projection, at most.
     #[inline(always)]
     pub(in crate::visibility) fn magnitude(self, [x, y]: [F32x16<S>; 2]) -> F32x16<S> {
         let terms = self.y.abs().times_plus(y, self.z.abs());
@@ -119,11 +119,11 @@ impl<S: Simd> SingleVectors<S> {
     }
 }
 
-/// Triangles side by side, by their first corners and the ways from there to the two others. A way in f32
+/// Triangles side by side, by their first corners and the offsets from there to the two others. An offset in f32
 /// keeps the digits that the difference of two corners in f32 would lose.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(in crate::visibility) struct Sketch {
+pub(in crate::visibility) struct LeafBlock {
     /// From the middle to the first corners, and from there to the second and to the third ones, over
     /// the size, axis by axis.
     pub(in crate::visibility) first: [Row; 3],
@@ -137,7 +137,7 @@ pub(in crate::visibility) struct Sketch {
     pub(in crate::visibility) number: u32,
 }
 
-impl Sketch {
+impl LeafBlock {
     /// Of triangles whose first corners are between their shorter edges: at most sixteen, the first of which
     /// has this number.
     pub(in crate::visibility) fn of(
@@ -154,7 +154,7 @@ impl Sketch {
         let reach = (most - middle).max(middle - least).max_element();
         let size = (reach * 1.75).max(f64::MIN_POSITIVE);
         let none = [Row([0.0; LANES]); 3];
-        let mut sketch = Self {
+        let mut leaf = Self {
             first: none,
             to_second: none,
             to_third: none,
@@ -167,12 +167,12 @@ impl Sketch {
             let (first, to_second, to_third) =
                 ((a - middle) / size, (b - a) / size, (c - a) / size);
             for axis in 0..3 {
-                sketch.first[axis].0[place] = first[axis] as f32;
-                sketch.to_second[axis].0[place] = to_second[axis] as f32;
-                sketch.to_third[axis].0[place] = to_third[axis] as f32;
+                leaf.first[axis].0[place] = first[axis] as f32;
+                leaf.to_second[axis].0[place] = to_second[axis] as f32;
+                leaf.to_third[axis].0[place] = to_third[axis] as f32;
             }
         }
-        sketch
+        leaf
     }
 
     /// The corners, which may be off by [`Self::error`] in each coordinate.
@@ -197,8 +197,8 @@ impl Sketch {
     /// leaves are far from each other, and each would be waited for.
     #[inline(always)]
     pub(in crate::visibility) fn touch(&self) {
-        for ways in [&self.first, &self.to_second, &self.to_third] {
-            let [x, y, z] = ways;
+        for offsets in [&self.first, &self.to_second, &self.to_third] {
+            let [x, y, z] = offsets;
             black_box((x.0[0], y.0[0], z.0[0]));
         }
         black_box(self.middle.x);
@@ -210,31 +210,31 @@ impl Sketch {
     }
 }
 
-/// Where a sketch is as seen from a canvas's origin, in units of its size.
-pub(in crate::visibility) struct Frame {
-    /// Its middle, in the axes of the canvas.
+/// Where a leaf block is as seen from a projection's origin, in units of its size.
+pub(in crate::visibility) struct LeafFrame {
+    /// Its middle, in the axes of the projection.
     pub(in crate::visibility) middle: [f32; 3],
-    /// How far the coordinates of corners may be off, and a quarter more, over [`ROUNDING`].
+    /// How far the coordinates of corners may be off, and a quarter more, over [`F32_ROUNDING`].
     pub(in crate::visibility) drift: [f32; 3],
     /// At least the sum of the magnitudes of a corner's coordinates.
     pub(in crate::visibility) distance: f32,
-    /// How far edge functions may be off, over the length of the edge and [`super::outline::EDGE_GIVES_WAY`]: those of
+    /// How far edge functions may be off, over the length of the edge and [`EDGE_FUNCTION_ERROR`](super::setup::EDGE_FUNCTION_ERROR): those of
     /// edges at the first corner, and that of the edge opposite.
     pub(in crate::visibility) edge_error: [f32; 2],
-    /// From the reciprocal of a depth to its closeness.
-    pub(in crate::visibility) closeness: f64,
-    /// How far the canvas's rays may be off, over [`NEGLIGIBLE`].
+    /// From the reciprocal of a depth in sizes of the block to that in units of the projection.
+    pub(in crate::visibility) reciprocal_depth: f64,
+    /// How far the projection's rays may be off, over [`NEGLIGIBLE`].
     pub(in crate::visibility) error: f32,
 }
 
-impl Frame {
-    /// In the axes of the canvas the ways to the first corners, and from there to the others.
+impl LeafFrame {
+    /// In the axes of the projection the offsets to the first corners, and from there to the others.
     #[inline(always)]
-    pub(in crate::visibility) fn ways<S: Simd>(
+    pub(in crate::visibility) fn offsets<S: Simd>(
         &self,
         simd: S,
-        canvas: &Canvas,
-        sketch: &Sketch,
+        projection: &BatchProjection,
+        leaf: &LeafBlock,
     ) -> [SingleVectors<S>; 3] {
         let [x, y, z] = self.middle;
         let middle = SingleVectors {
@@ -242,21 +242,23 @@ impl Frame {
             y: F32x16::splat(simd, y),
             z: F32x16::splat(simd, z),
         };
-        let first = SingleVectors::load(simd, &sketch.first).turned(simd, &canvas.turn);
+        let first = SingleVectors::load(simd, &leaf.first).turned(simd, &projection.orientation);
         [
             middle.plus(first),
-            SingleVectors::load(simd, &sketch.to_second).turned(simd, &canvas.turn),
-            SingleVectors::load(simd, &sketch.to_third).turned(simd, &canvas.turn),
+            SingleVectors::load(simd, &leaf.to_second).turned(simd, &projection.orientation),
+            SingleVectors::load(simd, &leaf.to_third).turned(simd, &projection.orientation),
         ]
     }
 
     #[inline(always)]
-    pub(in crate::visibility) fn new(canvas: &Canvas, sketch: &Sketch) -> Self {
-        let to_middle = sketch.middle - canvas.origin;
-        let over_size = sketch.over_size;
-        let middle = all_three(canvas.axes, |axis| (axis.dot(to_middle) * over_size) as f32);
+    pub(in crate::visibility) fn new(projection: &BatchProjection, leaf: &LeafBlock) -> Self {
+        let to_middle = leaf.middle - projection.origin;
+        let over_size = leaf.over_size;
+        let middle = all_three(projection.axes, |axis| {
+            (axis.dot(to_middle) * over_size) as f32
+        });
         let [x, y, z] = all_three(middle, f32::abs);
-        let [extent_x, extent_y] = both(canvas.extent, |extent| extent as f32);
+        let [extent_x, extent_y] = both(projection.extent, |extent| extent as f32);
         // The terms of an edge function, where the coordinates of a point are of these sizes.
         let terms = |x: f32, y: f32, z: f32| (y + z) * extent_x + (z + x) * extent_y + (x + y);
         let (middle_terms, one_terms) = (terms(x, y, z), terms(1.0, 1.0, 1.0));
@@ -270,8 +272,8 @@ impl Frame {
                 (middle_terms * 18.0 + one_terms * 22.0) / 28.0,
                 (middle_terms * 25.0 + one_terms * 40.0) / 28.0,
             ],
-            closeness: canvas.unit * over_size,
-            error: (canvas.error * over_size / NEGLIGIBLE) as f32,
+            reciprocal_depth: projection.unit * over_size,
+            error: (projection.error * over_size / NEGLIGIBLE) as f32,
         }
     }
 }

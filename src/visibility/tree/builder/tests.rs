@@ -35,7 +35,7 @@ fn check(items: &[Item]) -> usize {
     indices.sort_unstable();
     assert!(indices.iter().copied().eq(0..items.len() as u32));
 
-    let mut shown = vec![0; items.len()];
+    let mut known_shape = vec![0; items.len()];
     let mut open = vec![(0, Vec3::NEG_INFINITY, Vec3::INFINITY, 1)];
     let mut visited = 0;
     let mut deepest = 0;
@@ -54,7 +54,7 @@ fn check(items: &[Item]) -> usize {
                 }
                 Child::Leaf { first, count } => {
                     for place in first..first + count {
-                        shown[place as usize] += 1;
+                        known_shape[place as usize] += 1;
                         let Box4 { min, max } = items[order[place as usize] as usize].bounds;
                         holds(min.truncate(), max.truncate(), member.min, member.max);
                     }
@@ -63,7 +63,10 @@ fn check(items: &[Item]) -> usize {
         }
     }
     assert_eq!(visited, nodes.len(), "every node has one parent");
-    assert!(shown.iter().all(|&times| times == 1), "one leaf for each");
+    assert!(
+        known_shape.iter().all(|&times| times == 1),
+        "one leaf for each"
+    );
     deepest
 }
 
@@ -102,7 +105,7 @@ fn shapes_of_one_center_share_a_leaf() {
     let items = cubes(others, 1e-3);
     check(&items);
     let (nodes, _) = build(items, LEAF_SIZE);
-    let sizes = nodes.iter().flat_map(Node::members);
+    let sizes = nodes.iter().flat_map(BuildNode::members);
     let sizes = sizes.filter_map(|member| match member.child {
         Child::Leaf { count, .. } => Some(count),
         Child::Node(_) => None,

@@ -1,45 +1,45 @@
-//! The outlines of spheres on canvases before parallel rays.
+//! The projected conics of spheres before parallel rays: circles.
 
 use fearless_simd::Simd;
 
-use super::{Discs, ROOT_ERROR, SQUARES_FIT, Spheres};
+use super::{ProjectedConics, ROOT_ERROR, SQUARES_FIT, SphereLanes};
 use crate::simd::{DVec3x16, F32x16, F64x16, Mask32x16};
-use crate::visibility::projection::{Canvas, GIVES_WAY, NEGLIGIBLE, NOISE, Start};
+use crate::visibility::projection::{BatchProjection, NEGLIGIBLE, NOISE, POLYNOMIAL_ERROR, Start};
 
-impl Discs {
+impl ProjectedConics {
     #[inline(never)]
-    pub(in crate::visibility) fn draw_parallel<S: Simd>(
+    pub(in crate::visibility) fn set_up_parallel<S: Simd>(
         &mut self,
         simd: S,
-        canvas: &Canvas,
+        projection: &BatchProjection,
         start: Start,
-        spheres: &Spheres<S>,
+        spheres: &SphereLanes<S>,
         bits: u32,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.draw_flattened(simd, canvas, start, spheres, bits),
+            || self.set_up_flattened(simd, projection, start, spheres, bits),
         );
     }
 
-    /// [`Discs::draw`] for parallel rays: circles, in units of the canvas's unit. With c the center and d a
-    /// dot the discriminant is R² − |c − d|² across, and the closeness −c_z plus its root.
+    /// [`ProjectedConics::set_up`] for parallel rays: circles, in units of the projection's unit. With c the center and d a
+    /// sample the discriminant is R² − |c − d|² across, and the reciprocal depth −c_z plus its root.
     #[inline(always)]
-    fn draw_flattened<S: Simd>(
+    fn set_up_flattened<S: Simd>(
         &mut self,
         simd: S,
-        canvas: &Canvas,
+        projection: &BatchProjection,
         start: Start,
-        spheres: &Spheres<S>,
+        spheres: &SphereLanes<S>,
         bits: u32,
     ) {
-        let (center, radius) = spheres.before(canvas);
-        let from_start = start.depth / canvas.unit;
+        let (center, radius) = spheres.before(projection);
+        let from_start = start.depth / projection.unit;
         // At least how far away from the starts the center is, and how far all of it is off in f32.
         let distance = center.taxicab() + (from_start.abs() + 2.0);
-        let room = (distance + radius) * f64::from(GIVES_WAY);
-        let [left, right, bottom, top] = canvas.rectangle();
-        let farthest = -f64::from(canvas.farthest);
+        let room = (distance + radius) * f64::from(POLYNOMIAL_ERROR);
+        let [left, right, bottom, top] = projection.rectangle();
+        let farthest = -f64::from(projection.farthest);
         let DVec3x16 { x, y, z } = center;
         let beyond = radius + room;
         let beside = (-x + left).gt(beyond)
@@ -53,10 +53,10 @@ impl Discs {
             return;
         }
         let fits = (distance + radius).is_within(simd, SQUARES_FIT).to_bits();
-        self.draw_flattened_boxes(simd, canvas, start, center, radius, distance, fits);
+        self.set_up_flattened_boxes(simd, projection, start, center, radius, distance, fits);
         let square = radius * radius;
         let [xx, yy] = [x * x, y * y];
-        let [ex, ey] = canvas.extent;
+        let [ex, ey] = projection.extent;
         let magnitude = (square + xx + yy)
             + (x.abs() * (2.0 * ex) + y.abs() * (2.0 * ey))
             + (ex * ex + ey * ey);
@@ -84,7 +84,7 @@ impl Discs {
         root_scale.store(&mut self.root_scale.0);
         // What f64 is off is less than the room in this: √SURELY of the radius is the least root, from no
         // further away than 2²⁵ radii.
-        let error = along.abs() * F32x16::splat(simd, GIVES_WAY)
+        let error = along.abs() * F32x16::splat(simd, POLYNOMIAL_ERROR)
             + root_scale * F32x16::splat(simd, ROOT_ERROR as f32);
         error.store(&mut self.error.0);
         let is_told = radius.gt(distance * NEGLIGIBLE);
@@ -98,17 +98,17 @@ impl Discs {
         clippy::too_many_arguments,
         reason = "what is known of spheres by then"
     )]
-    fn draw_flattened_boxes<S: Simd>(
+    fn set_up_flattened_boxes<S: Simd>(
         &mut self,
         simd: S,
-        canvas: &Canvas,
+        projection: &BatchProjection,
         start: Start,
         center: DVec3x16<S>,
         radius: F64x16<S>,
         distance: F64x16<S>,
         fits: u32,
     ) {
-        let give = F32x16::splat(simd, GIVES_WAY);
+        let give = F32x16::splat(simd, POLYNOMIAL_ERROR);
         let infinite = F32x16::splat(simd, f32::INFINITY);
         let nowhere = F32x16::splat(simd, f32::NEG_INFINITY);
         let fits = Mask32x16::from_bits(simd, fits);
@@ -117,7 +117,7 @@ impl Discs {
         let across = [center.x.narrowed(simd), center.y.narrowed(simd)];
         let mut sides = [[infinite; 2]; 2];
         for (axis, across) in across.into_iter().enumerate() {
-            let extent = F32x16::splat(simd, canvas.extent[axis] as f32);
+            let extent = F32x16::splat(simd, projection.extent[axis] as f32);
             let room = (across.abs() + radius + extent) * give + noise;
             sides[axis] = [
                 fits.select(across - radius - room, nowhere),
@@ -129,7 +129,7 @@ impl Discs {
         let most = fits.select(radius - depth + room, infinite);
         let [[left, right], [bottom, top]] = sides;
         self.extents.store([left, right, bottom, top], most);
-        let [ahead, _] = start.closeness;
+        let [ahead, _] = start.reciprocal_depth;
         self.cut = !F32x16::splat(simd, ahead).gt(most).to_bits();
     }
 }
