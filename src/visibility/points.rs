@@ -24,7 +24,8 @@ use met::{KnownShape, SurfaceRecords, below, meet_triangles};
 use unit::unit;
 
 /// Where a ray touches a sphere, rounding may put the outward normal on the far side, and it is turned inwards.
-/// n·ω_o is then the error of the point over the radius, which is far below this for spheres that projections tell.
+/// n·ω_o is then the error of the point over the radius, which is far below this for spheres that projections
+/// tell.
 const EDGE_ON: f64 = 1.0 / 64.0;
 
 /// p of the lecture for every ray of a batch, with all that L3 to L8 need there, number by number in

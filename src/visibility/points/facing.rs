@@ -21,9 +21,10 @@ pub(crate) struct Facing {
 }
 
 impl Points {
-    /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane (of lifted
-    /// points the one across the interpolated normal), further from it than rounding errors. A light in the very plane of a floor is not above it. And
-    /// whether it is at the point itself (d = 0), as far as can be told.
+    /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane (of
+    /// lifted points the one across the interpolated normal), further from it than rounding errors. A light in
+    /// the very plane of a floor is not above it. And whether it is at the point itself (d = 0), as far as can
+    /// be told.
     #[inline(always)]
     pub(crate) fn facing<S: Simd>(&self, simd: S, world: &World, light: Point) -> Facing {
         // What holds for all points of the batch will often do: a bound on the rounding of each, and a

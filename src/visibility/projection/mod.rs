@@ -60,8 +60,8 @@ const END_RECIPROCAL_DEPTH_LIMIT: f32 = 1e37;
 /// From so many triangles on, it is worth to know which rays are where.
 const MANY: u32 = 64;
 
-/// Before so many triangles a projection gives way to packets, for which a tree is nearly as deep whatever it holds.
-/// An estimate: about 1 µs a ray there, and about 0.05 µs a triangle here. (Tests have fewer triangles.)
+/// Before so many triangles a projection gives way to packets, for which a tree is nearly as deep whatever it
+/// holds. An estimate: about 1 µs a ray there, and about 0.05 µs a triangle here. (Tests have fewer triangles.)
 const TOO_MANY: u32 = if cfg!(test) { 1 << 10 } else { 1 << 13 };
 
 /// The least and the largest x and y of no ray.
@@ -98,15 +98,15 @@ pub(in crate::visibility) struct BatchProjection {
     /// How far the origin or the ends of the rays may be from where they should be.
     pub(in crate::visibility) error: f64,
     pub(in crate::visibility) state: State,
-    /// Of a projection bounded by what primary rays see the first shape so far, and of one bounded by the ends of rays the
-    /// largest reciprocal depth of these.
+    /// Of a projection bounded by what primary rays see the first shape so far, and of one bounded by the ends
+    /// of rays the largest reciprocal depth of these.
     pub(in crate::visibility) cover: Option<Cover>,
     pub(in crate::visibility) nearest_end: f32,
     x: Floats,
     y: Floats,
-    /// The range of the reciprocal depth of what is known of a ray: of a primary ray its nearest hit, the reciprocal depth
-    /// of the infinitely far where there is none; of a shadow ray its end, infinite where that is known
-    /// to be dark.
+    /// The range of the reciprocal depth of what is known of a ray: of a primary ray its nearest hit, the
+    /// reciprocal depth of the infinitely far where there is none; of a shadow ray its end, infinite where that
+    /// is known to be dark.
     pub(in crate::visibility) least: Floats,
     pub(in crate::visibility) most: Floats,
     /// What a primary ray meets first.
@@ -203,8 +203,8 @@ impl Default for BatchProjection {
 }
 
 impl BatchProjection {
-    /// Orients the projection to a box around the ends of rays from one point, given as offsets from there; whether it
-    /// is anywhere.
+    /// Orients the projection to a box around the ends of rays from one point, given as offsets from there;
+    /// whether it is anywhere.
     pub(in crate::visibility) fn orient_to_ends(
         &mut self,
         origin: DVec3,
@@ -496,7 +496,8 @@ impl BatchProjection {
         }
     }
 
-    /// Whether shapes of these least and largest x and y and largest reciprocal depths may be of interest to any ray.
+    /// Whether shapes of these least and largest x and y and largest reciprocal depths may be of interest to
+    /// any ray.
     #[inline(always)]
     pub(in crate::visibility) fn is_of_interest<S: Simd>(
         &self,

@@ -3,8 +3,9 @@
 //! Such rays share a point that is infinitely far away. On the projection across them a sample is where a ray
 //! starts, in units of the batch's size, and all that is true of shapes seen from a point is true here of
 //! shapes as w flattens them. Depth does not shrink with distance, though: a plane's is affine in x and y
-//! itself, not its reciprocal. So what stands for the reciprocal depth is minus the depth, which may have either sign, from a point amid
-//! the shapes, as f32 has the most digits near 0; and what is behind the start of the rays has to be told.
+//! itself, not its reciprocal. So what stands for the reciprocal depth is minus the depth, which may have
+//! either sign, from a point amid the shapes, as f32 has the most digits near 0; and what is behind the start
+//! of the rays has to be told.
 
 use fearless_simd::Simd;
 
@@ -18,8 +19,8 @@ use crate::visibility::tree::{Beam, Tree};
 /// Units of projections below this have no reciprocal in f64, or none to speak of.
 const SMALLEST_UNIT: f64 = 1e-290;
 
-/// How far the reciprocal depth of the start is off, over the sum of it and 2, the batch's size: one rounding to f32,
-/// 2⁻²⁴, and as much again.
+/// How far the reciprocal depth of the start is off, over the sum of it and 2, the batch's size: one rounding
+/// to f32, 2⁻²⁴, and as much again.
 const START_ERROR: f64 = 1.0 / (1 << 23) as f64;
 
 impl BatchProjection {

@@ -40,8 +40,8 @@ pub(in crate::visibility) struct BlockRange {
 }
 
 impl Tree {
-    /// A tree over shapes of these bounds, `width` of them to a block, but the few `listed` ones, and the order of the shapes in its leaves. Their blocks
-    /// are put behind those of the listed shapes, leaf by leaf.
+    /// A tree over shapes of these bounds, `width` of them to a block, but the few `listed` ones, and the order
+    /// of the shapes in its leaves. Their blocks are put behind those of the listed shapes, leaf by leaf.
     pub(in crate::visibility) fn new(
         count: u32,
         width: usize,

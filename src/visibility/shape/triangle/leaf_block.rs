@@ -218,8 +218,9 @@ pub(in crate::visibility) struct LeafFrame {
     pub(in crate::visibility) drift: [f32; 3],
     /// At least the sum of the magnitudes of a corner's coordinates.
     pub(in crate::visibility) distance: f32,
-    /// How far edge functions may be off, over the length of the edge and [`EDGE_FUNCTION_ERROR`](super::setup::EDGE_FUNCTION_ERROR): those of
-    /// edges at the first corner, and that of the edge opposite.
+    /// How far edge functions may be off, over the length of the edge and
+    /// [`EDGE_FUNCTION_ERROR`](super::setup::EDGE_FUNCTION_ERROR): those of edges at the first corner, and that
+    /// of the edge opposite.
     pub(in crate::visibility) edge_error: [f32; 2],
     /// From the reciprocal of a depth in sizes of the block to that in units of the projection.
     pub(in crate::visibility) reciprocal_depth: f64,

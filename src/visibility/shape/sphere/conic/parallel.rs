@@ -22,8 +22,9 @@ impl ProjectedConics {
         );
     }
 
-    /// [`ProjectedConics::set_up`] for parallel rays: circles, in units of the projection's unit. With c the center and d a
-    /// sample the discriminant is R² − |c − d|² across, and the reciprocal depth −c_z plus its root.
+    /// [`ProjectedConics::set_up`] for parallel rays: circles, in units of the projection's unit. With c the
+    /// center and d a sample the discriminant is R² − |c − d|² across, and the reciprocal depth −c_z plus its
+    /// root.
     #[inline(always)]
     fn set_up_flattened<S: Simd>(
         &mut self,

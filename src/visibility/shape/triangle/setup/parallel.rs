@@ -15,7 +15,8 @@ use crate::visibility::projection::{
 const UNITS_FIT: std::ops::Range<f64> = 1e-20..1e20;
 
 impl LeafFrame {
-    /// The frame of a leaf block seen by parallel rays. [`LeafFrame::reciprocal_depth`] is the projection's unit in it.
+    /// The frame of a leaf block seen by parallel rays. [`LeafFrame::reciprocal_depth`] is the projection's
+    /// unit in it.
     #[inline(always)]
     fn parallel(projection: &BatchProjection, leaf: &LeafBlock, start: Start) -> Self {
         let frame = Self::new(projection, leaf);
