@@ -12,10 +12,10 @@ use candela::math::DVec3;
 use candela::simd::SimdLevel;
 use candela::world::World;
 
-use super::scenes::Scene;
-use super::yardstick::compile_from;
 use super::Result;
 use super::compare::Spread;
+use super::scenes::Scene;
+use super::yardstick::compile_from;
 
 const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/rays/yardstick.cpp");
 
@@ -80,7 +80,10 @@ fn bounds(world: &World) -> [DVec3; 2] {
         add(a.min(b).min(c), a.max(b).max(c));
     }
     for sphere in world.spheres() {
-        add(sphere.center.0 - sphere.radius, sphere.center.0 + sphere.radius);
+        add(
+            sphere.center.0 - sphere.radius,
+            sphere.center.0 + sphere.radius,
+        );
     }
     bounds
 }
@@ -245,7 +248,9 @@ pub(crate) fn measure(folder: &Path, scenes: &[&Scene], runs: u32) -> Result<Str
             eprintln!("{}: {} …", scene.name, bundle.name);
             let path = folder.join(format!("{}-{}.rays", scene.name, bundle.name));
             write_bundle(&world, &bundle, &path)?;
-            let yardstick = program.as_deref().map(|program| Yardstick::start(program, &path));
+            let yardstick = program
+                .as_deref()
+                .map(|program| Yardstick::start(program, &path));
             let (yardstick, _) = yardstick.transpose()?.unzip();
             table += &measure_bundle(folder, &scene.name, &world, &bundle, yardstick, runs)?;
             fs::remove_file(path)?;
@@ -276,7 +281,9 @@ fn measure_bundle(
             }
             let seconds = start.elapsed().as_secs_f64();
             let command = ["nearest", "occluded"][question];
-            let other = yardstick.as_mut().map(|yardstick| yardstick.seconds(command));
+            let other = yardstick
+                .as_mut()
+                .map(|yardstick| yardstick.seconds(command));
             if run > 0 {
                 ours[question].push(seconds);
                 theirs[question].extend(other.transpose()?);
@@ -300,7 +307,12 @@ fn measure_bundle(
     for (question, name) in ["nearest", "free"].into_iter().enumerate() {
         let rate = |seconds: &[f64]| COUNT as f64 / Spread::of(seconds.to_vec()).median / 1e6;
         let (ours, theirs) = (&ours[question], &theirs[question]);
-        write!(rows, "| {scene} | {} | {name} | {:.2} |", bundle.name, rate(ours))?;
+        write!(
+            rows,
+            "| {scene} | {} | {name} | {:.2} |",
+            bundle.name,
+            rate(ours)
+        )?;
         if theirs.is_empty() {
             writeln!(rows, " | | |")?;
             continue;

@@ -11,9 +11,9 @@ use fearless_simd::Simd;
 use super::Visibility;
 use super::batch::{BATCH, Column, PACKETS, columns, first_lanes};
 use super::primitive::Primitive;
-use super::question::{End, Ends, Nearest};
+use super::question::{End, NearestHit, SegmentEnds};
 use super::rays::{Rays, ShearedRays};
-use super::shape::{FacetPerRay, SingleRay, plane, side_by_side};
+use super::shape::{SingleRay, TrianglePerRay, plane, side_by_side};
 use super::shapes::Shapes;
 use super::tree::{EMPTY_STACK, Stack};
 use crate::math::{DVec3, all_three};
@@ -163,9 +163,9 @@ impl EndBatch {
     }
 
     #[inline(always)]
-    fn packet<S: Simd>(&self, simd: S, packet: usize) -> Ends<S> {
+    fn packet<S: Simd>(&self, simd: S, packet: usize) -> SegmentEnds<S> {
         let first = packet * LANES;
-        Ends {
+        SegmentEnds {
             position: DVec3x16::load(simd, columns(&self.position, packet)),
             error: F64x16::load(simd, &self.error[first..]),
             primitive: U64x16::load(simd, &self.primitive[first..]),
@@ -173,13 +173,13 @@ impl EndBatch {
     }
 
     #[inline(always)]
-    fn gathered<S: Simd>(&self, simd: S, pairs: &[Pair]) -> Ends<S> {
+    fn gathered<S: Simd>(&self, simd: S, pairs: &[Pair]) -> SegmentEnds<S> {
         let (mut error, mut primitive) = ([0.0; LANES], [0; LANES]);
         for (lane, pair) in pairs.iter().enumerate() {
             error[lane] = self.error[pair.ray as usize];
             primitive[lane] = self.primitive[pair.ray as usize];
         }
-        Ends {
+        SegmentEnds {
             position: gathered(simd, &self.position, pairs),
             error: F64x16::load(simd, &error),
             primitive: U64x16::load(simd, &primitive),
@@ -327,7 +327,7 @@ impl Shapes<'_> {
                 DVec3x16::load(simd, columns(&rays.direction, packet)),
                 None,
             );
-            let mut nearest = Nearest::new(simd, first_lanes(rays.count, packet));
+            let mut nearest = NearestHit::new(simd, first_lanes(rays.count, packet));
             for plane in self.world.planes() {
                 plane::intersect(simd, plane, &packet_of_rays, &mut nearest);
             }
@@ -337,13 +337,7 @@ impl Shapes<'_> {
     }
 
     #[inline(always)]
-    fn meet_spheres<S: Simd>(
-        &self,
-        simd: S,
-        rays: &RayBatch,
-        stack: &mut Stack,
-        hits: &mut Hits,
-    ) {
+    fn meet_spheres<S: Simd>(&self, simd: S, rays: &RayBatch, stack: &mut Stack, hits: &mut Hits) {
         for ray in 0..rays.count {
             let (origin, direction) = (vector(&rays.origin, ray), vector(&rays.direction, ray));
             let lanes = Rays::new(
@@ -446,7 +440,7 @@ impl Shapes<'_> {
 
     /// The triangles of at most sixteen pairs.
     #[inline(always)]
-    fn facets<S: Simd>(&self, simd: S, pairs: &[Pair]) -> (FacetPerRay<S>, [u64; LANES]) {
+    fn facets<S: Simd>(&self, simd: S, pairs: &[Pair]) -> (TrianglePerRay<S>, [u64; LANES]) {
         let asked = first_lanes(pairs.len(), 0);
         let mut primitives = [u64::MAX; LANES];
         for (primitive, pair) in primitives.iter_mut().zip(pairs) {
@@ -458,7 +452,7 @@ impl Shapes<'_> {
             #[inline(always)]
             |lane| self.triangles.get(pairs[lane].triangle).vertices(),
         );
-        let facets = FacetPerRay {
+        let facets = TrianglePerRay {
             corners,
             primitive: U64x16::load(simd, &primitives),
             asked,
@@ -480,7 +474,8 @@ impl Shapes<'_> {
             for lane in ones(free[packet]) {
                 let segment = packet * LANES + lane;
                 let ends = [segments.start.end(segment), segments.end.end(segment)];
-                let is_hidden = !self.spheres.is_empty() && self.hidden_by_sphere(simd, &ends, stack)
+                let is_hidden = !self.spheres.is_empty()
+                    && self.hidden_by_sphere(simd, &ends, stack)
                     || !self.triangles.is_empty()
                         && self.hidden_by_triangle(simd, segments, segment, &ends, stack, pairs);
                 free[packet] &= !(u32::from(is_hidden) << lane);

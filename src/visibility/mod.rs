@@ -11,6 +11,7 @@
 //! are asked together, nor on the instruction set.
 
 mod batch;
+mod incoherent;
 mod packet;
 mod points;
 mod primitive;
@@ -29,6 +30,7 @@ use fearless_simd::Simd;
 
 pub use batch::{BATCH, PACKETS};
 pub(crate) use batch::{Column, columns};
+pub(crate) use incoherent::{Candidates, Hits, RayBatch, SegmentBatch};
 pub(crate) use points::Facing;
 pub use points::Points;
 

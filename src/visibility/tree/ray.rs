@@ -11,7 +11,7 @@ use fearless_simd::{Simd, f32x8};
 
 use super::node::WIDTH;
 use super::stack::{Entry, Stack};
-use super::wide::{Node, Tree};
+use super::wide::{Tree, WideNode};
 use crate::math::DVec3;
 use crate::simd::ones;
 use crate::visibility::rays::ROUNDING;
@@ -82,7 +82,11 @@ impl TreeRay {
         let mut upper = [0; 3];
         for axis in 0..3 {
             let d = direction[axis] * over_pace;
-            let size = if d.abs() > FLATTEST { d.abs() } else { FLATTEST };
+            let size = if d.abs() > FLATTEST {
+                d.abs()
+            } else {
+                FLATTEST
+            };
             let is_down = d < 0.0;
             unit[axis] = if is_down { -size } else { size };
             upper[axis] = usize::from(is_down);
@@ -124,7 +128,7 @@ impl TreeRay {
 
     /// Where the ray enters the slabs of a node's boxes across an axis, and where it leaves them.
     #[inline(always)]
-    fn slab<S: Simd>(&self, simd: S, node: &Node, axis: usize) -> (f32x8<S>, f32x8<S>) {
+    fn slab<S: Simd>(&self, simd: S, node: &WideNode, axis: usize) -> (f32x8<S>, f32x8<S>) {
         let upper = self.upper[axis];
         let inverse = f32x8::splat(simd, self.inverse[axis]);
         let first = f32x8::from_slice(simd, &node.planes[axis][upper]);
@@ -137,7 +141,7 @@ impl TreeRay {
 
     /// One bit for each child of a node whose box the ray may meet up to `limit`, and where it enters.
     #[inline(always)]
-    fn meet<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, [f32; WIDTH]) {
+    fn meet<S: Simd>(&self, simd: S, node: &WideNode, limit: f32) -> (u32, [f32; WIDTH]) {
         let (near_x, far_x) = self.slab(simd, node, 0);
         let (near_y, far_y) = self.slab(simd, node, 1);
         let (near_z, far_z) = self.slab(simd, node, 2);

@@ -1,15 +1,15 @@
-//! One ray before the spheres of a block: L2 and L4 in f64, to the bits of [`super::Ball`]'s.
+//! One ray before the spheres of a block: L2 and L4 in f64, to the bits of [`super::Sphere`]'s.
 
 use fearless_simd::Simd;
 
-use super::conic::Spheres;
-use super::{Balls, Crossings, crossings, is_between};
+use super::conic::SphereLanes;
+use super::{Crossings, SphereBlock, crossings, is_between};
 use crate::simd::{DVec3x16, F64x16, Mask64x16};
 use crate::visibility::primitive::Primitive;
 use crate::visibility::question::End;
 use crate::visibility::rays::{ROUNDING, Rays};
 
-impl Balls {
+impl SphereBlock {
     pub(in crate::visibility) fn primitive(&self, place: usize) -> Primitive {
         Primitive::whole(self.object[place])
     }
@@ -23,7 +23,7 @@ impl Balls {
         rays: &Rays<S>,
         bits: u32,
     ) -> Option<(Mask64x16<S>, F64x16<S>)> {
-        let Spheres { center, radius, .. } = self.spheres(simd);
+        let SphereLanes { center, radius, .. } = self.spheres(simd);
         let asked = Mask64x16::from_bits(simd, bits);
         let oc = -(rays.origin - center);
         let Crossings {
@@ -73,7 +73,7 @@ impl Balls {
         [start, end]: [&End; 2],
         bits: u32,
     ) -> bool {
-        let Spheres { center, radius, .. } = self.spheres(simd);
+        let SphereLanes { center, radius, .. } = self.spheres(simd);
         let asked = Mask64x16::from_bits(simd, bits);
         let from_start = -(center - DVec3x16::splat(simd, start.position));
         let start_distance = from_start.dot(from_start).sqrt();
@@ -91,8 +91,7 @@ impl Balls {
         let reach = outwards.taxicab() + radius;
         let at_end = reach * ROUNDING + end.error;
         let off = distance_square - radius * radius;
-        let is_on_end =
-            Mask64x16::from_bits(simd, self.own(end)) | off.abs().le(at_end * reach);
+        let is_on_end = Mask64x16::from_bits(simd, self.own(end)) | off.abs().le(at_end * reach);
         // From the start inwards to an end outside, and from a start outside inwards at the end.
         let leads_in = (-from_start.dot(rays.direction)).is_positive();
         let leads_out = outwards.dot(rays.direction).is_positive();

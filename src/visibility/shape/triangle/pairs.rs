@@ -1,15 +1,15 @@
-//! Sixteen rays and a triangle for each: L2 and L4 in f64, to the bits of [`super::Facet`]'s.
+//! Sixteen rays and a triangle for each: L2 and L4 in f64, to the bits of [`super::Triangle`]'s.
 
 use fearless_simd::Simd;
 
-use super::{Lie, met, passes_through};
+use super::{PlaneSetup, met, passes_through};
 use crate::simd::{DVec3x16, F64x16, Mask64x16, U64x16};
-use crate::visibility::question::Ends;
+use crate::visibility::question::SegmentEnds;
 use crate::visibility::rays::{ROUNDING, ShearedRays};
 
 /// Sixteen triangles, one for each ray.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::visibility) struct FacetPerRay<S: Simd> {
+pub(in crate::visibility) struct TrianglePerRay<S: Simd> {
     /// From the corners between the two shorter edges on.
     pub(in crate::visibility) corners: [DVec3x16<S>; 3],
     pub(in crate::visibility) primitive: U64x16<S>,
@@ -17,7 +17,7 @@ pub(in crate::visibility) struct FacetPerRay<S: Simd> {
     pub(in crate::visibility) asked: u32,
 }
 
-impl<S: Simd> FacetPerRay<S> {
+impl<S: Simd> TrianglePerRay<S> {
     #[inline(always)]
     fn passed_through(&self, simd: S, packet: &ShearedRays<S>) -> Mask64x16<S> {
         let [a, b, c] = self.corners;
@@ -33,8 +33,8 @@ impl<S: Simd> FacetPerRay<S> {
         packet: &ShearedRays<S>,
     ) -> (Mask64x16<S>, F64x16<S>) {
         let passes = self.passed_through(simd, packet);
-        let lie = Lie::new(self.corners, packet.rays.origin);
-        let (is_met, t) = met(&lie, &packet.rays, passes);
+        let setup = PlaneSetup::new(self.corners, packet.rays.origin);
+        let (is_met, t) = met(&setup, &packet.rays, passes);
         (passes & is_met, t)
     }
 
@@ -46,8 +46,8 @@ impl<S: Simd> FacetPerRay<S> {
         &self,
         simd: S,
         packet: &ShearedRays<S>,
-        start: &Ends<S>,
-        end: &Ends<S>,
+        start: &SegmentEnds<S>,
+        end: &SegmentEnds<S>,
     ) -> Mask64x16<S> {
         let passes = self.passed_through(simd, packet);
         let [a, b, c] = self.corners;

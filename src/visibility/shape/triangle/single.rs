@@ -21,17 +21,17 @@
 
 use fearless_simd::Simd;
 
-use super::leaf_block::{ROUNDING, Sketch};
+use super::leaf_block::{F32_ROUNDING, LeafBlock};
 use crate::math::{DVec3, both};
 use crate::simd::{F32x16, LANES, Mask32x16};
 use crate::visibility::rays::{CYCLE, ROUNDING as F64_ROUNDING};
 
 /// κ/u and ν/u of the module's errors.
-const KAPPA: f32 = 96.0 * ROUNDING;
-const NU: f32 = 24.0 * ROUNDING;
+const KAPPA: f32 = 96.0 * F32_ROUNDING;
+const NU: f32 = 24.0 * F32_ROUNDING;
 
 /// By how much depths give way beside what edge functions make of them: eight roundings of sums of five.
-const DEPTH_GIVES_WAY: f32 = 64.0 * ROUNDING;
+const DEPTH_GIVES_WAY: f32 = 64.0 * F32_ROUNDING;
 
 /// What a few roundings to f32 of a segment's ends and their distances from a plane come to.
 const SLACK: f64 = 1.0 / (1 << 20) as f64;
@@ -106,7 +106,7 @@ impl SingleRay {
     }
 }
 
-impl Sketch {
+impl LeafBlock {
     /// What f32 can tell of those with a bit; `None` if the ray passes through none.
     #[inline(always)]
     pub(in crate::visibility) fn meet<S: Simd>(
@@ -153,9 +153,18 @@ impl Sketch {
             hits.most = F32x16::splat(simd, f32::INFINITY);
             return Some(hits);
         }
-        let (minus_u, minus_v) = (F32x16::splat(simd, -slope_u as f32), F32x16::splat(simd, -slope_v as f32));
-        let a_u = a_w.times_plus(minus_u, F32x16::load(simd, &self.first[u].0) - F32x16::splat(simd, beside_u as f32));
-        let a_v = a_w.times_plus(minus_v, F32x16::load(simd, &self.first[v].0) - F32x16::splat(simd, beside_v as f32));
+        let (minus_u, minus_v) = (
+            F32x16::splat(simd, -slope_u as f32),
+            F32x16::splat(simd, -slope_v as f32),
+        );
+        let a_u = a_w.times_plus(
+            minus_u,
+            F32x16::load(simd, &self.first[u].0) - F32x16::splat(simd, beside_u as f32),
+        );
+        let a_v = a_w.times_plus(
+            minus_v,
+            F32x16::load(simd, &self.first[v].0) - F32x16::splat(simd, beside_v as f32),
+        );
         let e_u = e_w.times_plus(minus_u, F32x16::load(simd, &self.to_second[u].0));
         let e_v = e_w.times_plus(minus_v, F32x16::load(simd, &self.to_second[v].0));
         let f_u = f_w.times_plus(minus_u, F32x16::load(simd, &self.to_third[u].0));
