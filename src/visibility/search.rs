@@ -7,7 +7,9 @@ use super::packet::{Question, descend};
 use super::projection::{BatchProjection, DepthTest};
 use super::rays::ShearedRays;
 use super::shape::{Block, Shape};
-use super::tree::{Approach, BlockRange, Bounds, Stack, Tree, TreeRay, blocks_of};
+use super::tree::{
+    Approach, BlockRange, Bounds, HalfSpace, Stack, Tree, TreeRay, TreeVolume, blocks_of,
+};
 use crate::math::DVec3;
 use crate::simd::ones;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
@@ -272,6 +274,50 @@ impl<T: Shape> Search<T> {
                     limit = show(block, bits)?;
                 }
                 Some(ray.limit(limit))
+            },
+        );
+    }
+
+    /// Shows the shapes that may reach into half-spaces and begin no deeper than `depth` along a direction, near
+    /// leaves first. `show` says how deep to go from then on, if at all. What is within `error` of a half-space
+    /// counts as in it.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a volume, and how to go through it")]
+    pub(super) fn within<S: Simd>(
+        &self,
+        simd: S,
+        half_spaces: &[HalfSpace],
+        along: DVec3,
+        error: f64,
+        mut depth: f64,
+        stack: &mut Stack,
+        mut show: impl FnMut(&T) -> Option<f64>,
+    ) {
+        for (block, _, bits) in self.blocks(0, self.listed) {
+            for place in ones(bits) {
+                let Some(next) = show(&block.get(&self.shapes, place)) else {
+                    return;
+                };
+                depth = next;
+            }
+        }
+        let Some(tree) = &self.tree else {
+            return;
+        };
+        let volume = TreeVolume::new(tree, half_spaces, along, error);
+        volume.descend(
+            simd,
+            tree,
+            depth,
+            stack,
+            #[inline(always)]
+            |block, count| {
+                for (block, _, bits) in self.blocks(block as usize, count as usize) {
+                    for place in ones(bits) {
+                        depth = show(&block.get(&self.shapes, place))?;
+                    }
+                }
+                Some(depth)
             },
         );
     }
