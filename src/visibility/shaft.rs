@@ -196,7 +196,11 @@ impl Hull {
     fn add_window(&mut self, starts: [DVec3; 4], directions: [DVec3; 4], length: f64) {
         for (start, direction) in starts.into_iter().zip(directions) {
             let is_endless = length == f64::INFINITY;
-            let way = if is_endless { direction } else { direction * length };
+            let way = if is_endless {
+                direction
+            } else {
+                direction * length
+            };
             self.add_corner(CornerRay {
                 start,
                 way,
@@ -215,7 +219,11 @@ impl Hull {
         let middle: DVec3 = directions.iter().sum();
         for side in 0..4 {
             let normal = directions[side].cross(directions[(side + 1) % 4]);
-            let normal = if normal.dot(middle) < 0.0 { -normal } else { normal };
+            let normal = if normal.dot(middle) < 0.0 {
+                -normal
+            } else {
+                normal
+            };
             self.add_side(eye, normal);
         }
     }
@@ -249,7 +257,11 @@ impl Hull {
         let bounds = |[min, max]: [DVec3; 2]| Bounds { min, max };
         let (from_box, to_box) = (bounds(from), bounds(to));
         let ends = to_box.corners();
-        let ends = if to[0] == to[1] { &ends[..1] } else { &ends[..] };
+        let ends = if to[0] == to[1] {
+            &ends[..1]
+        } else {
+            &ends[..]
+        };
         for start in from_box.corners() {
             for &end in ends {
                 self.add_corner(CornerRay {
@@ -285,7 +297,8 @@ impl Hull {
             // Outwards is where this corner is of both boxes.
             let outwards_u = if corner & 1 == 1 { 1.0 } else { -1.0 };
             let outwards_v = if corner >> 1 == 1 { 1.0 } else { -1.0 };
-            let inwards = |normal: DVec3| normal[u] * outwards_u <= 0.0 && normal[v] * outwards_v <= 0.0;
+            let inwards =
+                |normal: DVec3| normal[u] * outwards_u <= 0.0 && normal[v] * outwards_v <= 0.0;
             if normal == DVec3::ZERO {
                 continue;
             }
@@ -418,7 +431,10 @@ impl ShaftSearch<'_> {
     fn run<S: Simd>(&mut self, simd: S, shapes: &Shapes<'_>, stack: &mut Stack) {
         for plane in shapes.world.planes() {
             let (point, normal) = (plane.point.0, plane.normal.get());
-            self.offer(Primitive::whole(plane.object), Solid::Plane { point, normal });
+            self.offer(
+                Primitive::whole(plane.object),
+                Solid::Plane { point, normal },
+            );
         }
         let hull = self.hull;
         let (half_spaces, along) = (hull.half_spaces(), hull.along);

@@ -12,7 +12,7 @@ mod wide;
 
 pub(in crate::visibility) use beam::Beam;
 pub(in crate::visibility) use bounds::Bounds;
-pub(in crate::visibility) use ray::{Approach, TreeRay};
+pub(in crate::visibility) use ray::{Approach, Descent, Step, TreeRay};
 pub(in crate::visibility) use shaft::{HalfSpace, MOST_SIDES, TreeVolume};
 pub(in crate::visibility) use stack::{EMPTY_STACK, Stack};
 pub(in crate::visibility) use wide::{BlockRange, Tree, blocks_of};
