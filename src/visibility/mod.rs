@@ -9,6 +9,16 @@
 //! Every number of a point is computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
 //! are asked together, nor on the instruction set.
+//!
+//! On floors, of which each uses only those before it:
+//! 1. `batch`, `primitive`: the columns of a batch; which shape it is.
+//! 2. `rays`, `question`: the rays of a packet, what they ask, and what is known of the answer.
+//! 3. `tree`: a bounding volume hierarchy and the beams that go down it. It knows boxes, not shapes.
+//! 4. `projection`: the samples of a batch on a plane, and the depth test that fragments pass there.
+//! 5. `shape`: spheres, triangles and planes, each with its set-up before a projection and its test in f64.
+//! 6. `packet`: how a packet goes down a tree and puts its question to shapes.
+//! 7. `search`, `shapes`: all shapes of a kind, and all of a world.
+//! 8. `points`, and here: the answers.
 
 mod batch;
 mod packet;

@@ -269,7 +269,7 @@ impl Kernel for Compare<'_> {
 const EYE: [f64; 3] = [0.3, 1.1, 3.0];
 
 #[test]
-fn an_ordinary_scene_is_decided_by_the_canvas() {
+fn an_ordinary_scene_is_decided_by_the_projection() {
     let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE);
     scene.clutter(300, 60, 0.2);
     scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
