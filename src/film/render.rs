@@ -7,11 +7,11 @@ use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
-use crate::shading::{self, Shaded, Terms};
+use crate::shading::{self, Shaded};
 use crate::simd::{
     F32x16, F64x16, Kernel, LANES, Mask32x16, SimdLevel, U32x16, every_nth, side_by_side,
 };
-use crate::visibility::{BATCH, Column, Points, Visibility, Workspace};
+use crate::visibility::{BATCH, Column, PACKETS, Points, Visibility, Workspace};
 use crate::world::{Bands, Plan, World};
 
 /// The most samples of a pixel.
@@ -266,11 +266,20 @@ impl Work<'_> {
         let mut counts = Counts::default();
         while batch.next(simd, sampler) {
             self.visibility.see(simd, batch.samples(), tracing, points);
-            {
-                let passes = passes.as_mut();
-                let mut each = passes.and_then(|passes| passes.see(batch.range(), points));
-                let each = each.as_mut().map(|each| each as &mut dyn FnMut(Terms<'_>));
-                shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
+            if let Some(passes) = &mut passes {
+                passes.see(batch.range(), points);
+            }
+            match passes.as_mut().filter(|passes| passes.want_terms()) {
+                None => {
+                    shading::radiance(simd, world, self.visibility, points, tracing, shaded);
+                }
+                Some(passes) => {
+                    shading::ask_lights(simd, world, self.visibility, points, tracing, shaded);
+                    for packet in 0..PACKETS {
+                        let terms = shading::packet_terms(simd, world, points, packet, shaded);
+                        passes.add(batch.range(), terms);
+                    }
+                }
             }
             sums.add(simd, batch.range(), points, &shaded.radiance);
             if let Some(passes) = &mut passes {
