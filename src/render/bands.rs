@@ -121,7 +121,8 @@ mod tests {
         let term = Term {
             point: 0,
             light: 0,
-            material: 0,
+            reflectance: 0,
+            place: 0,
             geometry: Lobes {
                 diffuse: f64::MAX,
                 specular: 0.0,

@@ -1,8 +1,9 @@
 //! What the layers of a film keep of a tile's samples: for each kind of layer its sums, pixel by
 //! pixel, in f64.
 //!
-//! The loop over batches tells [`LayerSums`] which points a batch has ([`LayerSums::see`]) and, where a layer
-//! wants them, each term of L9; without layers there are no sums, and nothing is told.
+//! The loop over batches tells [`LayerSums`] which points a batch has ([`LayerSums::see`]) and, where a
+//! layer wants them, the terms of L9 packet by packet ([`LayerSums::add`]); without layers there are no
+//! sums.
 
 use super::bands::{self, Geometry, Place};
 use super::batch::SampleRange;
@@ -69,18 +70,13 @@ impl<'w> LayerSums<'w> {
         lights + depth + normal + bands
     }
 
-    /// Adds what the points of a batch are by themselves. What comes back, if any layer is made of
-    /// light, is to be told of each term of their sums.
-    pub(super) fn see<'s>(
-        &'s mut self,
-        batch: SampleRange,
-        points: &Points,
-    ) -> Option<impl FnMut(Terms<'_>) + use<'s, 'w>> {
+    /// Adds what the points of a batch are by themselves.
+    pub(super) fn see(&mut self, batch: SampleRange, points: &Points) {
         let Self {
             lights,
             depths,
             normals,
-            spectral,
+            spectral: _,
         } = self;
         if let Some(depths) = depths {
             depths.add(batch, points);
@@ -93,19 +89,23 @@ impl<'w> LayerSums<'w> {
         if let Some(lights) = lights {
             lights.add_background(batch, points);
         }
-        if let Some(spectral) = spectral {
-            spectral.see(batch, points);
-        }
-        (lights.is_some() || spectral.is_some()).then_some(move |terms: Terms<'_>| {
+    }
+
+    /// Whether any layer is made of the terms of L9.
+    pub(super) fn want_terms(&self) -> bool {
+        self.lights.is_some() || self.spectral.is_some()
+    }
+
+    /// Adds the terms of the points of a packet. Packets come in order.
+    pub(super) fn add(&mut self, batch: SampleRange, terms: &Terms) {
+        if let Some(lights) = &mut self.lights {
             for term in terms.iter() {
-                if let Some(lights) = lights {
-                    lights.add(batch.pixel(term.point), &term);
-                }
-                if let Some(spectral) = spectral {
-                    spectral.add(&term);
-                }
+                lights.add(batch.pixel(term.point), &term);
             }
-        })
+        }
+        if let Some(spectral) = &mut self.spectral {
+            spectral.add(batch, terms);
+        }
     }
 
     /// Of the pixels before `end` no more samples come.
@@ -208,7 +208,7 @@ impl<'w> LightSums<'w> {
     }
 
     fn add(&mut self, pixel: usize, term: &Term) {
-        let reflected = self.world.reflected(term.light, term.material);
+        let reflected = self.world.reflected(term.light, term.reflectance);
         let (diffuse, specular) = (reflected.diffuse.0.0, reflected.specular.0.0);
         let sum = &mut self.sums[term.light * self.pixels + pixel];
         for (channel, sum) in sum.iter_mut().enumerate() {
@@ -281,8 +281,8 @@ impl Depths {
 struct SpectralSums<'b> {
     bands: &'b Bands,
     geometry: Geometry,
-    /// Where the terms of each sample of the batch belong.
-    places: Vec<Option<Place>>,
+    /// Where the terms of each of [`Terms::reflecting`] belong.
+    places: Vec<Place>,
     /// Pixel by pixel, band by band.
     sums: Vec<f64>,
 }
@@ -297,21 +297,16 @@ impl<'b> SpectralSums<'b> {
         }
     }
 
-    fn see(&mut self, batch: SampleRange, points: &Points) {
-        let geometry = &mut self.geometry;
-        let samples = batch.pixels().enumerate();
-        let places = samples.map(|(slot, pixel)| {
-            let material = points.material[slot] as usize;
-            let place = || geometry.place(pixel, material);
-            points.is_hit(slot).then(place)
-        });
+    fn add(&mut self, batch: SampleRange, terms: &Terms) {
         self.places.clear();
-        self.places.extend(places);
-    }
-
-    fn add(&mut self, term: &Term) {
-        let place = self.places[term.point].expect("a term is of a point that is hit");
-        self.geometry.add(place, term);
+        for of_point in terms.reflecting() {
+            let pixel = batch.pixel(of_point.point);
+            let place = self.geometry.place(pixel, of_point.reflectance);
+            self.places.push(place);
+        }
+        for term in terms.iter() {
+            self.geometry.add(self.places[term.place], &term);
+        }
     }
 
     fn finish(&mut self, end: usize) {

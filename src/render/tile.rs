@@ -8,9 +8,9 @@ use super::layer_sums::RequestedLayers;
 use super::sampling::Sampler;
 use super::sums::PixelSums;
 use crate::image::Window;
-use crate::shading::{self, Shaded, Terms};
+use crate::shading::{self, Shaded};
 use crate::simd::{Kernel, LANES, SimdLevel};
-use crate::visibility::{Points, Visibility, Workspace};
+use crate::visibility::{PACKETS, Points, Visibility, Workspace};
 use crate::world::World;
 
 /// A part of the film that one thread fills.
@@ -93,11 +93,20 @@ impl Work<'_> {
         let mut counts = Counts::default();
         while batch.next(simd, sampler) {
             self.visibility.see(simd, batch.samples(), tracing, points);
-            {
-                let layers = layers.as_mut();
-                let mut each = layers.and_then(|layers| layers.see(batch.range(), points));
-                let each = each.as_mut().map(|each| each as &mut dyn FnMut(Terms<'_>));
-                shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
+            if let Some(layers) = &mut layers {
+                layers.see(batch.range(), points);
+            }
+            match layers.as_mut().filter(|layers| layers.want_terms()) {
+                None => {
+                    shading::radiance(simd, world, self.visibility, points, tracing, shaded);
+                }
+                Some(layers) => {
+                    shading::ask_lights(simd, world, self.visibility, points, tracing, shaded);
+                    for packet in 0..PACKETS {
+                        let terms = shading::packet_terms(simd, world, points, packet, shaded);
+                        layers.add(batch.range(), terms);
+                    }
+                }
             }
             sums.add(simd, batch.range(), points, &shaded.radiance);
             if let Some(layers) = &mut layers {
