@@ -5,8 +5,8 @@
 //! layer wants them, the terms of L9 packet by packet ([`LayerSums::add`]); without layers there are no
 //! sums.
 
-use super::bands::{self, Geometry, Place};
-use super::batch::SampleRange;
+use super::bands::{self, Further, Geometry, Place};
+use super::batch::NumberedSamples;
 use super::layers::{Layers, has_background_share};
 use super::sums::narrowed;
 use crate::image::BACKGROUND_DEPTH;
@@ -50,7 +50,7 @@ impl<'w> RequestedLayers<'w> {
     }
 }
 
-/// The sums of a tile's pixels. Samples come in the order of the pixels.
+/// The sums of a tile's pixels. In a pass, samples come in the order of the pixels.
 pub(super) struct LayerSums<'w> {
     lights: Option<LightSums<'w>>,
     depths: Option<Depths>,
@@ -71,7 +71,7 @@ impl<'w> LayerSums<'w> {
     }
 
     /// Adds what the points of a batch are by themselves.
-    pub(super) fn see(&mut self, batch: SampleRange, points: &Points) {
+    pub(super) fn see(&mut self, batch: NumberedSamples<'_>, points: &Points) {
         let Self {
             lights,
             depths,
@@ -97,9 +97,9 @@ impl<'w> LayerSums<'w> {
     }
 
     /// Adds the terms of the points of a packet. Packets come in order.
-    pub(super) fn add(&mut self, batch: SampleRange, terms: &Terms) {
+    pub(super) fn add(&mut self, batch: NumberedSamples<'_>, terms: &Terms) {
         if let Some(lights) = &mut self.lights {
-            for term in terms.iter() {
+            for term in terms.iter().filter(|term| batch.contains(term.point)) {
                 lights.add(batch.pixel(term.point), &term);
             }
         }
@@ -108,15 +108,14 @@ impl<'w> LayerSums<'w> {
         }
     }
 
-    /// Of the pixels before `end` no more samples come.
-    pub(super) fn finish(&mut self, end: usize) {
+    /// Ends the pass for the pixels before `end`.
+    pub(super) fn finish(&mut self, end: usize, further: Further) {
         if let Some(spectral) = &mut self.spectral {
-            spectral.finish(end);
+            spectral.finish(end, further);
         }
     }
 
-    /// The values of a finished pixel with so many samples, `misses` of which hit nothing, in the
-    /// order of [`Layers::channels`]; how many are beyond the largest f32.
+    /// The values of a pixel with so many samples, `misses` of which hit nothing, in the order of [`Layers::channels`]; how many are beyond the largest f32.
     pub(super) fn means(
         &mut self,
         pixel: usize,
@@ -128,7 +127,7 @@ impl<'w> LayerSums<'w> {
             rest: values,
             clamped: 0,
         };
-        let samples = f64::from(samples);
+        let samples = f64::from(samples.max(1));
         if let Some(lights) = &self.lights {
             for share in lights.of(pixel) {
                 output.put(share, samples);
@@ -167,13 +166,13 @@ impl Output<'_> {
 
 /// Tells of each sample of a batch that hits something its pixel, and what the columns have of it.
 fn for_each_hit(
-    batch: SampleRange,
+    batch: NumberedSamples<'_>,
     points: &Points,
     vectors: &[Column; 3],
     mut each: impl FnMut(usize, DVec3),
 ) {
     let [xs, ys, zs] = vectors;
-    for (slot, pixel) in batch.pixels().enumerate() {
+    for (slot, pixel) in batch.iter() {
         if points.is_hit(slot) {
             each(pixel, DVec3::new(xs[slot], ys[slot], zs[slot]));
         }
@@ -217,13 +216,13 @@ impl<'w> LightSums<'w> {
         }
     }
 
-    fn add_background(&mut self, batch: SampleRange, points: &Points) {
+    fn add_background(&mut self, batch: NumberedSamples<'_>, points: &Points) {
         let lights = self.world.lights().len();
         if self.shares == lights {
             return;
         }
         let background = self.world.background().0.0;
-        for (slot, pixel) in batch.pixels().enumerate() {
+        for (slot, pixel) in batch.iter() {
             if !points.is_hit(slot) {
                 let sum = &mut self.sums[lights * self.pixels + pixel];
                 for (sum, channel) in sum.iter_mut().zip(background) {
@@ -253,7 +252,7 @@ impl Depths {
         }
     }
 
-    fn add(&mut self, batch: SampleRange, points: &Points) {
+    fn add(&mut self, batch: NumberedSamples<'_>, points: &Points) {
         let Self {
             eye,
             forward,
@@ -282,9 +281,11 @@ struct SpectralSums<'b> {
     bands: &'b Bands,
     geometry: Geometry,
     /// Where the terms of each of [`Terms::reflecting`] belong.
-    places: Vec<Place>,
-    /// Pixel by pixel, band by band.
+    places: Vec<Option<Place>>,
+    /// Of pixels with all samples, pixel by pixel, band by band.
     sums: Vec<f64>,
+    /// Of one pixel, whatever it has.
+    pixel: Vec<f64>,
 }
 
 impl<'b> SpectralSums<'b> {
@@ -294,29 +295,37 @@ impl<'b> SpectralSums<'b> {
             geometry: Geometry::new(bands.lights()),
             places: Vec::new(),
             sums: vec![0.0; pixels * bands.wavelengths().count()],
+            pixel: Vec::new(),
         }
     }
 
-    fn add(&mut self, batch: SampleRange, terms: &Terms) {
+    fn add(&mut self, batch: NumberedSamples<'_>, terms: &Terms) {
         self.places.clear();
         for of_point in terms.reflecting() {
             let pixel = batch.pixel(of_point.point);
-            let place = self.geometry.place(pixel, of_point.reflectance);
+            let is_here = batch.contains(of_point.point);
+            let place = is_here.then(|| self.geometry.place(pixel, of_point.reflectance));
             self.places.push(place);
         }
         for term in terms.iter() {
-            self.geometry.add(self.places[term.place], &term);
+            if let Some(place) = self.places[term.place] {
+                self.geometry.add(place, &term);
+            }
         }
     }
 
-    fn finish(&mut self, end: usize) {
-        self.geometry.finish(end, self.bands, &mut self.sums);
+    fn finish(&mut self, end: usize, further: Further) {
+        self.geometry
+            .finish(end, further, self.bands, &mut self.sums);
     }
 
-    /// The sums of a finished pixel, with the background where samples miss.
+    /// The sums of a pixel, with the background where samples miss.
     fn of(&mut self, pixel: usize, misses: u32) -> &[f64] {
         let count = self.bands.wavelengths().count();
-        let sums = &mut self.sums[pixel * count..][..count];
+        let sums = &mut self.pixel;
+        sums.clear();
+        sums.extend_from_slice(&self.sums[pixel * count..][..count]);
+        self.geometry.add_kept(pixel, self.bands, sums);
         bands::add_scaled(sums, f64::from(misses), self.bands.background());
         sums
     }
