@@ -18,7 +18,7 @@
 //!          world                       │         legal: resolved, in range
 //!            │ Plan::new               │
 //!          plan                        │         just what this scene needs
-//!            │ render                  │         or render::render_exr: straight into the file
+//!            │ render                  │         or Renderer::exr: straight into the file
 //!  ┌─ render ┴────────────────┐        │
 //!  │ visibility ⇄ shading     │        │         camera rays to points, points to radiance
 //!  └─────────┬────────────────┘        │
@@ -68,7 +68,6 @@
 //!
 //! ```
 //! use candela::display::{self, Settings};
-//! use candela::exr::ExrOptions;
 //! use candela::output::Unfinished;
 //! use candela::{Options, Scene, World, render};
 //!
@@ -96,7 +95,7 @@
 //! "#;
 //! let scene = Scene::parse(text, "floor.toml")?; // what was written
 //! let world = World::new(&scene)?; // what is legal
-//! let film = render(&world, &Options::default());
+//! let film = render(&world, &Options::default())?;
 //!
 //! // One pixel is one metre; column 4 is x = 0, column 7 is x = 3.
 //! let pixel = |x: usize, y: usize| film.pixels()[9 * y + x];
@@ -108,7 +107,7 @@
 //!
 //! let folder = tempfile::tempdir()?;
 //! let (exr, png) = (folder.path().join("floor.exr"), folder.path().join("floor.png"));
-//! film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())?;
+//! film.save(&exr)?;
 //! display::convert(&exr, &png, &Settings::default(), &Unfinished::new())?;
 //! assert!(png.exists());
 //! # Ok::<(), Box<dyn std::error::Error>>(())

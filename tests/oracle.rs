@@ -409,7 +409,7 @@ fn any_instruction_set_gives_the_same_bits() {
                 simd,
                 ..Options::default()
             };
-            bits(&render(&world, &options))
+            bits(&render(&world, &options).unwrap())
         };
         let widest = rendered(SimdLevel::default());
         for (instructions, simd) in SimdLevel::available() {

@@ -5,7 +5,7 @@ mod files;
 
 use candela::image::{BACKGROUND_DEPTH, Film, Window};
 use candela::oracle::Oracle;
-use candela::render::{self, Layers, Options};
+use candela::render::{self, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport, Value};
 use candela::world::{Wavelengths, World};
 
@@ -43,7 +43,7 @@ fn with_layers(scene: &Scene, samples: u32, layers: Layers) -> Film {
         layers,
         ..Options::default()
     };
-    render::render(&world, &options)
+    render::render(&world, &options).unwrap()
 }
 
 /// The values of some channels, pixel by pixel.
@@ -484,7 +484,7 @@ fn a_part_has_the_layers_of_the_whole() {
             layers: ALL,
             ..Options::default()
         };
-        let part = render::render(&world, &options);
+        let part = render::render(&world, &options).unwrap();
         for (pixel, [x, y]) in window.pixels().enumerate() {
             let in_whole = (y * world.resolution()[0] + x) as usize;
             let bits =
@@ -503,14 +503,13 @@ fn shares_beyond_f32_are_clamped_and_counted() {
             .replace("[0, 0, 1]\n", "[-1e-7, 0, 1e-9]\n"),
     );
     let world = World::new(&scene).unwrap();
-    let plan = candela::world::Plan::new(&world);
-    let visibility = candela::visibility::Visibility::new(&world, &plan);
+    let renderer = Renderer::new(&world).unwrap();
     let options = Options {
         samples: 64,
         layers: ALL,
         ..Options::default()
     };
-    let (film, counts) = render::render_with(&world, &plan, &visibility, &options, &|_| {});
+    let (film, counts) = renderer.film(&options, &Job::new()).unwrap();
     assert_eq!(share(&film, "key")[0], [f32::MAX; 3]);
     assert_eq!(counts.clamped, 3 + 3);
 }
