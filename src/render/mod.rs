@@ -27,6 +27,8 @@ mod scheduler;
 mod sink;
 mod statistics;
 mod sums;
+#[cfg(test)]
+mod tests;
 mod tile;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

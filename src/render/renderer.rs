@@ -13,7 +13,7 @@ use super::scheduler::render_tiles;
 use super::sink::Sink;
 use super::tile::{Kept, Setup};
 use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve};
-use crate::image::{Film, ImageSpec, Metadata};
+use crate::image::{Film, ImageSpec, Metadata, Window};
 use crate::memory::OutOfMemory;
 use crate::visibility::Visibility;
 use crate::world::{Bands, Plan, World};
@@ -152,6 +152,23 @@ impl<'w> Renderer<'w> {
         job: &Job<'_>,
         sink: &dyn Sink,
     ) -> Result<Counts, RenderError> {
+        let counts = self.set_up(options, Kept::Sums, |setup, window| {
+            let channels = options.layers.channels(self.world).list.len();
+            render_tiles(setup, window, channels, job, sink)
+        })?;
+        if job.is_canceled() {
+            return Err(RenderError::Canceled);
+        }
+        Ok(counts)
+    }
+
+    /// Makes what all tiles have in common, and works with it on a window.
+    pub(super) fn set_up<T>(
+        &self,
+        options: &Options,
+        sums: Kept,
+        work: impl FnOnce(&Setup<'_>, Window) -> T,
+    ) -> Result<T, OptionsError> {
         let window = options.check(self.world)?;
         let spectra = self.world.spectra().zip(options.layers.spectral);
         let bands = spectra.map(|(spectra, wavelengths)| Bands::new(spectra, wavelengths));
@@ -162,14 +179,9 @@ impl<'w> Renderer<'w> {
             simd: options.simd,
             sampler: &sampler,
             layers: RequestedLayers::new(self.world, options.layers, bands.as_ref()),
-            sums: Kept::Sums,
+            sums,
         };
-        let channels = options.layers.channels(self.world).list.len();
-        let counts = render_tiles(&setup, window, channels, job, sink);
-        if job.is_canceled() {
-            return Err(RenderError::Canceled);
-        }
-        Ok(counts)
+        Ok(work(&setup, window))
     }
 
     /// All of an image that is known before its first pixel.

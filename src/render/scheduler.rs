@@ -85,6 +85,12 @@ impl<'w> Worker<'w> {
     }
 }
 
+/// The tiles of a window.
+#[cfg(test)]
+pub(super) fn windows(window: Window) -> impl Iterator<Item = Window> {
+    (0..tiles(window)).map(move |number| tile(window, number))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,9 +103,7 @@ mod tests {
             width: 40,
             height: 33,
         };
-        let mut pixels: Vec<[u32; 2]> = (0..tiles(window))
-            .flat_map(|number| tile(window, number).pixels())
-            .collect();
+        let mut pixels: Vec<[u32; 2]> = windows(window).flat_map(Window::pixels).collect();
         assert_eq!(pixels.len() as u64, window.count());
         pixels.sort_unstable_by_key(|&[x, y]| [y, x]);
         assert!(pixels.into_iter().eq(window.pixels()));

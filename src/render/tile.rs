@@ -137,6 +137,28 @@ impl<'w> Tile<'w> {
     }
 }
 
+#[cfg(test)]
+impl Tile<'_> {
+    /// Column and row of each pixel, by its number.
+    pub(super) fn places(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
+        self.pixels.iter()
+    }
+
+    /// Σ L of a pixel, and its hits.
+    pub(super) fn sums_of(&self, pixel: usize) -> ([f64; 3], u32) {
+        (self.sums.radiance(pixel), self.sums.hits[pixel])
+    }
+}
+
+#[cfg(test)]
+impl Setup<'_> {
+    /// Channels beside R, G, B, A.
+    pub(super) fn channels(&self) -> usize {
+        let layers = self.layers.map(|layers| layers.sums(0).channels());
+        layers.unwrap_or(0)
+    }
+}
+
 /// A pass over a tile, on whatever instructions.
 struct Pass<'t, 'w> {
     setup: Setup<'w>,
