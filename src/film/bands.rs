@@ -123,6 +123,7 @@ mod tests {
             light: 0,
             reflectance: 0,
             place: 0,
+            reflected: Lobes::default(),
             geometry: Lobes {
                 diffuse: f64::MAX,
                 specular: 0.0,

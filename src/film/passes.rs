@@ -207,8 +207,7 @@ impl<'w> LightSums<'w> {
     }
 
     fn add(&mut self, pixel: usize, term: &Term) {
-        let reflected = self.world.reflected(term.light, term.reflectance);
-        let (diffuse, specular) = (reflected.diffuse.0.0, reflected.specular.0.0);
+        let (diffuse, specular) = (term.reflected.diffuse.0.0, term.reflected.specular.0.0);
         let sum = &mut self.sums[term.light * self.pixels + pixel];
         for (channel, sum) in sum.iter_mut().enumerate() {
             *sum += diffuse[channel] * term.geometry.diffuse

@@ -1,14 +1,16 @@
 //! Light that is carried wavelength by wavelength, as far as the renderer needs to know: the
-//! products of every light with every reflectance, integrated once, and, for spectral images, band
+//! products of lights with reflectances, integrated when they are first needed, and, for spectral images, band
 //! by band. `docs/spectral-images.md` says how exact a picture the bands give.
+
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
+use super::Lobes;
 use super::colorimetry::{Colorimetry, Shade};
-use super::{Lobes, Named, PointLight};
 use crate::memory::{self, OutOfMemory};
 use crate::spectrum::{FIRST, LAST, Spectrum};
-use crate::units::{ReflectedIntensity, Rgb};
+use crate::units::{Intensity, ReflectedIntensity, Rgb};
 
 /// The spectra of a world's lights, materials and background.
 #[derive(Clone, Debug)]
@@ -43,17 +45,67 @@ impl Spectra {
     }
 }
 
-/// I · k of every light on every material that objects have, where that takes an integral:
+/// The most pairs of a light and a reflectance whose products have a table: 235 MB. Of more, each thread keeps
+/// those that it has made last.
+const LARGEST_TABLE: u64 = 1 << 22;
+
+/// How many products a thread keeps where there is no table: 7 MB. One tile sees few reflectances, by all
+/// lights: so these are the products of a tile of two reflectances and 60 000 lights.
+const RECENT: usize = 1 << 17;
+
+/// I · k of lights and the materials that objects have, where that takes an integral:
 ///
 /// T = K_m ∫ I(λ) k(λ) m(λ) dλ, with the working space's color matching functions m.
+///
+/// A product is made when it is first asked for. It depends on its light and its material alone, so that it
+/// has the same bits whichever thread makes it, and however often.
 #[derive(Clone, Debug)]
 pub(super) struct Products {
     /// Each material's column, if any object has it.
     columns: Vec<Option<usize>>,
     /// How many columns there are.
     used: usize,
-    /// Light by light, column by column within.
-    table: Vec<Lobes<ReflectedIntensity>>,
+    lights: usize,
+    /// Light by light, column by column within; empty where it would be too large.
+    table: Vec<OnceLock<Lobes<ReflectedIntensity>>>,
+}
+
+/// Products that one thread has made last, where a table of all would be too large.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RecentProducts {
+    /// Each with the number of its pair plus 1; a place for each remainder of that number.
+    slots: Vec<(u64, Lobes<ReflectedIntensity>)>,
+}
+
+impl Spectra {
+    /// I · k of a light, whose R, G, B are `intensity`, on a material. A gray k takes these, which are as they
+    /// were written.
+    pub(super) fn product(
+        &self,
+        light: usize,
+        Intensity(Rgb(intensity)): Intensity,
+        material: usize,
+    ) -> Lobes<ReflectedIntensity> {
+        let mut seen = None;
+        let mut integrated = |pigment: &Pigment| {
+            let rgb = match &pigment.shade {
+                Shade::Flat(value) => intensity.map(|channel| channel * (value * pigment.factor)),
+                Shade::Spectrum(reflectance) => {
+                    let seen =
+                        seen.get_or_insert_with(|| self.colorimetry.seen(&self.lights[light]));
+                    [0, 1, 2].map(|channel: usize| {
+                        reflectance.integral(seen[channel].values()) * pigment.factor
+                    })
+                }
+            };
+            ReflectedIntensity(Rgb(rgb))
+        };
+        let Lobes { diffuse, specular } = &self.materials[material];
+        Lobes {
+            diffuse: integrated(diffuse),
+            specular: integrated(specular),
+        }
+    }
 }
 
 impl Products {
@@ -62,15 +114,16 @@ impl Products {
         size_of_val(self.table.as_slice()) as u64
     }
 
-    /// The products of `spectra`. A gray k takes the light's own R, G, B, which are as they were
-    /// written.
+    /// Room for the products of `spectra`.
     ///
     /// # Errors
     /// If there is not so much memory.
-    pub(super) fn new(
-        spectra: &Spectra,
-        lights: &[Named<PointLight>],
-    ) -> Result<Self, OutOfMemory> {
+    pub(super) fn new(spectra: &Spectra) -> Result<Self, OutOfMemory> {
+        Self::with_table(spectra, LARGEST_TABLE)
+    }
+
+    /// With a table of at most so many pairs.
+    fn with_table(spectra: &Spectra, largest: u64) -> Result<Self, OutOfMemory> {
         let mut used = 0;
         let columns = spectra.used.iter().map(|is_used| {
             is_used.then(|| {
@@ -79,50 +132,74 @@ impl Products {
             })
         });
         let columns = columns.collect();
+        let pairs = spectra.lights.len() as u64 * used as u64;
         let mut table = Vec::new();
-        memory::reserve(&mut table, lights.len().saturating_mul(used))?;
-        table.resize(lights.len() * used, Lobes::default());
-        let materials = spectra.materials.iter().zip(&spectra.used);
-        let materials: Vec<_> = materials
-            .filter_map(|(m, used)| used.then_some(m))
-            .collect();
-        // No chunk may be of length 0; without materials that are used there is none.
-        let rows = table.par_chunks_mut(used.max(1));
-        rows.zip(&spectra.lights)
-            .zip(lights)
-            .for_each(|((row, spectrum), light)| {
-                let seen = spectra.colorimetry.seen(spectrum);
-                let rgb = light.value.intensity.0.0;
-                let integrated = |pigment: &Pigment| {
-                    let rgb = match &pigment.shade {
-                        Shade::Flat(value) => rgb.map(|channel| channel * (value * pigment.factor)),
-                        Shade::Spectrum(reflectance) => [0, 1, 2].map(|channel: usize| {
-                            reflectance.integral(seen[channel].values()) * pigment.factor
-                        }),
-                    };
-                    ReflectedIntensity(Rgb(rgb))
-                };
-                for (product, lobes) in row.iter_mut().zip(&materials) {
-                    *product = Lobes {
-                        diffuse: integrated(&lobes.diffuse),
-                        specular: integrated(&lobes.specular),
-                    };
-                }
-            });
+        if pairs <= largest {
+            let pairs = spectra.lights.len() * used;
+            memory::reserve(&mut table, pairs)?;
+            table.resize_with(pairs, OnceLock::new);
+        }
         Ok(Self {
             columns,
             used,
+            lights: spectra.lights.len(),
             table,
         })
     }
 
-    /// Of one light on one material; zero where no object has it.
-    #[inline]
-    pub(super) fn of(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
-        let column = self.columns[material];
-        column.map_or_else(Lobes::default, |column| {
-            self.table[light * self.used + column]
-        })
+    /// Of one light on one material, if there is a table, and it is made.
+    #[inline(always)]
+    pub(super) fn known(
+        &self,
+        light: usize,
+        material: usize,
+    ) -> Option<&Lobes<ReflectedIntensity>> {
+        let column = self.columns[material]?;
+        self.table.get(light * self.used + column)?.get()
+    }
+
+    /// One that is not known, made by `integrate`; zero where no object has the material.
+    pub(super) fn make(
+        &self,
+        light: usize,
+        material: usize,
+        recent: Option<&mut RecentProducts>,
+        integrate: impl FnOnce() -> Lobes<ReflectedIntensity>,
+    ) -> Lobes<ReflectedIntensity> {
+        let Some(column) = self.columns[material] else {
+            return Lobes::default();
+        };
+        match (self.table.get(light * self.used + column), recent) {
+            (Some(place), _) => *place.get_or_init(integrate),
+            (None, None) => integrate(),
+            (None, Some(recent)) => {
+                // All lights of one material side by side: a tile's products do not push each other out.
+                let lights = self.lights as u64;
+                recent.get_or_make(column as u64 * lights + light as u64, integrate)
+            }
+        }
+    }
+}
+
+impl RecentProducts {
+    fn get_or_make(
+        &mut self,
+        pair: u64,
+        integrate: impl FnOnce() -> Lobes<ReflectedIntensity>,
+    ) -> Lobes<ReflectedIntensity> {
+        if self.slots.is_empty() && memory::reserve(&mut self.slots, RECENT).is_ok() {
+            self.slots.resize(RECENT, Default::default());
+        }
+        // Where there is no memory for them, none are kept.
+        let place = (pair % RECENT as u64) as usize;
+        match self.slots.get_mut(place) {
+            Some((known, product)) if *known == pair + 1 => *product,
+            Some(slot) => {
+                *slot = (pair + 1, integrate());
+                slot.1
+            }
+            None => integrate(),
+        }
     }
 }
 
