@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use candela::film::{self, Film, Options};
+use candela::film::{self, Counts, Film, Options};
 use candela::scene::Scene;
-use candela::world::World;
+use candela::visibility::Visibility;
+use candela::world::{Plan, World};
 
 /// Relative to the package, where tests run.
 const SCENES: &str = "scenes";
@@ -51,6 +52,18 @@ pub(crate) fn render(text: &str, samples: u32) -> Film {
 pub(crate) fn pixel(film: &Film, x: u32, y: u32) -> [f32; 4] {
     let width = film.window().width;
     film.pixels()[(y * width + x) as usize]
+}
+
+/// [`render`], and what it took.
+pub(crate) fn render_counted(text: &str, samples: u32) -> (Film, Counts) {
+    let world = World::new(&parse(text)).unwrap_or_else(|error| panic!("{error}"));
+    let plan = Plan::new(&world);
+    let visibility = Visibility::new(&world, &plan);
+    let options = Options {
+        samples,
+        ..Options::default()
+    };
+    film::render_with(&world, &plan, &visibility, &options, &|_| {})
 }
 
 /// The same view in at most `width` columns.

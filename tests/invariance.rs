@@ -39,6 +39,7 @@ fn scenes(folder: &tempfile::TempDir) -> Vec<(String, Scene)> {
     let mut scenes = generate::scenes(folder.path());
     scenes.truncate(50);
     scenes.extend(generate::terminators(8, folder.path()));
+    scenes.extend(generate::spots(10, folder.path()));
     scenes.retain(|(_, scene)| {
         let eye = scene.camera.value.view().eye.value;
         let distance = eye.iter().fold(0.0, |most: f64, x| most.max(x.abs()));

@@ -5,6 +5,8 @@ mod power;
 mod reflectance;
 mod spot;
 mod terms;
+#[cfg(test)]
+mod tests;
 
 use fearless_simd::Simd;
 

@@ -3,13 +3,12 @@
 use fearless_simd::Simd;
 
 use crate::math::SAFE_SQUARES;
-use crate::scene::Falloff;
 #[cfg(test)]
 use crate::simd::LANES;
 use crate::simd::{DVec3x16, F64x16};
 use crate::visibility::{PACKETS, Points, columns};
 use crate::world::SpotLight;
-use crate::world::light::Cone;
+use crate::world::light::{Cone, Falloff};
 
 /// 1/√x, and 1/x, also where the f32 of x has not all its digits.
 #[inline(always)]

@@ -25,6 +25,12 @@ impl Points {
         self.bounds
     }
 
+    /// The normals of the surfaces, to be made by hand.
+    #[cfg(test)]
+    pub(crate) fn geometric_normals_mut(&mut self) -> &mut [super::Column; 3] {
+        &mut self.geometric_normal
+    }
+
     /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane (of lifted
     /// points the one across the interpolated normal), further from it than rounding errors. A light in the very plane of a floor is not above it. And
     /// whether it is at the point itself (d = 0), as far as can be told.

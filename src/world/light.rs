@@ -7,7 +7,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::math::{DVec3, Direction, Point};
-use crate::scene::Falloff;
+pub use crate::scene::Falloff;
 use crate::units::Intensity;
 
 /// What light comes from. Matches are exhaustive: what a new kind needs, the compiler lists.

@@ -294,6 +294,14 @@ impl World {
         self.products.as_ref().map(Products::memory)
     }
 
+    /// Has products made where they are needed, as if there were too many for a table.
+    #[cfg(test)]
+    pub(crate) fn drop_table(&mut self) {
+        if let Some(products) = &mut self.products {
+            products.drop_table();
+        }
+    }
+
     /// The materials that objects have, as indices into [`World::materials`], ascending.
     pub fn used_materials(&self) -> Vec<usize> {
         let mut used = vec![false; self.materials.len()];

@@ -147,6 +147,11 @@ impl Products {
         })
     }
 
+    #[cfg(test)]
+    pub(super) fn drop_table(&mut self) {
+        self.table = Vec::new();
+    }
+
     /// Of one light on one material, if there is a table, and it is made.
     #[inline(always)]
     pub(super) fn known(
