@@ -150,7 +150,7 @@ fn unused_materials_take_nothing() {
 /// with their product, which would be 2 GB here.
 #[test]
 fn spectral_pairs_have_no_limit() {
-    let text = HEAD.replace("[2, 2]", "[2, 2]\ntransport = \"spectral\"")
+    let text = HEAD.replace("[2, 2]", "[3, 3]\ntransport = \"spectral\"")
         + &repeated(6000, light)
         + &repeated(6000, |n| {
             format!("[materials.material{n}.phong]\ndiffuse = [0.5, 0.4, 0.3]\n")

@@ -20,6 +20,8 @@ pub(super) struct Geometry {
     seen: Vec<Seen>,
     /// Σ geometry of each element of `seen`, light by light.
     sums: Vec<Lobes<f64>>,
+    /// Products of one light and material, where no table has them.
+    product: Vec<f64>,
 }
 
 /// A material in a pixel.
@@ -40,6 +42,7 @@ impl Geometry {
             lights,
             seen: Vec::new(),
             sums: Vec::new(),
+            product: Vec::new(),
         }
     }
 
@@ -75,14 +78,17 @@ impl Geometry {
 
     /// Adds the radiance of each pixel before `end` to its sum, band by band, and forgets it.
     /// `sums` holds pixel by pixel, band by band.
-    pub(super) fn finish(&mut self, end: usize, bands: &Bands, sums: &mut [f64]) {
+    pub(super) fn finish(&mut self, end: usize, bands: &Bands<'_>, sums: &mut [f64]) {
         let count = bands.wavelengths().count();
         let finished = self.seen.partition_point(|seen| seen.pixel < end);
         for (place, seen) in self.seen.drain(..finished).enumerate() {
             let pixel = &mut sums[seen.pixel * count..][..count];
             let geometry = &self.sums[place * self.lights..][..self.lights];
             for (light, geometry) in geometry.iter().enumerate() {
-                let reflected = bands.transport(light, seen.material);
+                if *geometry == Lobes::default() {
+                    continue;
+                }
+                let reflected = bands.transport(light, seen.material, &mut self.product);
                 add_scaled(pixel, geometry.diffuse, reflected.diffuse);
                 add_scaled(pixel, geometry.specular, reflected.specular);
             }

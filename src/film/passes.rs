@@ -19,12 +19,16 @@ use crate::world::{Bands, World};
 pub(super) struct Passes<'w> {
     world: &'w World,
     layers: Layers,
-    bands: Option<&'w Bands>,
+    bands: Option<&'w Bands<'w>>,
 }
 
 impl<'w> Passes<'w> {
     /// `None` where no layer is asked for. `bands` are those of [`Layers::spectral`].
-    pub(super) fn new(world: &'w World, layers: Layers, bands: Option<&'w Bands>) -> Option<Self> {
+    pub(super) fn new(
+        world: &'w World,
+        layers: Layers,
+        bands: Option<&'w Bands<'w>>,
+    ) -> Option<Self> {
         let passes = Self {
             world,
             layers,
@@ -277,7 +281,7 @@ impl Depths {
 
 /// The bands of a tile's pixels.
 struct SpectralSums<'b> {
-    bands: &'b Bands,
+    bands: &'b Bands<'b>,
     geometry: Geometry,
     /// Where the terms of each of [`Terms::reflecting`] belong.
     places: Vec<Place>,
@@ -286,7 +290,7 @@ struct SpectralSums<'b> {
 }
 
 impl<'b> SpectralSums<'b> {
-    fn new(bands: &'b Bands, pixels: usize) -> Self {
+    fn new(bands: &'b Bands<'b>, pixels: usize) -> Self {
         Self {
             bands,
             geometry: Geometry::new(bands.lights()),

@@ -99,11 +99,15 @@ const ON_AXIS: Key = INTENSITY.about(
     "I on the axis: RGB in candela, a curve in W/(sr nm), or in a unit; a flux, such as `lumens`, is what leaves \
      the lamp.",
 );
-const LOOK_AT: Key = key!("look_at", "a point that the light points at", "[0, 0, 0]")
-    .of(Kind::Vector)
-    .instead_of("direction")
-    .about("A point on the axis. Either this or `direction`.")
-    .also(&["target", "to", "aim", "at", "lookat"]);
+const LOOK_AT: Key = key!(
+    "look_at",
+    "a point that the light points at, or a vector along its way, `direction`",
+    "[0, 0, 0]"
+)
+.of(Kind::Vector)
+.instead_of("direction")
+.about("A point on the axis. Either this or `direction`.")
+.also(&["target", "to", "aim", "at", "lookat"]);
 const DIRECTION: Key = key!("direction", "where the light points", "[0, -1, 0]")
     .of(Kind::Direction)
     .instead_of("look_at")
