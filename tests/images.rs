@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use candela::film::{self, Counts, Film, Options};
+use candela::image::Film;
+use candela::render::{self, Counts, Options};
 use candela::scene::Scene;
 use candela::visibility::Visibility;
 use candela::world::{Plan, World};
@@ -40,7 +41,7 @@ pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
         samples,
         ..Options::default()
     };
-    film::render(&world, &options)
+    render::render(&world, &options)
 }
 
 /// The image of a scene given as text.
@@ -63,7 +64,7 @@ pub(crate) fn render_counted(text: &str, samples: u32) -> (Film, Counts) {
         samples,
         ..Options::default()
     };
-    film::render_with(&world, &plan, &visibility, &options, &|_| {})
+    render::render_with(&world, &plan, &visibility, &options, &|_| {})
 }
 
 /// The same view in at most `width` columns.

@@ -4,8 +4,9 @@
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
-use candela::film::{Counts, Layers, Options, Window, render_exr, render_with};
+use candela::exr::{Compression, ExrOptions, ExrReport, Precision};
+use candela::image::Window;
+use candela::render::{Counts, Layers, Options, render_exr, render_with};
 use candela::scene::{Scene, Transport};
 use candela::visibility::Visibility;
 use candela::world::{Plan, Wavelengths, World};

@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
-use candela::film::exr::ExrOptions;
-use candela::film::{Counts, Film, Options, render_with};
+use candela::exr::ExrOptions;
+use candela::image::Film;
 use candela::output::Unfinished;
+use candela::render::{Counts, Options, render_with};
 use candela::visibility::Visibility;
 use candela::world::{Plan, World};
 use rayon::ThreadPool;

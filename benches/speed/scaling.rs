@@ -7,9 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use candela::film::exr::ExrOptions;
-use candela::film::{Options, render_with};
+use candela::exr::ExrOptions;
 use candela::output::Unfinished;
+use candela::render::{Options, render_with};
 use candela::visibility::Visibility;
 use serde::{Deserialize, Serialize};
 

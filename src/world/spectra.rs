@@ -5,7 +5,7 @@
 use std::sync::OnceLock;
 
 use super::Lobes;
-use super::colorimetry::{Colorimetry, Shade};
+use super::colorimetry::{Colorimetry, SpectralReflectance};
 use crate::memory::{self, OutOfMemory};
 use crate::spectrum::{FIRST, LAST, Spectrum};
 use crate::units::{Intensity, ReflectedIntensity, Rgb};
@@ -17,7 +17,7 @@ pub struct Spectra {
     /// I(λ) of each light in W·sr⁻¹·nm⁻¹.
     pub(super) lights: Vec<Spectrum>,
     /// k_d(λ) and k_s(λ) of each material.
-    pub(super) materials: Vec<Lobes<Pigment>>,
+    pub(super) materials: Vec<Lobes<ScaledReflectance>>,
     /// Whether any object has the material.
     pub(super) used: Vec<bool>,
     /// Of what is behind everything, in W·m⁻²·sr⁻¹·nm⁻¹.
@@ -26,8 +26,8 @@ pub struct Spectra {
 
 /// k(λ) of one lobe in sr⁻¹: a reflectance and the factor of its model, such as 1/π.
 #[derive(Clone, Debug)]
-pub struct Pigment {
-    pub(super) shade: Shade,
+pub struct ScaledReflectance {
+    pub(super) reflectance: SpectralReflectance,
     pub(super) factor: f64,
 }
 
@@ -82,14 +82,16 @@ impl Spectra {
         material: usize,
     ) -> Lobes<ReflectedIntensity> {
         let mut seen = None;
-        let mut integrated = |pigment: &Pigment| {
-            let rgb = match &pigment.shade {
-                Shade::Flat(value) => intensity.map(|channel| channel * (value * pigment.factor)),
-                Shade::Spectrum(reflectance) => {
+        let mut integrated = |lobe: &ScaledReflectance| {
+            let rgb = match &lobe.reflectance {
+                SpectralReflectance::Flat(value) => {
+                    intensity.map(|channel| channel * (value * lobe.factor))
+                }
+                SpectralReflectance::Spectrum(reflectance) => {
                     let seen =
                         seen.get_or_insert_with(|| self.colorimetry.seen(&self.lights[light]));
                     [0, 1, 2].map(|channel: usize| {
-                        reflectance.integral(seen[channel].values()) * pigment.factor
+                        reflectance.integral(seen[channel].values()) * lobe.factor
                     })
                 }
             };
@@ -369,12 +371,14 @@ impl<'w> Bands<'w> {
     fn product(&self, light: usize, material: usize) -> impl Iterator<Item = f64> {
         let light = &self.spectra.lights[light];
         let Lobes { diffuse, specular } = &self.spectra.materials[material];
-        [diffuse, specular].into_iter().flat_map(move |pigment| {
-            let (means, scale) = match &pigment.shade {
-                Shade::Flat(value) => (self.wavelengths.means(light), value * pigment.factor),
-                Shade::Spectrum(reflectance) => {
+        [diffuse, specular].into_iter().flat_map(move |lobe| {
+            let (means, scale) = match &lobe.reflectance {
+                SpectralReflectance::Flat(value) => {
+                    (self.wavelengths.means(light), value * lobe.factor)
+                }
+                SpectralReflectance::Spectrum(reflectance) => {
                     let product = light.times(reflectance);
-                    (self.wavelengths.means(&product), pigment.factor)
+                    (self.wavelengths.means(&product), lobe.factor)
                 }
             };
             means.into_iter().map(move |mean| mean * scale)
@@ -440,8 +444,8 @@ mod tests {
     #[test]
     fn only_materials_that_are_used_have_bands() {
         let colorimetry = Colorimetry::new(Observer::Cie1931, ColorSpace::Rec709);
-        let flat = |value| Pigment {
-            shade: Shade::Flat(value),
+        let flat = |value| ScaledReflectance {
+            reflectance: SpectralReflectance::Flat(value),
             factor: 1.0,
         };
         let material = |value| Lobes {

@@ -3,8 +3,9 @@
 
 mod files;
 
-use candela::film::{self, BACKGROUND_DEPTH, Film, Layers, Options, Window};
+use candela::image::{BACKGROUND_DEPTH, Film, Window};
 use candela::oracle::Oracle;
+use candela::render::{self, Layers, Options};
 use candela::scene::{Scene, Transport, Value};
 use candela::world::{Wavelengths, World};
 
@@ -42,7 +43,7 @@ fn with_layers(scene: &Scene, samples: u32, layers: Layers) -> Film {
         layers,
         ..Options::default()
     };
-    film::render(&world, &options)
+    render::render(&world, &options)
 }
 
 /// The values of some channels, pixel by pixel.
@@ -483,7 +484,7 @@ fn a_part_has_the_layers_of_the_whole() {
             layers: ALL,
             ..Options::default()
         };
-        let part = film::render(&world, &options);
+        let part = render::render(&world, &options);
         for (pixel, [x, y]) in window.pixels().enumerate() {
             let in_whole = (y * world.resolution()[0] + x) as usize;
             let bits =
@@ -509,7 +510,7 @@ fn shares_beyond_f32_are_clamped_and_counted() {
         layers: ALL,
         ..Options::default()
     };
-    let (film, counts) = film::render_with(&world, &plan, &visibility, &options, &|_| {});
+    let (film, counts) = render::render_with(&world, &plan, &visibility, &options, &|_| {});
     assert_eq!(share(&film, "key")[0], [f32::MAX; 3]);
     assert_eq!(counts.clamped, 3 + 3);
 }
