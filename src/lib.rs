@@ -1,6 +1,6 @@
 //! candela: a renderer for direct light.
 //!
-//! For every pixel it computes what a viewer receives from point lights by way of one surface
+//! For every pixel it computes what a viewer receives from point lights and spots by way of one surface
 //! (L9, with its parts L1 to L8 in [`oracle`], [`visibility`] and [`shading`]):
 //!
 //! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
@@ -53,11 +53,11 @@
 //!
 //! # Scope
 //!
-//! In: diffuse point lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
+//! In: diffuse point lights and spots; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
 //! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
 //! spaces, or as spectra.
 //!
-//! Out: indirect light, mirrors and refraction, lights with a size or a direction, textures, motion,
+//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion,
 //! adaptive sampling.
 //!
 //! # Example

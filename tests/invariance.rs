@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use candela::image::Film;
-use candela::scene::{Camera, Light, Material, Object, Scene, Spanned, Transport, Value};
+use candela::scene::{Aim, Camera, Light, Material, Object, Scene, Spanned, Transport, Value};
 use candela::spectrum::{Curve, Lines};
 use candela::world::plan::Acceleration;
 use candela::world::{Plan, World};
@@ -39,6 +39,7 @@ fn scenes(folder: &tempfile::TempDir) -> Vec<(String, Scene)> {
     let mut scenes = generate::scenes(folder.path());
     scenes.truncate(50);
     scenes.extend(generate::terminators(8, folder.path()));
+    scenes.extend(generate::spots(10, folder.path()));
     scenes.retain(|(_, scene)| {
         let eye = scene.camera.value.view().eye.value;
         let distance = eye.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -104,11 +105,17 @@ fn moved(
         height.value *= scale;
     }
     for light in &mut scene.lights {
-        let Light::Point {
-            position,
-            intensity,
-        } = &mut light.value;
-        put(position);
+        match &mut light.value {
+            Light::Point { position, .. } => put(position),
+            Light::Spot { position, aim, .. } => {
+                put(position);
+                match aim {
+                    Aim::LookAt(look_at) => put(look_at),
+                    Aim::Direction(direction) => direction.value = turn(direction.value),
+                }
+            }
+        }
+        let intensity = light.value.intensity_mut();
         intensity.value = times(&intensity.value, scale * scale);
     }
     for object in &mut scene.objects {
@@ -182,7 +189,7 @@ fn with_light(scene: &Scene, factor: f64) -> Scene {
     let mut scene = scene.clone();
     scene.image.background.value = times(&scene.image.background.value, factor);
     for light in &mut scene.lights {
-        let Light::Point { intensity, .. } = &mut light.value;
+        let intensity = light.value.intensity_mut();
         intensity.value = times(&intensity.value, factor);
     }
     scene

@@ -209,6 +209,14 @@ fn generated_terminators() {
     judge(&generate::terminators(count, folder.path()));
 }
 
+/// The same scenes, with cones of light.
+#[test]
+fn generated_spots() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = generate::count().div_ceil(3);
+    judge(&generate::spots(count, folder.path()));
+}
+
 /// At how many columns the oracle is done in reasonable time.
 fn affordable_width(scene: &Scene) -> u32 {
     let surfaces: usize = scene

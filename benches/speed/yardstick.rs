@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use candela::math::Point;
 use candela::world::material::Model;
-use candela::world::{Projection, World};
+use candela::world::{Light, Projection, World};
 
 use super::Result;
 
@@ -190,8 +190,11 @@ pub(crate) fn write_scene(world: &World, path: &Path) -> Result<()> {
     write_camera(world, &mut file)?;
     file.count(world.lights().len())?;
     for light in world.lights() {
-        file.numbers(light.value.position.0.to_array())?;
-        file.numbers(light.value.intensity.0.0)?;
+        let Light::Point(light) = light.value else {
+            return Err("the yardstick knows no lights but points".into());
+        };
+        file.numbers(light.position.0.to_array())?;
+        file.numbers(light.intensity.0.0)?;
     }
     file.numbers(world.background().0.0)?;
 

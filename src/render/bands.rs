@@ -24,6 +24,8 @@ pub(super) struct Geometry {
     sums: Vec<Lobes<f64>>,
     /// What pixels had when a pass ended after which more of their samples may come.
     kept: BTreeMap<usize, Kept>,
+    /// Products of one light and material, where no table has them.
+    product: Vec<f64>,
 }
 
 /// The geometry terms of a pixel between two passes.
@@ -62,6 +64,7 @@ impl Geometry {
             seen: Vec::new(),
             sums: Vec::new(),
             kept: BTreeMap::new(),
+            product: Vec::new(),
         }
     }
 
@@ -110,7 +113,13 @@ impl Geometry {
 
     /// Ends the pass for each pixel before `end`: adds its radiance to its sum, band by band, and forgets
     /// it, or keeps it for the next pass. `sums` holds pixel by pixel, band by band.
-    pub(super) fn finish(&mut self, end: usize, further: Further, bands: &Bands, sums: &mut [f64]) {
+    pub(super) fn finish(
+        &mut self,
+        end: usize,
+        further: Further,
+        bands: &Bands<'_>,
+        sums: &mut [f64],
+    ) {
         let count = bands.wavelengths().count();
         let finished = self.seen.partition_point(|seen| seen.pixel < end);
         for (place, Seen { pixel, material }) in self.seen.drain(..finished).enumerate() {
@@ -118,7 +127,7 @@ impl Geometry {
             match further {
                 Further::None => {
                     let sums = &mut sums[pixel * count..][..count];
-                    add_material(sums, geometry, material, bands);
+                    add_material(sums, geometry, material, bands, &mut self.product);
                 }
                 Further::MayCome => {
                     let kept = self.kept.entry(pixel).or_default();
@@ -131,21 +140,32 @@ impl Geometry {
     }
 
     /// Adds what is kept of a pixel to its sum, band by band.
-    pub(super) fn add_kept(&self, pixel: usize, bands: &Bands, sums: &mut [f64]) {
+    pub(super) fn add_kept(&self, pixel: usize, bands: &Bands<'_>, sums: &mut [f64]) {
         let Some(kept) = self.kept.get(&pixel) else {
             return;
         };
+        let mut product = Vec::new();
         for (place, &material) in kept.materials.iter().enumerate() {
             let geometry = &kept.sums[place * self.lights..][..self.lights];
-            add_material(sums, geometry, material, bands);
+            add_material(sums, geometry, material, bands, &mut product);
         }
     }
 }
 
 /// Adds the radiance of a material of a pixel, from its geometry light by light.
-fn add_material(sums: &mut [f64], geometry: &[Lobes<f64>], material: usize, bands: &Bands) {
+/// `product` is room for a product that no table has.
+fn add_material(
+    sums: &mut [f64],
+    geometry: &[Lobes<f64>],
+    material: usize,
+    bands: &Bands<'_>,
+    product: &mut Vec<f64>,
+) {
     for (light, geometry) in geometry.iter().enumerate() {
-        let reflected = bands.transport(light, material);
+        if *geometry == Lobes::default() {
+            continue;
+        }
+        let reflected = bands.transport(light, material, product);
         add_scaled(sums, geometry.diffuse, reflected.diffuse);
         add_scaled(sums, geometry.specular, reflected.specular);
     }
@@ -183,6 +203,7 @@ mod tests {
             light: 0,
             reflectance: 0,
             place: 0,
+            reflected: Lobes::default(),
             geometry: Lobes {
                 diffuse: f64::MAX,
                 specular: 0.0,

@@ -20,12 +20,16 @@ use crate::world::{Bands, World};
 pub(super) struct RequestedLayers<'w> {
     world: &'w World,
     layers: Layers,
-    bands: Option<&'w Bands>,
+    bands: Option<&'w Bands<'w>>,
 }
 
 impl<'w> RequestedLayers<'w> {
     /// `None` where no layer is asked for. `bands` are those of [`Layers::spectral`].
-    pub(super) fn new(world: &'w World, layers: Layers, bands: Option<&'w Bands>) -> Option<Self> {
+    pub(super) fn new(
+        world: &'w World,
+        layers: Layers,
+        bands: Option<&'w Bands<'w>>,
+    ) -> Option<Self> {
         let requested = Self {
             world,
             layers,
@@ -207,8 +211,7 @@ impl<'w> LightSums<'w> {
     }
 
     fn add(&mut self, pixel: usize, term: &Term) {
-        let reflected = self.world.reflected(term.light, term.reflectance);
-        let (diffuse, specular) = (reflected.diffuse.0.0, reflected.specular.0.0);
+        let (diffuse, specular) = (term.reflected.diffuse.0.0, term.reflected.specular.0.0);
         let sum = &mut self.sums[term.light * self.pixels + pixel];
         for (channel, sum) in sum.iter_mut().enumerate() {
             *sum += diffuse[channel] * term.geometry.diffuse
@@ -278,7 +281,7 @@ impl Depths {
 
 /// The bands of a tile's pixels.
 struct SpectralSums<'b> {
-    bands: &'b Bands,
+    bands: &'b Bands<'b>,
     geometry: Geometry,
     /// Where the terms of each of [`Terms::reflecting`] belong.
     places: Vec<Option<Place>>,
@@ -289,7 +292,7 @@ struct SpectralSums<'b> {
 }
 
 impl<'b> SpectralSums<'b> {
-    fn new(bands: &'b Bands, pixels: usize) -> Self {
+    fn new(bands: &'b Bands<'b>, pixels: usize) -> Self {
         Self {
             bands,
             geometry: Geometry::new(bands.lights()),

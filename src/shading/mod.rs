@@ -3,7 +3,10 @@
 mod groups;
 mod power;
 mod reflectance;
+mod spot;
 mod terms;
+#[cfg(test)]
+mod tests;
 
 use fearless_simd::Simd;
 
@@ -15,7 +18,7 @@ pub use terms::{Reflecting, Term, Terms};
 use crate::math::Point;
 use crate::simd::{F64x16, LANES, Mask64x16};
 use crate::visibility::{Column, Facing, PACKETS, Points, Visibility, Workspace};
-use crate::world::{Lobes, World};
+use crate::world::{Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
 #[derive(Clone, Debug)]
@@ -31,6 +34,7 @@ pub struct Shaded {
     lit: Vec<Lit>,
     groups: Groups,
     terms: Terms,
+    recent: RecentProducts,
 }
 
 /// A light that is above some points of a batch.
@@ -38,9 +42,14 @@ pub struct Shaded {
 struct Lit {
     /// An index into [`World::lights`].
     light: usize,
-    position: Point,
+    /// Which of its points the light comes from.
+    origin: Point,
     /// For each packet one bit for each point that it reaches.
     points: [u32; PACKETS],
+    /// V at each of these points, where something takes a part of the light; `None` is 1 at all of them, which
+    /// multiplies nothing. A V that differs by wavelength is a weighted sum of several, each with products of
+    /// its own.
+    transmitted: Option<Box<Column>>,
 }
 
 impl Default for Shaded {
@@ -53,6 +62,7 @@ impl Default for Shaded {
             lit: Vec::new(),
             groups: Groups::default(),
             terms: Terms::default(),
+            recent: RecentProducts::default(),
         }
     }
 }
@@ -134,20 +144,34 @@ impl Shaded {
             return;
         }
         for (index, light) in world.lights().iter().enumerate() {
-            let position = light.value.position;
-            let Facing { above, at } = points.facing(simd, world, position);
-            let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
-            self.shadow_rays += u64::from(asked);
-            self.singular += u64::from(at);
-            if asked > 0 {
-                let lit = visibility.lit(simd, position, points, &above, space);
-                let reached: u32 = lit.iter().map(|bits| bits.count_ones()).sum();
-                self.lit_points += u64::from(reached);
-                self.lit.push(Lit {
-                    light: index,
-                    position,
-                    points: lit,
-                });
+            let inside = match &light.value {
+                Light::Point(_) => points.hit,
+                light @ Light::Spot(spot) => {
+                    if light.misses(points.bounds()) {
+                        continue;
+                    }
+                    spot::inside(simd, spot, points)
+                }
+            };
+            for origin in light.value.origins() {
+                let Facing { mut above, at } = points.facing(simd, world, origin);
+                for (above, inside) in above.iter_mut().zip(inside) {
+                    *above &= inside;
+                }
+                let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
+                self.shadow_rays += u64::from(asked);
+                self.singular += u64::from(at);
+                if asked > 0 {
+                    let lit = visibility.lit(simd, origin, points, &above, space);
+                    let reached: u32 = lit.iter().map(|bits| bits.count_ones()).sum();
+                    self.lit_points += u64::from(reached);
+                    self.lit.push(Lit {
+                        light: index,
+                        origin,
+                        points: lit,
+                        transmitted: None,
+                    });
+                }
             }
         }
     }
@@ -199,19 +223,33 @@ impl Shaded {
         let zero = F64x16::splat(simd, 0.0);
         let mut sums = [zero; 3];
         let ends = Ends::load(simd, points, packet);
-        for &Lit {
+        let Self {
+            lit,
+            groups,
+            terms,
+            recent,
+            ..
+        } = self;
+        for Lit {
             light,
-            position,
-            points: ref lit,
-        } in &self.lit
+            origin,
+            points: lit,
+            transmitted,
+        } in lit.iter()
         {
-            let bits = lit[packet];
+            let (light, bits) = (*light, lit[packet]);
             if bits == 0 {
                 continue;
             }
-            let geometry = geometry(simd, &ends, position, self.groups.get());
-            let reflected = world.reflected_from(light);
-            for share in self.groups.shares() {
+            let source = &world.lights()[light].value;
+            let mut geometry = geometry(simd, &ends, source, *origin, groups.get());
+            if let Some(transmitted) = transmitted {
+                let part = F64x16::load(simd, &transmitted[packet * LANES..]);
+                geometry.diffuse = geometry.diffuse * part;
+                geometry.specular = geometry.specular * part;
+            }
+            let mut reflected = world.reflected_from(light, Some(recent));
+            for share in groups.shares() {
                 let is_lit = Mask64x16::from_bits(simd, bits & share.members);
                 let reflected = reflected(share.reflectance as usize);
                 let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
@@ -240,7 +278,7 @@ impl Shaded {
                     diffuse: geometry.diffuse.to_array(),
                     specular: geometry.specular.to_array(),
                 };
-                self.terms.add(light, bits, geometry);
+                terms.add(light, bits, geometry, groups, reflected);
             }
         }
         sums

@@ -2,12 +2,14 @@
 
 use super::groups::{Groups, Share};
 use crate::simd::{LANES, ones};
+use crate::units::ReflectedIntensity;
 use crate::world::Lobes;
 
 /// The terms of L9 without their color, of the points of one packet: geometry × weight for each light that
 /// reaches a point and each reflectance that the point has.
 ///
-/// A buffer that is used packet after packet: it holds at most as many entries as there are lights.
+/// A buffer that is used packet after packet: it holds at most as many entries as there are lights, and
+/// products of these with the packet's reflectances.
 #[derive(Clone, Debug, Default)]
 pub struct Terms {
     /// What each point reflects with, point by point.
@@ -16,6 +18,10 @@ pub struct Terms {
     starts: [usize; LANES + 1],
     /// Light by light, in the order of the sum.
     lights: Vec<LightTerms>,
+    /// I · k of each of `lights` on each of the packet's reflectances.
+    products: Vec<Lobes<ReflectedIntensity>>,
+    /// How many reflectances the packet has.
+    shares: usize,
 }
 
 /// What one point reflects with: one of its reflectances, by its weight.
@@ -26,6 +32,8 @@ pub struct Reflecting {
     /// An index into [`World::materials`](crate::world::World::materials).
     pub reflectance: usize,
     weight: f64,
+    /// Its place among those of the packet.
+    share: usize,
 }
 
 /// What a light that reaches points of a packet does there.
@@ -51,35 +59,49 @@ pub struct Term {
     /// The cosine term of each lobe over d², in m⁻², at most [`f64::MAX`], times the weight of the
     /// reflectance: times I · k it is the radiance that the lobe sends to the viewer.
     pub geometry: Lobes<f64>,
+    /// I · k of each lobe, carried as the world carries light.
+    pub reflected: Lobes<ReflectedIntensity>,
 }
 
 impl Terms {
     /// Forgets all terms, and takes what the points of a packet reflect with.
     pub(super) fn begin(&mut self, first: usize, hit: u32, groups: &Groups) {
         self.lights.clear();
+        self.products.clear();
         self.reflecting.clear();
+        self.shares = groups.shares().len();
         for lane in 0..LANES {
             self.starts[lane] = self.reflecting.len();
             if hit >> lane & 1 == 0 {
                 continue;
             }
-            let shares = groups.shares().iter();
-            let of_point = shares.filter(|share| share.members >> lane & 1 == 1);
-            let of_point = of_point.map(|share| (share.reflectance, share.weight(lane)));
+            let shares = groups.shares().iter().enumerate();
+            let of_point = shares.filter(|(_, share)| share.members >> lane & 1 == 1);
+            let of_point = of_point.map(|(place, share)| Reflecting {
+                point: first + lane,
+                reflectance: share.reflectance as usize,
+                weight: share.weight(lane),
+                share: place,
+            });
             // What is of weight 0 is left out.
-            let of_point = of_point.filter(|&(_, weight)| weight != 0.0);
             self.reflecting
-                .extend(of_point.map(|(reflectance, weight)| Reflecting {
-                    point: first + lane,
-                    reflectance: reflectance as usize,
-                    weight,
-                }));
+                .extend(of_point.filter(|of| of.weight != 0.0));
         }
         self.starts[LANES] = self.reflecting.len();
     }
 
     /// Takes what a light does at the points that it reaches.
-    pub(super) fn add(&mut self, light: usize, points: u32, geometry: Lobes<[f64; LANES]>) {
+    pub(super) fn add(
+        &mut self,
+        light: usize,
+        points: u32,
+        geometry: Lobes<[f64; LANES]>,
+        groups: &Groups,
+        reflected: impl FnMut(usize) -> Lobes<ReflectedIntensity>,
+    ) {
+        let reflectances = groups.shares().iter();
+        let reflectances = reflectances.map(|share| share.reflectance as usize);
+        self.products.extend(reflectances.map(reflected));
         self.lights.push(LightTerms {
             light,
             points,
@@ -94,30 +116,35 @@ impl Terms {
 
     /// All terms: light by light, point by point within.
     pub fn iter(&self) -> impl Iterator<Item = Term> {
-        self.lights.iter().flat_map(move |terms| {
-            ones(terms.points).flat_map(move |lane| {
-                let diffuse = terms.geometry.diffuse[lane];
-                let specular = terms.geometry.specular[lane];
-                let places = self.starts[lane]..self.starts[lane + 1];
-                places.map(move |place| {
-                    let Reflecting {
-                        point,
-                        reflectance,
-                        weight,
-                    } = self.reflecting[place];
-                    Term {
-                        point,
-                        light: terms.light,
-                        reflectance,
-                        place,
-                        geometry: Lobes {
-                            diffuse: diffuse * weight,
-                            specular: specular * weight,
-                        },
-                    }
+        self.lights
+            .iter()
+            .enumerate()
+            .flat_map(move |(row, terms)| {
+                ones(terms.points).flat_map(move |lane| {
+                    let diffuse = terms.geometry.diffuse[lane];
+                    let specular = terms.geometry.specular[lane];
+                    let places = self.starts[lane]..self.starts[lane + 1];
+                    places.map(move |place| {
+                        let Reflecting {
+                            point,
+                            reflectance,
+                            weight,
+                            share,
+                        } = self.reflecting[place];
+                        Term {
+                            point,
+                            light: terms.light,
+                            reflectance,
+                            place,
+                            geometry: Lobes {
+                                diffuse: diffuse * weight,
+                                specular: specular * weight,
+                            },
+                            reflected: self.products[row * self.shares + share],
+                        }
+                    })
                 })
             })
-        })
     }
 }
 

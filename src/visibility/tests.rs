@@ -251,7 +251,7 @@ impl Kernel for Compare<'_> {
                 all.extend(bits(seen).as_flattened());
             }
             for light in self.world.lights() {
-                let light = light.value.position;
+                let light = light.value.position();
                 let facing = seen.facing(simd, self.world, light).above;
                 let [lit, expected] = [0, 1].map(|way: usize| {
                     self.ways[way].lit(simd, light, &points[way], &facing, &mut spaces[way])
