@@ -40,7 +40,7 @@ pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
         samples,
         ..Options::default()
     };
-    render::render(&world, &options).unwrap()
+    candela::render(&world, &options).unwrap()
 }
 
 /// The image of a scene given as text.
