@@ -115,6 +115,8 @@
 
 #![forbid(unsafe_code)]
 
+#[doc(hidden)]
+pub mod bench;
 pub mod color;
 pub mod display;
 pub mod exr;

@@ -30,10 +30,14 @@ pub(crate) struct Yardstick {
 
 /// Compiles the yardstick; where it is, or why it is not there.
 pub(crate) fn compile(folder: &Path) -> Result<PathBuf> {
-    let program = folder.join("yardstick");
+    compile_from(SOURCE, &folder.join("yardstick"))
+}
+
+/// Compiles a program that uses Embree, if it is older than its source.
+pub(crate) fn compile_from(source: &str, program: &Path) -> Result<PathBuf> {
     let modified = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
-    if modified(&program) > modified(Path::new(SOURCE)) {
-        return Ok(program);
+    if modified(program) > modified(Path::new(source)) {
+        return Ok(program.to_owned());
     }
     let output = Command::new("c++")
         .args([
@@ -41,15 +45,15 @@ pub(crate) fn compile(folder: &Path) -> Result<PathBuf> {
             "-O3",
             "-march=native",
             "-ffast-math",
-            SOURCE,
+            source,
             "-o",
         ])
-        .arg(&program)
+        .arg(program)
         .args(["-lembree3", "-lpthread"])
         .output()
         .map_err(|error| format!("no C++ compiler (c++): {error}"))?;
     if output.status.success() {
-        Ok(program)
+        Ok(program.to_owned())
     } else {
         let message = String::from_utf8_lossy(&output.stderr);
         Err(message.lines().next().unwrap_or_default().into())

@@ -21,6 +21,7 @@
 //! 8. `points`, and here: the answers.
 
 mod batch;
+mod incoherent;
 mod packet;
 mod points;
 mod primitive;
@@ -39,6 +40,7 @@ use fearless_simd::Simd;
 
 pub use batch::{BATCH, PACKETS};
 pub(crate) use batch::{Column, columns};
+pub(crate) use incoherent::{Candidates, Hits, RayBatch, SegmentBatch};
 pub(crate) use points::Facing;
 pub use points::Points;
 
