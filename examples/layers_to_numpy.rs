@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use candela::film::Layers;
+use candela::render::Layers;
 use candela::{Film, Options, World, render};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -41,7 +41,7 @@ pub(crate) fn run(scene: &Path, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn E
         },
         ..Options::default()
     };
-    let film = render(&world, &options);
+    let film = render(&world, &options)?;
 
     let rgba: Vec<f32> = film.pixels().iter().flatten().copied().collect();
     let mut files = vec![write(folder, "rgba", &film, 4, &rgba)?];

@@ -9,7 +9,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use candela::film::Window;
+use candela::image::Window;
 use candela::oracle::{Oracle, Sample};
 use candela::{Options, World, render};
 
@@ -52,6 +52,6 @@ pub(crate) fn both(scene: &Path, [x, y]: [u32; 2]) -> Result<(Sample, [f32; 3]),
         window: Some(pixel),
         ..Options::default()
     };
-    let [r, g, b, _] = render(&world, &options).pixels()[0];
+    let [r, g, b, _] = render(&world, &options)?.pixels()[0];
     Ok((oracle, [r, g, b]))
 }

@@ -13,7 +13,7 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 15] = [
+const MAY_USE: [(&str, &[&str]); 18] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
@@ -38,28 +38,43 @@ const MAY_USE: [(&str, &[&str]); 15] = [
     ),
     ("visibility", &["world", "math", "simd", "memory"]),
     ("shading", &["world", "visibility", "math", "simd"]),
+    ("turns", &[]),
+    ("image", &["scene"]),
     (
-        "film",
+        "exr",
         &[
+            "image",
             "world",
-            "visibility",
-            "shading",
-            "math",
-            "simd",
             "scene",
             "color",
             "output",
             "printable",
+            "turns",
+            "memory",
         ],
     ),
-    ("display", &["film", "color", "memory", "output"]),
+    (
+        "render",
+        &[
+            "world",
+            "visibility",
+            "shading",
+            "image",
+            "exr",
+            "math",
+            "simd",
+            "memory",
+            "turns",
+        ],
+    ),
+    ("display", &["image", "exr", "color", "memory", "output"]),
     ("oracle", &["scene", "spectrum"]),
 ];
 
 /// Arrows that are only to some items: who, to whom, to what there.
 const ONLY_TO: [(&str, &str, &[&str]); 2] = [
-    // The image and its file, not how it was rendered.
-    ("display", "film", &["exr", "Film", "Window"]),
+    // The spaces' primaries, which the header of a file has.
+    ("exr", "world", &["colorimetry"]),
     // What was published and what was written, not what the renderer makes of it.
     (
         "oracle",
@@ -316,10 +331,10 @@ fn arrows_are_found() {
         ),
         (
             "src/scene/mod.rs",
-            "use crate::{\n    spectrum::Curve,\n    film::Film,\n};",
+            "use crate::{\n    spectrum::Curve,\n    image::Film,\n};",
         ),
         ("src/units.rs", "use super::math::DVec3;"),
-        ("src/display/mod.rs", "use crate::film::{Film, render};"),
+        ("src/display/mod.rs", "use crate::render::Options;"),
         ("src/visibility/mod.rs", "pub(in crate::shading) fn f() {}"),
         ("src/spare.rs", ""),
     ] {
@@ -337,10 +352,10 @@ fn arrows_are_found() {
         ("src/scene/mesh/mod.rs", "use super::super::scene::Scene;"),
         (
             "src/display/mod.rs",
-            "use crate::film::{Film, exr::{self, read}};",
+            "use crate::{image::Film, exr::{self, read}};",
         ),
         (
-            "src/film/render.rs",
+            "src/render/tile.rs",
             "pub(crate) use crate::{shading, world::{Plan, World}};",
         ),
         ("src/lib.rs", "pub mod math;"),

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
-use candela::film::Layers;
-use candela::film::exr::ExrOptions;
+use candela::exr::ExrOptions;
 use candela::oracle::Oracle;
+use candela::render::Layers;
 use candela::scene::{Reading, Scene};
 use candela::world::difference::differences;
 use candela::world::physics::{self, Warning};
@@ -202,7 +202,7 @@ fn many_lights_on_many_materials_are_rendered() {
         + &repeated(300, |n| sphere(n, n));
     let scene = Scene::parse(&text, "many.toml").unwrap();
     let world = World::new(&scene).unwrap();
-    let film = render(&world, &Options::default());
+    let film = render(&world, &Options::default()).unwrap();
     let oracle = Oracle::new(&scene);
     for (place, pixel) in film.pixels().iter().enumerate() {
         let (x, y) = (place % 2, place / 2);
@@ -238,7 +238,7 @@ fn many_layers_are_written() {
         layers,
         ..Options::default()
     };
-    let film = render(&world, &options);
+    let film = render(&world, &options).unwrap();
     let mut bytes = std::io::Cursor::new(Vec::new());
     film.write_exr_to(&mut bytes, &ExrOptions::default())
         .unwrap();

@@ -4,10 +4,11 @@
 use std::cell::OnceCell;
 use std::path::Path;
 
-use candela::film::exr::ExrOptions;
-use candela::film::{Film, Layers, Options, Window, render};
+use candela::exr::ExrOptions;
+use candela::image::{Film, Window};
 use candela::oracle::{Explanation, Oracle, Sample};
 use candela::output::Unfinished;
+use candela::render::{Layers, Options, render};
 use candela::scene::{Object, Scene};
 use candela::simd::SimdLevel;
 use candela::world::World;
@@ -214,7 +215,7 @@ fn with_shares(scene: &Scene) -> Film {
         layers,
         ..Options::default()
     };
-    render(&world, &options)
+    render(&world, &options).unwrap()
 }
 
 /// Compares all scenes; what is wrong with any of them.
@@ -513,7 +514,7 @@ fn any_instruction_set_gives_the_same_bits() {
                 simd,
                 ..Options::default()
             };
-            bits(&render(&world, &options))
+            bits(&render(&world, &options).unwrap())
         };
         let widest = rendered(SimdLevel::default());
         for (instructions, simd) in SimdLevel::available() {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use candela::film::exr::ExrOptions;
+use candela::exr::ExrOptions;
 use candela::output::Unfinished;
 use candela::scene::mesh::{MeshGroup, MeshNormals};
 use candela::scene::{
@@ -429,7 +429,7 @@ fn inputs_are_hashed_as_sha256sum_does() {
     assert_eq!(paths.len(), 5);
 
     let exr = folder.join("out.exr");
-    let film = render(&world, &Options::default());
+    let film = render(&world, &Options::default()).unwrap();
     film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
         .unwrap();
     let printed = oiiotool(folder, "--info -v out.exr");

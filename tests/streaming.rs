@@ -4,11 +4,11 @@
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
-use candela::film::{Counts, Layers, Options, Window, render_exr, render_with};
+use candela::exr::{Compression, ExrOptions, ExrReport, Precision, Preserve};
+use candela::image::Window;
+use candela::render::{Counts, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport};
-use candela::visibility::Visibility;
-use candela::world::{Plan, Wavelengths, World};
+use candela::world::{Wavelengths, World};
 
 use crate::allocation::peak;
 
@@ -37,17 +37,17 @@ fn stream(
     exr: &ExrOptions,
     sink: &mut (impl Write + Seek + Send),
 ) -> io::Result<(Counts, ExrReport)> {
-    let plan = Plan::new(world);
-    let visibility = Visibility::new(world, &plan);
-    render_exr(world, &plan, &visibility, options, progress, exr, sink)
+    let renderer = Renderer::new(world).unwrap();
+    let job = Job::watched(progress);
+    let rendered = renderer.exr(options, exr, Preserve::Nothing, &job, sink)?;
+    Ok((rendered.counts, rendered.report))
 }
 
 /// Renders and writes, together and one after the other, on any number of threads: one file, one
 /// report.
 fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
-    let plan = Plan::new(world);
-    let visibility = Visibility::new(world, &plan);
-    let (film, counts) = render_with(world, &plan, &visibility, options, &|_| {});
+    let renderer = Renderer::new(world).unwrap();
+    let (film, counts) = renderer.film(options, &Job::new()).unwrap();
     let mut file = Cursor::new(Vec::new());
     let report = film.write_exr_to(&mut file, exr).unwrap();
     for threads in [1, 2, 5] {
@@ -211,20 +211,11 @@ fn the_film_is_never_there_as_a_whole() {
         free: usize::MAX,
         written: 0,
     };
-    let plan = Plan::new(&world);
-    let visibility = Visibility::new(&world, &plan);
+    let renderer = Renderer::new(&world).unwrap();
     let (result, most) = pool.install(|| {
         peak(|| {
             let (options, exr) = (Options::default(), ExrOptions::default());
-            render_exr(
-                &world,
-                &plan,
-                &visibility,
-                &options,
-                &|_| {},
-                &exr,
-                &mut disk,
-            )
+            renderer.exr(&options, &exr, Preserve::Nothing, &Job::new(), &mut disk)
         })
     });
     result.unwrap();

@@ -20,10 +20,11 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use candela::film::{self, Options, Window};
+use candela::image::Window;
 use candela::memory;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
 use candela::printable::printable_path;
+use candela::render::Options;
 use clap::{ColorChoice, Parser, Subcommand};
 use failure::{Failure, StandardOutput};
 
@@ -124,8 +125,8 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
             window: Some(pixel),
             ..Options::default()
         };
-        let [r, g, b, _] = film::render(&world, &options).pixels()[0];
-        [r, g, b]
+        let [r, g, b, _] = candela::render(&world, &options)?.pixels()[0];
+        Ok([r, g, b])
     };
     Ok(probe::run(arguments, &scene, renderer, output)?)
 }

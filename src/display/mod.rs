@@ -19,6 +19,7 @@ mod dither;
 pub mod exposure;
 mod picture;
 mod png;
+mod source;
 mod stream;
 pub mod view;
 
@@ -28,10 +29,10 @@ use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
 pub use picture::Picture;
-pub use stream::{convert, convert_reader};
+pub use stream::{convert, convert_image, convert_reader};
 pub use view::View;
 
-use crate::film::exr::ExrError;
+use crate::exr::ExrError;
 use crate::output::OutputError;
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
@@ -318,8 +319,8 @@ fn developed(picture: &Picture<'_>, develop: &Develop) -> Image {
 mod tests {
     use super::*;
     use crate::color::transfer;
-    use crate::film::Window;
-    use crate::film::exr::{ColorTag, ExrImage};
+    use crate::exr::{ColorTag, ExrImage};
+    use crate::image::Window;
 
     /// Without dither: every value becomes the nearest code.
     const NEAREST: Settings = Settings {

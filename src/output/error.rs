@@ -232,20 +232,6 @@ pub(super) fn unassembled(error: io::Error) -> OutputProblem {
     OutputProblem::Unassembled { folder, error }
 }
 
-/// What a problem with a temporary file that stands for a stream means for that.
-pub(super) fn kept(problem: OutputProblem) -> OutputProblem {
-    match problem {
-        OutputProblem::Full(error)
-        | OutputProblem::Quota(error)
-        | OutputProblem::SizeLimit(error)
-        | OutputProblem::Device(error)
-        | OutputProblem::ReadOnly(error)
-        | OutputProblem::ClosedFolder { error, .. }
-        | OutputProblem::Io(error) => unassembled(error),
-        other => other,
-    }
-}
-
 /// A target as messages name it.
 fn name(path: &Path) -> String {
     if path.as_os_str() == STANDARD_STREAM {

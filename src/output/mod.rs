@@ -7,7 +7,6 @@
 
 mod early;
 mod error;
-mod staged;
 mod stream;
 mod target;
 mod temporary;
@@ -23,7 +22,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use early::EarlySync;
 pub use error::{OutputError, OutputProblem, is_transient};
 use error::{classified, folder_problem};
-pub use staged::Staged;
 pub use target::Place;
 use target::{Target, resolve};
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::Group;
+use super::groups::Group;
 use super::power::{powers, whole_exponent, whole_powers};
 use crate::math::{Point, SAFE_SQUARES};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
@@ -11,10 +11,9 @@ use crate::world::material::Model;
 use crate::world::{Lobes, Material};
 
 /// The specular lobe of a material.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Gloss {
     /// There is none.
-    #[default]
     None,
     /// cosⁿ of L7, with the cosine of the incident light as a factor or without.
     Lobe {
@@ -100,7 +99,7 @@ pub(super) fn geometry<S: Simd>(
     let along = height * ends.cos_viewer * 2.0 - to_light.dot(ends.to_viewer);
     let cos_reflected = along * inverse;
     let mut specular = zero;
-    for &Group { members, gloss, .. } in groups {
+    for &Group { members, gloss } in groups {
         let Gloss::Lobe {
             shininess,
             has_cosine,

@@ -3,8 +3,9 @@
 
 mod files;
 
-use candela::film::{self, BACKGROUND_DEPTH, Film, Layers, Options, Window};
+use candela::image::{BACKGROUND_DEPTH, Film, Window};
 use candela::oracle::Oracle;
+use candela::render::{self, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport, Value};
 use candela::world::{Wavelengths, World};
 
@@ -43,7 +44,7 @@ fn with_layers(scene: &Scene, samples: u32, layers: Layers) -> Film {
         layers,
         ..Options::default()
     };
-    film::render(&world, &options)
+    render::render(&world, &options).unwrap()
 }
 
 /// The values of some channels, pixel by pixel.
@@ -498,7 +499,7 @@ fn a_part_has_the_layers_of_the_whole() {
             layers: ALL,
             ..Options::default()
         };
-        let part = film::render(&world, &options);
+        let part = render::render(&world, &options).unwrap();
         for (pixel, [x, y]) in window.pixels().enumerate() {
             let in_whole = (y * world.resolution()[0] + x) as usize;
             let bits =
@@ -517,14 +518,13 @@ fn shares_beyond_f32_are_clamped_and_counted() {
             .replace("[0, 0, 1]\n", "[-1e-7, 0, 1e-9]\n"),
     );
     let world = World::new(&scene).unwrap();
-    let plan = candela::world::Plan::new(&world);
-    let visibility = candela::visibility::Visibility::new(&world, &plan);
+    let renderer = Renderer::new(&world).unwrap();
     let options = Options {
         samples: 64,
         layers: ALL,
         ..Options::default()
     };
-    let (film, counts) = film::render_with(&world, &plan, &visibility, &options, &|_| {});
+    let (film, counts) = renderer.film(&options, &Job::new()).unwrap();
     assert_eq!(share(&film, "key")[0], [f32::MAX; 3]);
     assert_eq!(counts.clamped, 3 + 3);
 }

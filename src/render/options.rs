@@ -1,0 +1,86 @@
+//! How to render.
+
+use super::layers::Layers;
+use crate::image::Window;
+use crate::simd::SimdLevel;
+use crate::world::World;
+
+/// The most samples of a pixel.
+pub const MAX_SAMPLES: u32 = 65_536;
+
+/// How to render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Samples of each pixel. 1 samples pixel centers and nothing else; more are a fixed pattern
+    /// that differs from pixel to pixel. Range: 1 to [`MAX_SAMPLES`]. Default 1.
+    pub samples: u32,
+    /// The part of the image to render; `None` is all of it.
+    pub window: Option<Window>,
+    /// What is made beside R, G, B and A. Default: nothing.
+    pub layers: Layers,
+    /// The instructions to render with, which make no difference to the image. Default: the widest
+    /// that the machine has.
+    pub simd: SimdLevel,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            samples: 1,
+            window: None,
+            layers: Layers::default(),
+            simd: SimdLevel::default(),
+        }
+    }
+}
+
+/// Options that a world cannot be rendered with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OptionsError {
+    /// [`Options::samples`] is out of range.
+    #[error("{0} samples of a pixel are out of range; choose 1 to {MAX_SAMPLES}")]
+    Samples(u32),
+    /// [`Options::window`] is not inside the image, or has no pixels.
+    #[error(
+        "the window of {} × {} pixels at ({}, {}) is not inside the image of {} × {}; choose a part of it",
+        window.width, window.height, window.x, window.y, resolution[0], resolution[1]
+    )]
+    Window {
+        /// What was asked for.
+        window: Window,
+        /// Width and height of the whole image.
+        resolution: [u32; 2],
+    },
+    /// [`Options::layers`] has [`Layers::spectral`], but the world carries light as RGB.
+    #[error(
+        "there are no bands where light is carried as RGB; leave the layer `spectral` out, or \
+         set the image's `transport` to \"spectral\""
+    )]
+    Bands,
+}
+
+impl Options {
+    /// What of the image is rendered.
+    ///
+    /// # Errors
+    /// If the world cannot be rendered with these options.
+    pub fn check(&self, world: &World) -> Result<Window, OptionsError> {
+        if !(1..=MAX_SAMPLES).contains(&self.samples) {
+            return Err(OptionsError::Samples(self.samples));
+        }
+        if self.layers.spectral.is_some() && world.spectra().is_none() {
+            return Err(OptionsError::Bands);
+        }
+        let resolution @ [width, height] = world.resolution();
+        let window = self.window.unwrap_or(Window::whole(resolution));
+        let ends_in = |first: u32, count: u32, end| {
+            count > 0 && first.checked_add(count).is_some_and(|last| last <= end)
+        };
+        if ends_in(window.x, window.width, width) && ends_in(window.y, window.height, height) {
+            Ok(window)
+        } else {
+            Err(OptionsError::Window { window, resolution })
+        }
+    }
+}
