@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::target::{STANDARD_STREAM, folder_of};
+use super::{STANDARD_STREAM, folder_of};
 use crate::printable::printable_path;
 
 /// A file could not be written; the target is as it was before.
