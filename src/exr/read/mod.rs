@@ -98,6 +98,7 @@ impl ExrError {
 
 /// Why an OpenEXR file could not be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExrProblem {
     /// The system reports an error.
     #[error("{0}")]
