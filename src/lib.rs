@@ -39,6 +39,7 @@
 //! | [`output`] | files that appear whole or not at all |
 //! | [`printable`] | text from files and command lines as it may be shown on a terminal |
 //! | [`spectrum`] | functions of wavelength: the CIE's tables, curves, illuminants, smooth spectra of colors |
+//! | [`camera`] | pixels to rays (L1) |
 //! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
 //! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the [`Plan`](world::Plan) |
 //! | [`visibility`] | what a camera ray sees (L1, L2) and what a light reaches (L4) |
@@ -93,8 +94,8 @@
 //!     normal = [0, 1, 0]
 //! "#;
 //! let scene = Scene::parse(text, "floor.toml")?; // what was written
-//! let world = World::new(&scene)?; // what is legal
-//! let film = render(&world, &Options::default());
+//! let (world, camera) = World::new(&scene)?; // what is legal, and who looks at it
+//! let film = render(&world, &camera, &Options::default());
 //!
 //! // One pixel is one metre; column 4 is x = 0, column 7 is x = 3.
 //! let pixel = |x: usize, y: usize| film.pixels()[9 * y + x];
@@ -114,6 +115,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod camera;
 pub mod color;
 pub mod display;
 pub mod film;
@@ -135,6 +137,7 @@ pub mod world;
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
 
-pub use film::{Film, Options, render};
+pub use camera::Camera;
+pub use film::{Film, Options, Renderer, render};
 pub use scene::Scene;
 pub use world::World;

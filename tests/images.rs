@@ -34,12 +34,12 @@ pub(crate) fn parse(text: &str) -> Scene {
 
 /// The image of a scene with `samples` samples a pixel.
 pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
-    let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples,
         ..Options::default()
     };
-    film::render(&world, &options)
+    film::render(&world, &camera, &options)
 }
 
 /// The image of a scene given as text.

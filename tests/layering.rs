@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 15] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
+    ("camera", &["math", "simd"]),
     ("color", &[]),
     ("printable", &[]),
     ("memory", &[]),
@@ -23,19 +24,20 @@ const MAY_USE: [(&str, &[&str]); 15] = [
             "scene",
             "units",
             "math",
-            "simd",
+            "camera",
             "color",
             "spectrum",
             "printable",
             "memory",
         ],
     ),
-    ("visibility", &["world", "math", "simd", "memory"]),
+    ("visibility", &["world", "camera", "math", "simd", "memory"]),
     ("shading", &["world", "visibility", "units", "math", "simd"]),
     (
         "film",
         &[
             "world",
+            "camera",
             "visibility",
             "shading",
             "math",

@@ -38,8 +38,8 @@ fn bands_of(scene: &Scene, samples: u32, wavelengths: Wavelengths) -> Film {
 fn film_of(scene: &Scene, options: &Options) -> Film {
     let mut scene = scene.clone();
     scene.image.transport.value = Transport::Spectral;
-    let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-    film::render(&world, options)
+    let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+    film::render(&world, &camera, options)
 }
 
 /// The bits of all bands of all pixels.
@@ -176,9 +176,8 @@ fn bands_beyond_f32_are_clamped_and_counted() {
         .replace("position = [0, 2, 0]", "position = [0, 1e-9, 0]");
     let mut scene = parse(&text);
     scene.image.transport.value = Transport::Spectral;
-    let world = World::new(&scene).unwrap();
-    let plan = candela::world::Plan::new(&world);
-    let visibility = candela::visibility::Visibility::new(&world, &plan);
+    let (world, camera) = World::new(&scene).unwrap();
+    let renderer = film::Renderer::new(world).unwrap();
     let options = Options {
         layers: Layers {
             spectral: Some(Wavelengths::default()),
@@ -186,7 +185,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
         },
         ..Options::default()
     };
-    let (film, counts) = film::render_with(&world, &plan, &visibility, &options, &|_| {});
+    let (film, counts) = renderer.render_with(&camera, &options, &|_| {});
     assert!(film.values(9 * 4 + 4).iter().all(|&band| band == f32::MAX));
     assert_eq!(counts.clamped, 3 + 41);
 }

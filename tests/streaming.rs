@@ -4,11 +4,11 @@
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use candela::Camera;
 use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
-use candela::film::{Counts, Layers, Options, Window, render_exr, render_with};
+use candela::film::{Counts, Layers, Options, Renderer, Window};
 use candela::scene::{Scene, Transport};
-use candela::visibility::Visibility;
-use candela::world::{Plan, Wavelengths, World};
+use candela::world::{Wavelengths, World};
 
 use crate::allocation::peak;
 
@@ -23,31 +23,37 @@ const CROP: Window = Window {
     height: 290,
 };
 
-fn world(resolution: [u32; 2], transport: Transport) -> World {
+/// A world that is ready, and its camera.
+struct Built {
+    renderer: Renderer,
+    camera: Camera,
+}
+
+fn built(resolution: [u32; 2], transport: Transport) -> Built {
     let mut scene = Scene::builtin();
     scene.image.resolution.value = resolution;
     scene.image.transport.value = transport;
-    World::new(&scene).unwrap()
+    let (world, camera) = World::new(&scene).unwrap();
+    let renderer = Renderer::new(world).unwrap();
+    Built { renderer, camera }
 }
 
 fn stream(
-    world: &World,
+    built: &Built,
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
     exr: &ExrOptions,
     sink: &mut (impl Write + Seek + Send),
 ) -> io::Result<(Counts, ExrReport)> {
-    let plan = Plan::new(world);
-    let visibility = Visibility::new(world, &plan);
-    render_exr(world, &plan, &visibility, options, progress, exr, sink)
+    let Built { renderer, camera } = built;
+    renderer.render_exr(camera, options, progress, exr, sink)
 }
 
 /// Renders and writes, together and one after the other, on any number of threads: one file, one
 /// report.
-fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
-    let plan = Plan::new(world);
-    let visibility = Visibility::new(world, &plan);
-    let (film, counts) = render_with(world, &plan, &visibility, options, &|_| {});
+fn assert_same(built: &Built, options: &Options, exr: &ExrOptions) {
+    let Built { renderer, camera } = built;
+    let (film, counts) = renderer.render_with(camera, options, &|_| {});
     let mut file = Cursor::new(Vec::new());
     let report = film.write_exr_to(&mut file, exr).unwrap();
     for threads in [1, 2, 5] {
@@ -58,7 +64,7 @@ fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
         let told = |pixels| {
             progress.fetch_add(pixels, Ordering::Relaxed);
         };
-        let done = pool.install(|| stream(world, options, &told, exr, &mut streamed));
+        let done = pool.install(|| stream(built, options, &told, exr, &mut streamed));
         let case = format!("{options:?} {exr:?} {threads}");
         assert_eq!(done.unwrap(), (counts, report), "{case}");
         assert!(streamed.get_ref() == file.get_ref(), "{case}");
@@ -68,7 +74,7 @@ fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
 
 #[test]
 fn the_bytes_are_those_of_the_finished_film() {
-    let world = world(RESOLUTION, Transport::Auto);
+    let built = built(RESOLUTION, Transport::Auto);
     for window in [None, Some(CROP)] {
         let options = Options {
             window,
@@ -81,7 +87,7 @@ fn the_bytes_are_those_of_the_finished_film() {
                     compression,
                     ..ExrOptions::default()
                 };
-                assert_same(&world, &options, &exr);
+                assert_same(&built, &options, &exr);
             }
         }
     }
@@ -89,7 +95,7 @@ fn the_bytes_are_those_of_the_finished_film() {
 
 #[test]
 fn windows_of_every_size_are_whole() {
-    let world = world(RESOLUTION, Transport::Auto);
+    let built = built(RESOLUTION, Transport::Auto);
     for [width, height] in [
         [1, 1],
         [16, 16],
@@ -114,14 +120,14 @@ fn windows_of_every_size_are_whole() {
                 compression,
                 ..ExrOptions::default()
             };
-            assert_same(&world, &options, &exr);
+            assert_same(&built, &options, &exr);
         }
     }
 }
 
 #[test]
 fn bands_are_streamed_as_well() {
-    let world = world([75, 50], Transport::Spectral);
+    let built = built([75, 50], Transport::Spectral);
     for compression in [Compression::Zip, Compression::Piz] {
         for precision in [Precision::Float, Precision::Half] {
             let options = Options {
@@ -136,7 +142,7 @@ fn bands_are_streamed_as_well() {
                 compression,
                 ..ExrOptions::default()
             };
-            assert_same(&world, &options, &exr);
+            assert_same(&built, &options, &exr);
         }
     }
 }
@@ -169,7 +175,7 @@ impl Seek for Disk {
 
 #[test]
 fn a_full_disk_ends_rendering() {
-    let world = world([256, 256], Transport::Auto);
+    let built = built([256, 256], Transport::Auto);
     let exr = ExrOptions {
         compression: Compression::None,
         ..ExrOptions::default()
@@ -184,7 +190,7 @@ fn a_full_disk_ends_rendering() {
                 rendered.fetch_add(pixels, Ordering::Relaxed);
             };
             let result =
-                pool.install(|| stream(&world, &Options::default(), &told, &exr, &mut disk));
+                pool.install(|| stream(&built, &Options::default(), &told, &exr, &mut disk));
             (result, rendered.into_inner(), disk.written)
         };
         // No place for the head, for the third block of 16 lines, for the offset table.
@@ -206,25 +212,15 @@ fn a_full_disk_ends_rendering() {
 fn the_film_is_never_there_as_a_whole() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
     let pool = pool.build().unwrap();
-    let world = world([1024, 1024], Transport::Auto);
+    let built = built([1024, 1024], Transport::Auto);
     let mut disk = Disk {
         free: usize::MAX,
         written: 0,
     };
-    let plan = Plan::new(&world);
-    let visibility = Visibility::new(&world, &plan);
     let (result, most) = pool.install(|| {
         peak(|| {
             let (options, exr) = (Options::default(), ExrOptions::default());
-            render_exr(
-                &world,
-                &plan,
-                &visibility,
-                &options,
-                &|_| {},
-                &exr,
-                &mut disk,
-            )
+            stream(&built, &options, &|_| {}, &exr, &mut disk)
         })
     });
     result.unwrap();

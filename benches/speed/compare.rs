@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
+use candela::Camera;
 use candela::film::exr::ExrOptions;
-use candela::film::{Counts, Film, Options, render_with};
+use candela::film::{Counts, Film, Options, Renderer};
 use candela::output::Unfinished;
-use candela::visibility::Visibility;
-use candela::world::{Plan, World};
+use candela::world::{Loaded, World};
 use rayon::ThreadPool;
 use serde::Serialize;
 
@@ -100,16 +100,14 @@ pub(crate) fn pool(threads: usize) -> Result<ThreadPool> {
         .build()?)
 }
 
-/// A world, and the seconds that it takes to read the scene, validate and plan it.
+/// A world, its camera, and the seconds that it takes to read and validate the scene.
 pub(crate) fn load(
     path: &Path,
     change: impl FnOnce(&mut candela::Scene),
-) -> Result<(World, Plan, f64)> {
+) -> Result<(World, Camera, f64)> {
     let start = Instant::now();
-    let (scene, world) = World::load_with(path, change)?;
-    drop(scene);
-    let plan = Plan::new(&world);
-    Ok((world, plan, start.elapsed().as_secs_f64()))
+    let Loaded { world, camera, .. } = World::load_with(path, change)?;
+    Ok((world, camera, start.elapsed().as_secs_f64()))
 }
 
 impl Bench<'_> {
@@ -124,15 +122,16 @@ impl Bench<'_> {
         let pool = pool(self.threads)?;
         let mut rows = Vec::new();
         for &lights in lights {
-            let (world, plan, load) =
+            let (world, camera, load) =
                 pool.install(|| load(&scene.path, |scene| scene.lights.truncate(lights)))?;
-            let (visibility, build) = timed(|| pool.install(|| Visibility::new(&world, &plan)));
+            let (renderer, build) = timed(|| pool.install(|| Renderer::new(world)));
+            let renderer = renderer?;
             let render = |samples: u32| -> ((Film, Counts), f64) {
                 let options = Options {
                     samples,
                     ..Options::default()
                 };
-                let render = || render_with(&world, &plan, &visibility, &options, &|_| {});
+                let render = || renderer.render_with(&camera, &options, &|_| {});
                 timed(|| pool.install(render))
             };
             // The first renders of both are not measured.
@@ -197,9 +196,9 @@ impl Bench<'_> {
         let Some(program) = self.program else {
             return Ok(None);
         };
-        let (world, ..) = load(&scene.path, |_| {})?;
+        let (world, camera, _) = load(&scene.path, |_| {})?;
         let path = self.folder.join(format!("{}.bin", scene.name));
-        yardstick::write_scene(&world, &path)?;
+        yardstick::write_scene(&world, &camera, &path)?;
         drop(world);
         Ok(Some(Yardstick::start(program, &path, self.threads)?))
     }

@@ -8,9 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use candela::film::exr::ExrOptions;
-use candela::film::{Options, render_with};
+use candela::film::{Options, Renderer};
 use candela::output::Unfinished;
-use candela::visibility::Visibility;
 use serde::{Deserialize, Serialize};
 
 use super::archive::{keep, milliseconds};
@@ -87,16 +86,16 @@ struct Sweep {
 pub(crate) fn measure_here(point: &str) -> Result<()> {
     let point: Point = serde_json::from_str(point)?;
     let cost = pool(point.threads)?.install(|| -> Result<Cost> {
-        let (world, plan, load) = load(&point.scene, |scene| {
+        let (world, camera, load) = load(&point.scene, |scene| {
             scene.image.resolution.value = point.resolution;
         })?;
-        let (visibility, build) = timed(|| Visibility::new(&world, &plan));
+        let (renderer, build) = timed(|| Renderer::new(world));
+        let renderer = renderer?;
         let options = Options {
             samples: point.samples,
             ..Options::default()
         };
-        let ((film, _), render) =
-            timed(|| render_with(&world, &plan, &visibility, &options, &|_| {}));
+        let ((film, _), render) = timed(|| renderer.render_with(&camera, &options, &|_| {}));
         let exr = point.scene.with_extension("exr");
         let (written, write) =
             timed(|| film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new()));

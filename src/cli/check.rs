@@ -2,14 +2,14 @@
 
 use std::io::Write;
 
+use candela::film::Renderer;
 use candela::memory::Size;
 use candela::printable::{counted, printable, printable_path};
 use candela::scene::{Scene, Transport};
-use candela::visibility::Visibility;
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
-use candela::world::{Plan, Shape, World, physics};
+use candela::world::{Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
 use super::source::SceneArguments;
@@ -31,11 +31,15 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), Failure> {
-    let (scene, world) = arguments.scene.load(|_| {})?;
-    let plan = Plan::new(&world);
-    let visibility = Visibility::try_new(&world, &plan)?;
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = arguments.scene.load(|_| {})?;
+    let renderer = Renderer::new(world)?;
+    let (world, plan) = (renderer.world(), renderer.plan());
 
-    let [width, height] = world.resolution();
+    let [width, height] = camera.resolution();
     writeln!(
         output,
         "{} is legal",
@@ -46,14 +50,14 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         "\nimage      {width} × {height}, {}",
         world.color_space().name()
     )?;
-    print_objects(&world, output)?;
-    print_materials(&world, output)?;
-    print_lights(&world, output)?;
-    print_plan(&world, &plan, output)?;
-    print_differences(scene, &world, &plan, output)?;
+    print_objects(world, output)?;
+    print_materials(world, output)?;
+    print_lights(world, output)?;
+    print_plan(world, plan, output)?;
+    print_differences(scene, world, plan, output)?;
 
     let film = u64::from(width) * u64::from(height) * size_of::<[f32; 4]>() as u64;
-    let shapes = (world.triangles().memory() + visibility.memory()) as u64;
+    let shapes = (world.triangles().memory() + renderer.memory()) as u64;
     writeln!(
         output,
         "\nmemory     {} film, {} shapes and trees",
@@ -79,7 +83,7 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         counted(shadow_rays, "shadow ray", "shadow rays"),
     )?;
 
-    let warnings = physics::warnings(&world);
+    let warnings = physics::warnings(world);
     if !warnings.is_empty() {
         writeln!(output, "\nwarnings   {}", warnings.len())?;
         for warning in warnings.iter().take(LISTED) {
@@ -203,7 +207,7 @@ fn print_differences(
     scene.image.transport.value = other;
     writeln!(output, "\ncolors     {what}")?;
     let other = match World::new(&scene) {
-        Ok(other) => other,
+        Ok((other, _)) => other,
         Err(errors) => {
             let why = errors.list().first().map(|error| error.problem.to_string());
             let why = why.unwrap_or_default();

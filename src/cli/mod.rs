@@ -24,6 +24,7 @@ use candela::film::{self, Options, Window};
 use candela::memory;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
 use candela::printable::printable_path;
+use candela::world::Loaded;
 use clap::{ColorChoice, Parser, Subcommand};
 use failure::{Failure, StandardOutput};
 
@@ -110,7 +111,11 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
 }
 
 fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Failure> {
-    let (scene, world) = arguments
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = arguments
         .scene
         .load(|scene| probe::prepare(arguments, scene))?;
     let renderer = |[x, y]: [u32; 2]| {
@@ -124,7 +129,7 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
             window: Some(pixel),
             ..Options::default()
         };
-        let [r, g, b, _] = film::render(&world, &options).pixels()[0];
+        let [r, g, b, _] = film::render(&world, &camera, &options).pixels()[0];
         [r, g, b]
     };
     Ok(probe::run(arguments, &scene, renderer, output)?)

@@ -12,13 +12,12 @@ use std::time::Instant;
 
 use candela::display::{self, Alpha, Frame};
 use candela::film::exr::{Compression, ExrOptions, Precision};
-use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Window};
+use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Renderer, Window};
 use candela::memory::Size;
 use candela::output::{self, Staged, Unfinished};
 use candela::scene::Scene;
 use candela::simd::SimdLevel;
-use candela::visibility::Visibility;
-use candela::world::{Bands, Plan, World, physics};
+use candela::world::{Bands, Loaded, Plan, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 
@@ -189,7 +188,11 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let mut seconds = Seconds::default();
     let start = Instant::now();
 
-    let (scene, world) = match &arguments.scene {
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = match &arguments.scene {
         Some(path) => {
             let change = |scene: &mut Scene| arguments.layers.apply(scene);
             arguments.base.load(path, change)?
@@ -197,14 +200,18 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         None => {
             let mut scene = Scene::builtin();
             arguments.layers.apply(&mut scene);
-            let world = World::new(&scene)?;
-            (scene, world)
+            let (world, camera) = World::new(&scene)?;
+            Loaded {
+                scene,
+                world,
+                camera,
+            }
         }
     };
     arguments.layers.check(&world)?;
     let window = arguments
         .crop
-        .map(|crop| crop.within(world.resolution()))
+        .map(|crop| crop.within(camera.resolution()))
         .transpose()?;
     // Found out now rather than after an hour of rendering.
     let outputs = [
@@ -228,7 +235,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         output::check(output)?;
     }
     drop(scene);
-    let whole = window.unwrap_or(Window::whole(world.resolution()));
+    let whole = window.unwrap_or(Window::whole(camera.resolution()));
     let layers = arguments.layers.layers();
     let channels = layers.channels(&world);
     let exr_options = ExrOptions {
@@ -248,11 +255,11 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let threads = rayon::current_num_threads();
     let pixels = film::memory(whole, &channels, &exr_options, threads);
     fits_in_memory(pixels, table, layers, &channels).map_err(super::failure::transient)?;
-    let plan = Plan::new(&world);
     seconds.load = start.elapsed().as_secs_f64();
 
-    let (visibility, build) = timed(|| Visibility::try_new(&world, &plan));
-    let visibility = visibility?;
+    let (renderer, build) = timed(|| Renderer::new(world));
+    let renderer = renderer?;
+    let world = renderer.world();
     seconds.build = build;
 
     let options = Options {
@@ -270,15 +277,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     };
     let written = staged.as_ref().map_or(&*output, Staged::path);
     let content = |mut sink: &mut dyn output::Sink| {
-        film::render_exr(
-            &world,
-            &plan,
-            &visibility,
-            &options,
-            &advance,
-            &exr_options,
-            &mut sink,
-        )
+        renderer.render_exr(&camera, &options, &advance, &exr_options, &mut sink)
     };
     let rendered = match &staged {
         Some(staged) => staged.fill(&output, content),
@@ -324,7 +323,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         let statistics = Statistics {
             scene_sha256: world.scene_hash(),
             inputs_sha256: world.inputs_hash(),
-            image: world.resolution(),
+            image: camera.resolution(),
             window: [x, y, x + width, y + height],
             samples: arguments.samples,
             layers: layers.names(),
@@ -337,7 +336,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             clamped: counts.clamped,
             clamped_to_half: report.clamped_to_half,
             seconds: &seconds,
-            plan: &plan,
+            plan: renderer.plan(),
         };
         let json = serde_json::to_string_pretty(&statistics)?;
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
@@ -346,10 +345,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         let summary = Summary {
             arguments,
             output: &output,
-            resolution: world.resolution(),
+            resolution: camera.resolution(),
             window: whole,
             has_lights: !world.lights().is_empty(),
-            warnings: physics::warnings(&world),
+            warnings: physics::warnings(world),
             counts,
             exr: report,
             developed,
@@ -427,7 +426,7 @@ mod tests {
             spectral: Some(Wavelengths::default()),
             ..Layers::default()
         };
-        let channels = layers.channels(&World::new(&Scene::builtin()).unwrap());
+        let channels = layers.channels(&World::new(&Scene::builtin()).unwrap().0);
         assert!(fits_in_memory(1000, 1000, layers, &channels).is_ok());
         // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
         let message = |table| {

@@ -6,13 +6,15 @@ pub mod exr;
 mod layers;
 mod passes;
 mod render;
+mod renderer;
 mod sampling;
 mod strips;
 mod turns;
 
 pub use layers::{BACKGROUND_DEPTH, BACKGROUND_LIGHT, Channel, ChannelKind, Channels, Layers};
-pub use render::{Counts, MAX_SAMPLES, Options, SCREEN_WHITE, render, render_with};
-pub use strips::{memory, render_exr};
+pub use render::{Counts, MAX_SAMPLES, Options, SCREEN_WHITE, render};
+pub use renderer::Renderer;
+pub use strips::memory;
 
 use std::ops::Range;
 

@@ -9,6 +9,7 @@ use super::bands::{self, Geometry, Place};
 use super::batch::SampleRange;
 use super::layers::{BACKGROUND_DEPTH, has_background_share};
 use super::render::narrowed;
+use crate::camera::Camera;
 use crate::math::DVec3;
 use crate::shading::{Term, Terms};
 use crate::visibility::{Column, Points};
@@ -18,15 +19,22 @@ use crate::world::{Bands, World};
 #[derive(Clone, Copy)]
 pub(super) struct Passes<'w> {
     world: &'w World,
+    camera: &'w Camera,
     layers: Layers,
     bands: Option<&'w Bands>,
 }
 
 impl<'w> Passes<'w> {
     /// `None` where no layer is asked for. `bands` are those of [`Layers::spectral`].
-    pub(super) fn new(world: &'w World, layers: Layers, bands: Option<&'w Bands>) -> Option<Self> {
+    pub(super) fn new(
+        world: &'w World,
+        camera: &'w Camera,
+        layers: Layers,
+        bands: Option<&'w Bands>,
+    ) -> Option<Self> {
         let passes = Self {
             world,
+            camera,
             layers,
             bands,
         };
@@ -37,12 +45,13 @@ impl<'w> Passes<'w> {
     pub(super) fn sums(self, pixels: usize) -> Sums<'w> {
         let Self {
             world,
+            camera,
             layers,
             bands,
         } = self;
         Sums {
             lights: layers.lights.then(|| LightSums::new(world, pixels)),
-            depths: layers.depth.then(|| Depths::new(world, pixels)),
+            depths: layers.depth.then(|| Depths::new(camera, pixels)),
             normals: layers.normal.then(|| vec![DVec3::ZERO; pixels]),
             spectral: bands.map(|bands| SpectralSums::new(bands, pixels)),
         }
@@ -244,8 +253,7 @@ struct Depths {
 }
 
 impl Depths {
-    fn new(world: &World, pixels: usize) -> Self {
-        let camera = world.camera();
+    fn new(camera: &Camera, pixels: usize) -> Self {
         Self {
             eye: camera.eye().0,
             forward: camera.forward().get(),

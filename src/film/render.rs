@@ -7,6 +7,7 @@ use super::batch::{Batch, PIXELS, Run, SampleRange, TILE};
 use super::passes::Passes;
 use super::sampling::Sampler;
 use super::{Film, Frame, Layers, Metadata, Window};
+use crate::camera::Camera;
 use crate::shading::{self, Shaded, Terms};
 use crate::simd::{
     F32x16, F64x16, Kernel, LANES, Mask32x16, SimdLevel, U32x16, every_nth, side_by_side,
@@ -87,31 +88,42 @@ impl Default for Options {
     }
 }
 
-/// Renders a world: plans, builds what the plan needs, and renders with the threads of the
-/// current rayon pool. The same world and options give the same bits on any number of threads.
+/// Renders a world as a camera sees it: plans, builds what the plan needs, and renders with the threads
+/// of the current rayon pool. The same world, camera and options give the same bits on any number of
+/// threads. Where more than one picture is made of a world, a [`Renderer`](super::Renderer) builds once.
 ///
 /// # Panics
-/// If [`Options::samples`] is out of range, [`Options::window`] is not inside the image, or
-/// [`Options::layers`] has a spectral one where the world carries light as RGB.
-pub fn render(world: &World, options: &Options) -> Film {
+/// If [`Options::samples`] is out of range, [`Options::window`] is not inside the image,
+/// [`Options::layers`] has a spectral one where the world carries light as RGB, or the camera is placed in
+/// a world with another anchor.
+pub fn render(world: &World, camera: &Camera, options: &Options) -> Film {
     let plan = Plan::new(world);
     let visibility = Visibility::new(world, &plan);
-    render_with(world, &plan, &visibility, options, &|_| {}).0
+    let stage = Stage {
+        world,
+        plan: &plan,
+        visibility: &visibility,
+        camera,
+    };
+    render_with(stage, options, &|_| {}).0
 }
 
-/// [`render`] with the steps apart: what is built is passed in, `progress` is told after each
-/// tile how many pixels it had, and what the render took comes back.
-///
-/// # Panics
-/// As [`render`].
-pub fn render_with(
-    world: &World,
-    plan: &Plan,
-    visibility: &Visibility<'_>,
+/// A built world, and the camera that looks at it.
+#[derive(Clone, Copy)]
+pub(super) struct Stage<'w> {
+    pub(super) world: &'w World,
+    pub(super) plan: &'w Plan,
+    pub(super) visibility: &'w Visibility<'w>,
+    pub(super) camera: &'w Camera,
+}
+
+/// [`render`] of what is built. `progress` is told after each tile how many pixels it had.
+pub(super) fn render_with(
+    stage: Stage<'_>,
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
 ) -> (Film, Counts) {
-    set_up(world, plan, visibility, options, |work, frame| {
+    set_up(stage, options, |work, frame| {
         let mut film = Film::black(frame);
         let tiles = film.tiles(TILE).into_par_iter();
         let tiles = tiles.map_init(Box::<Space>::default, |space, mut tile| {
@@ -129,9 +141,7 @@ pub fn render_with(
 /// # Panics
 /// As [`render`].
 pub(super) fn set_up<T>(
-    world: &World,
-    plan: &Plan,
-    visibility: &Visibility<'_>,
+    stage: Stage<'_>,
     options: &Options,
     render: impl FnOnce(Work<'_>, Frame) -> T,
 ) -> T {
@@ -139,7 +149,12 @@ pub(super) fn set_up<T>(
         (1..=MAX_SAMPLES).contains(&options.samples),
         "samples are out of range"
     );
-    let resolution = world.resolution();
+    let Stage { world, camera, .. } = stage;
+    assert!(
+        camera.anchor() == world.anchor(),
+        "the camera is placed in another world"
+    );
+    let resolution = camera.resolution();
     let bands = options.layers.spectral.map(|wavelengths| {
         let spectra = world.spectra();
         Bands::new(
@@ -151,21 +166,26 @@ pub(super) fn set_up<T>(
         resolution,
         window: options.window.unwrap_or(Window::whole(resolution)),
         channels: options.layers.channels(world),
-        metadata: metadata(world, options, plan),
+        metadata: metadata(stage, options),
     };
     let sampler = Sampler::new(options.samples);
     let work = Work {
-        world,
-        visibility,
+        stage,
         samples: options.samples,
         simd: options.simd,
         sampler: &sampler,
-        passes: Passes::new(world, options.layers, bands.as_ref()),
+        passes: Passes::new(world, camera, options.layers, bands.as_ref()),
     };
     render(work, frame)
 }
 
-fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
+fn metadata(stage: Stage<'_>, options: &Options) -> Metadata {
+    let Stage {
+        world,
+        plan,
+        camera,
+        ..
+    } = stage;
     let plan = serde_json::to_string(plan).expect("a plan is plain data");
     let layers = options.layers.names();
     let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
@@ -177,8 +197,8 @@ fn metadata(world: &World, options: &Options, plan: &Plan) -> Metadata {
     ];
     Metadata {
         color_space: world.color_space(),
-        world_to_camera: world.camera().world_to_camera(world.anchor()),
-        world_to_ndc: world.camera().world_to_ndc(world.anchor()),
+        world_to_camera: camera.world_to_camera(),
+        world_to_ndc: camera.world_to_ndc(),
         provenance: std::iter::once(inputs)
             .chain(layers)
             .chain(others)
@@ -200,8 +220,7 @@ pub(super) struct Tile<'f> {
 /// What all tiles have in common.
 #[derive(Clone, Copy)]
 pub(super) struct Work<'w> {
-    world: &'w World,
-    visibility: &'w Visibility<'w>,
+    stage: Stage<'w>,
     samples: u32,
     simd: SimdLevel,
     sampler: &'w Sampler,
@@ -248,11 +267,17 @@ impl Work<'_> {
     #[inline(always)]
     fn render<S: Simd>(self, simd: S, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
         let Self {
-            world,
+            stage,
             samples,
             sampler,
             ..
         } = self;
+        let Stage {
+            world,
+            visibility,
+            camera,
+            ..
+        } = stage;
         let Space {
             batch,
             sums,
@@ -265,12 +290,12 @@ impl Work<'_> {
         let mut passes = self.passes.map(|passes| passes.sums(batch.pixels().len()));
         let mut counts = Counts::default();
         while batch.next(simd, sampler) {
-            self.visibility.see(simd, batch.samples(), tracing, points);
+            visibility.see(simd, batch.samples(camera), tracing, points);
             {
                 let passes = passes.as_mut();
                 let mut each = passes.and_then(|passes| passes.see(batch.range(), points));
                 let each = each.as_mut().map(|each| each as &mut dyn FnMut(Terms<'_>));
-                shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
+                shading::radiance(simd, world, visibility, points, tracing, shaded, each);
             }
             sums.add(simd, batch.range(), points, &shaded.radiance);
             if let Some(passes) = &mut passes {

@@ -18,33 +18,20 @@ use std::sync::{Mutex, PoisonError};
 
 use super::batch::TILE;
 use super::exr::{ExrFile, ExrOptions, ExrReport, Packer};
-use super::render::{Counts, Options, Space, Tile, Work, set_up};
+use super::render::{Counts, Options, Space, Stage, Tile, Work, set_up};
 use super::turns::in_turn;
 use super::{Channels, Rows, Window};
-use crate::visibility::Visibility;
-use crate::world::{Plan, World};
 
-/// Renders a world and writes it as OpenEXR into `sink`, from the sink's start: blocks are
-/// compressed and written while others are still being rendered, and the film is never there as a
-/// whole. The bytes are those that [`render_with`](super::render_with) and
-/// [`Film::write_exr_to`](super::Film::write_exr_to) make one after the other. `progress` is told
-/// after each tile how many pixels it had.
-///
-/// # Errors
-/// As [`Film::write_exr_to`](super::Film::write_exr_to); rendering ends with the first.
-///
-/// # Panics
-/// As [`render`](super::render()).
-pub fn render_exr(
-    world: &World,
-    plan: &Plan,
-    visibility: &Visibility<'_>,
+/// Renders a built world and writes it as OpenEXR into `sink`: see
+/// [`Renderer::render_exr`](super::Renderer::render_exr).
+pub(super) fn render_exr(
+    stage: Stage<'_>,
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
     exr: &ExrOptions,
     sink: &mut (impl Write + Seek + Send),
 ) -> io::Result<(Counts, ExrReport)> {
-    set_up(world, plan, visibility, options, |work, frame| {
+    set_up(stage, options, |work, frame| {
         let file = ExrFile::begin(&frame, exr, sink)?;
         let strips = Strips::new(frame.window, &frame.channels, &file);
         let each = |worker: &mut Worker, number| {
@@ -68,7 +55,7 @@ pub fn render_exr(
 /// A block that is compressed is there as it is, as the file has it, and in between.
 const COPIES_OF_BLOCK: u64 = 5;
 
-/// About how many bytes of pixels [`render_exr`] has in memory at once for a window with these channels
+/// About how many bytes of pixels [`Renderer::render_exr`](super::Renderer::render_exr) has in memory at once for a window with these channels
 /// beside R, G, B and A, on so many threads: a strip, a block and a tile for each, and
 /// a strip that waits.
 pub fn memory(window: Window, channels: &Channels, exr: &ExrOptions, threads: usize) -> u64 {

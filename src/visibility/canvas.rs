@@ -96,6 +96,8 @@ pub(super) struct Canvas {
     pub(super) ends: Option<[DVec3; 2]>,
     /// How far the origin or the ends of the rays may be from where they should be.
     pub(super) error: f64,
+    /// Whether some of the ends are points of spheres seen from within.
+    pub(super) has_points_within: bool,
     pub(super) state: State,
     /// Of a canvas aimed at what primary rays see the first shape so far, and of one aimed at ends of rays the
     /// largest closeness of these.
@@ -182,6 +184,7 @@ impl Default for Canvas {
             unit: 1.0,
             ends: None,
             error: 0.0,
+            has_points_within: false,
             state: State::Unfit,
             cover: None,
             nearest_end: 0.0,

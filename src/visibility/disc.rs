@@ -75,8 +75,6 @@ impl Default for Discs {
 pub(super) struct Spheres<S: Simd> {
     pub(super) center: DVec3x16<S>,
     pub(super) radius: F64x16<S>,
-    /// One bit for each that no viewer sees from within.
-    pub(super) shows_outside: u32,
 }
 
 impl<S: Simd> Spheres<S> {
@@ -181,9 +179,12 @@ impl Discs {
             & radius.gt(distance * NEGLIGIBLE + room)
             & size.is_within(simd, 1.0 / CLOSENESS..CLOSENESS);
         self.untold = !(is_told.to_bits() & fits);
-        // Seen from outside, a sphere does not hide points of its own that face the light.
-        let is_inside = power.lt(F64x16::splat(simd, 0.0)).to_bits();
-        self.hides_own = self.untold | !(spheres.shows_outside | is_inside);
+        // Points that are seen from outside and face the light are not hidden by the sphere that they are
+        // on. Those seen from within are, unless the light is inside as well.
+        self.hides_own = self.untold;
+        if canvas.has_points_within {
+            self.hides_own |= !power.lt(F64x16::splat(simd, 0.0)).to_bits();
+        }
         self.extents.covers = 0;
         if canvas.state == State::Aimed {
             let [c, cx, cy, cxx, cxy, cyy] = coefficients;
@@ -295,7 +296,7 @@ impl Discs {
         let edge_error = root_scale * F32x16::splat(simd, (2.0 * SURELY).sqrt());
         for packet in ones(packets) {
             if hides_own {
-                verdict.doubt_own(simd, canvas, packet, who);
+                verdict.doubt_own(simd, canvas, packet, who, is_untold);
             }
             if is_untold {
                 verdict.abstain(simd, canvas, packet, who);

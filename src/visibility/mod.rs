@@ -35,6 +35,8 @@ mod verdict;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use fearless_simd::Simd;
 
 pub(crate) use facing::Facing;
@@ -42,10 +44,11 @@ pub use surface::{BATCH, PACKETS, Points};
 pub(crate) use surface::{Column, columns};
 use surface::{Known, Only};
 
+use crate::camera::{Camera, Projection};
 use crate::math::{DVec3, Point, both};
 use crate::memory::{self, OutOfMemory};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
-use crate::world::{Camera, Plan, Projection, World};
+use crate::world::{Plan, World};
 use beam::{EMPTY_STACK, Stack};
 use canvas::{Canvas, State};
 use disc::Discs;
@@ -107,12 +110,51 @@ impl Primitive {
     }
 }
 
-/// The shapes of a world, arranged for tracing.
+/// The shapes of a world, arranged for tracing; whatever looks at them. Copies share what was built.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    spheres: Arc<Search<sphere::Ball>>,
+    triangles: Arc<Search<Facet>>,
+}
+
+impl Parts {
+    /// Arranges the shapes of a world as its plan says; builds the trees.
+    fn new(world: &World, plan: &Plan) -> Self {
+        let triangles = world.triangles();
+        let meshes = triangles.meshes();
+        let facet = |index| {
+            let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= index);
+            let primitive = Primitive::triangle(meshes[mesh].object, index);
+            Facet::new(primitive, triangles.vertices(index))
+        };
+        let triangles = Search::new(triangles.len() as u32, facet, plan.triangles());
+        let ball = |index: u32| sphere::Ball::new(&world.spheres()[index as usize]);
+        let spheres = Search::new(world.spheres().len() as u32, ball, plan.spheres());
+        Self {
+            spheres: Arc::new(spheres),
+            triangles: Arc::new(triangles),
+        }
+    }
+
+    /// [`Parts::new`], if there is as much memory as it takes.
+    pub(crate) fn try_new(world: &World, plan: &Plan) -> Result<Self, OutOfMemory> {
+        let needed = memory::look_for(Visibility::memory_needed(world));
+        needed.map_err(|error| error.for_what("building the trees over all shapes"))?;
+        Ok(Self::new(world, plan))
+    }
+
+    /// Bytes of the arrays and trees.
+    pub(crate) fn memory(&self) -> usize {
+        self.spheres.memory() + self.triangles.memory()
+    }
+}
+
+/// A world and its shapes, as rays ask them.
 #[derive(Debug)]
 pub struct Visibility<'w> {
     world: &'w World,
-    spheres: Search<sphere::Ball>,
-    triangles: Search<Facet>,
+    spheres: Arc<Search<sphere::Ball>>,
+    triangles: Arc<Search<Facet>>,
     is_smooth: bool,
     /// A point amid the shapes.
     somewhere: DVec3,
@@ -124,9 +166,10 @@ pub struct Visibility<'w> {
     uses_canvas: bool,
 }
 
-/// Points of the image whose primary rays are traced together, in pixels.
+/// Points of the image of a camera whose primary rays are traced together, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Samples<'s> {
+    pub(crate) camera: &'s Camera,
     /// x and y of each.
     pub(crate) places: [&'s Column; 2],
     pub(crate) count: usize,
@@ -138,11 +181,12 @@ impl Samples<'_> {
     /// What differs among the primary rays of a packet: their directions, of an orthographic camera where they
     /// start.
     #[inline(always)]
-    fn varying<S: Simd>(&self, simd: S, camera: &Camera, packet: usize) -> DVec3x16<S> {
+    fn varying<S: Simd>(&self, simd: S, packet: usize) -> DVec3x16<S> {
         let [x, y] = self.places;
         let first = packet * LANES;
         let x = F64x16::load(simd, &x[first..]);
-        camera.varying(simd, x, F64x16::load(simd, &y[first..]))
+        self.camera
+            .varying(simd, x, F64x16::load(simd, &y[first..]))
     }
 
     /// Stretches a canvas before the primary rays of the packets' samples with a bit; `somewhere` is amid the
@@ -151,11 +195,11 @@ impl Samples<'_> {
     fn stretch<S: Simd>(
         &self,
         simd: S,
-        camera: &Camera,
         somewhere: DVec3,
         asked: &[u32; PACKETS],
         canvas: &mut Canvas,
     ) {
+        let camera = self.camera;
         match camera.projection() {
             Projection::Perspective { .. } => {
                 let [x, y] = both(self.places, |places| places[self.count / 2]);
@@ -165,7 +209,7 @@ impl Samples<'_> {
                     camera.ray(x, y).direction,
                     asked,
                     #[inline(always)]
-                    |packet| self.varying(simd, camera, packet),
+                    |packet| self.varying(simd, packet),
                 );
             }
             Projection::Orthographic { .. } => {
@@ -176,14 +220,15 @@ impl Samples<'_> {
                     somewhere,
                     asked,
                     #[inline(always)]
-                    |packet| self.varying(simd, camera, packet),
+                    |packet| self.varying(simd, packet),
                 );
             }
         }
     }
 
     /// The directions of the primary rays around all of them.
-    fn corners(&self, camera: &Camera) -> [DVec3; 4] {
+    fn corners(&self) -> [DVec3; 4] {
+        let camera = self.camera;
         let [[left, right], [top, bottom]] = self.window;
         let direction = |x, y| camera.ray(x, y).direction;
         [
@@ -271,18 +316,15 @@ fn ranges<S: Simd>(
 impl<'w> Visibility<'w> {
     /// Arranges the shapes of a world as its plan says; builds the trees.
     pub fn new(world: &'w World, plan: &Plan) -> Self {
-        let triangles = world.triangles();
-        let meshes = triangles.meshes();
-        let facet = |index| {
-            let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= index);
-            let primitive = Primitive::triangle(meshes[mesh].object, index);
-            Facet::new(primitive, triangles.vertices(index))
-        };
-        let shapes = triangles.len() + world.spheres().len();
-        let is_smooth = triangles.meshes().iter().any(|mesh| mesh.normals.is_some());
-        let triangles = Search::new(triangles.len() as u32, facet, plan.triangles());
-        let ball = |index: u32| sphere::Ball::new(&world.spheres()[index as usize], world.camera());
-        let spheres = Search::new(world.spheres().len() as u32, ball, plan.spheres());
+        Self::of(world, Parts::new(world, plan))
+    }
+
+    /// A world and the parts that were built of it.
+    pub(crate) fn of(world: &'w World, parts: Parts) -> Self {
+        let shapes = world.triangles().len() + world.spheres().len();
+        let meshes = world.triangles().meshes();
+        let is_smooth = meshes.iter().any(|mesh| mesh.normals.is_some());
+        let Parts { spheres, triangles } = parts;
         let plane = world.planes().first().map(|plane| plane.point.0);
         let somewhere = triangles.somewhere().or(spheres.somewhere()).or(plane);
         Self {
@@ -306,9 +348,7 @@ impl<'w> Visibility<'w> {
     /// # Errors
     /// If there is not.
     pub fn try_new(world: &'w World, plan: &Plan) -> Result<Self, OutOfMemory> {
-        let needed = memory::look_for(Self::memory_needed(world));
-        needed.map_err(|error| error.for_what("building the trees over all shapes"))?;
-        Ok(Self::new(world, plan))
+        Ok(Self::of(world, Parts::try_new(world, plan)?))
     }
 
     /// About how many bytes [`Visibility::new`] takes at once, of which it keeps about half.
@@ -341,8 +381,7 @@ impl<'w> Visibility<'w> {
         space: &mut Workspace,
         points: &mut Points,
     ) {
-        let count = samples.count;
-        let camera = self.world.camera();
+        let Samples { camera, count, .. } = samples;
         let Workspace {
             canvas,
             drawings,
@@ -361,14 +400,14 @@ impl<'w> Visibility<'w> {
             // What one batch sees, the next one mostly does.
             let may_settle = self.are_few || points.only != Only::Many;
             let is_aimed =
-                is_perspective && may_settle && canvas.aim_between(eye.0, samples.corners(camera));
+                is_perspective && may_settle && canvas.aim_between(eye.0, samples.corners());
             if is_aimed {
                 self.cast(simd, canvas, drawings, stack, First);
             }
             if is_aimed && canvas.state == State::Aimed {
                 canvas.settle();
             } else {
-                samples.stretch(simd, camera, self.somewhere, &asked, canvas);
+                samples.stretch(simd, self.somewhere, &asked, canvas);
                 if canvas.state == State::Stretched {
                     self.cast(simd, canvas, drawings, stack, First);
                 }
@@ -392,7 +431,7 @@ impl<'w> Visibility<'w> {
                 points.hit[packet] = 0;
                 continue;
             }
-            let varying = samples.varying(simd, camera, packet);
+            let varying = samples.varying(simd, packet);
             let rays = if is_perspective {
                 Rays::from_point(simd, eye, varying)
             } else {
@@ -546,6 +585,11 @@ impl<'w> Visibility<'w> {
         if facing.iter().all(|&bits| bits == 0) {
             return lit;
         }
+        let mut within = 0;
+        for (bits, seen_within) in facing.iter().zip(points.within) {
+            within |= bits & seen_within;
+        }
+        canvas.has_points_within = within != 0;
         groups.clear();
         groups.push(facing);
         let starts = points.starts();

@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::beam::Beam;
 use super::bvh::Bounds;
-use super::canvas::{Canvas, NEGLIGIBLE};
+use super::canvas::Canvas;
 use super::disc::{Discs, Spheres};
 use super::packet::{Nearest, Packet, Rays, Shadow};
 use super::search::{Block, Shape};
@@ -12,7 +12,7 @@ use super::verdict::{Verdict, Who};
 use super::{Primitive, ROUNDING};
 use crate::math::{DVec3, Point, all_three};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
-use crate::world::{Camera, Projection, Sphere};
+use crate::world::Sphere;
 
 /// A sphere with its index in the world.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +20,6 @@ pub(super) struct Ball {
     center: Point,
     radius: f64,
     object: u32,
-    /// Whether the camera is outside.
-    shows_outside: bool,
 }
 
 /// Both parameters at which a line meets a sphere, the nearer first.
@@ -32,17 +30,11 @@ struct Crossings<S: Simd> {
 }
 
 impl Ball {
-    pub(super) fn new(sphere: &Sphere, camera: &Camera) -> Self {
-        let from_eye = sphere.center.from(camera.eye());
-        let distance = match camera.projection() {
-            Projection::Perspective { .. } => from_eye.length(),
-            Projection::Orthographic { .. } => from_eye.dot(camera.forward().get()),
-        };
+    pub(super) fn new(sphere: &Sphere) -> Self {
         Self {
             center: sphere.center,
             radius: sphere.radius,
             object: sphere.object,
-            shows_outside: distance - sphere.radius > distance * NEGLIGIBLE,
         }
     }
 
@@ -120,8 +112,6 @@ pub(super) struct Balls {
     center: [[f64; LANES]; 3],
     radius: [f64; LANES],
     object: [u32; LANES],
-    /// One bit for each.
-    shows_outside: u32,
 }
 
 impl Balls {
@@ -131,7 +121,6 @@ impl Balls {
         Spheres {
             center: DVec3x16::load(simd, [x, y, z]),
             radius: F64x16::load(simd, &self.radius),
-            shows_outside: self.shows_outside,
         }
     }
 }
@@ -144,7 +133,6 @@ impl Block<Ball> for Balls {
             center: [[0.0; LANES]; 3],
             radius: [1.0; LANES],
             object: [0; LANES],
-            shows_outside: 0,
         };
         for (place, ball) in shapes.iter().enumerate() {
             for axis in 0..3 {
@@ -152,7 +140,6 @@ impl Block<Ball> for Balls {
             }
             balls.radius[place] = ball.radius;
             balls.object[place] = ball.object;
-            balls.shows_outside |= u32::from(ball.shows_outside) << place;
         }
         balls
     }
@@ -163,7 +150,6 @@ impl Block<Ball> for Balls {
             center: all_three(self.center, |column| column[place]).into(),
             radius: self.radius[place],
             object: self.object[place],
-            shows_outside: self.shows_outside >> place & 1 == 1,
         }
     }
 
@@ -171,7 +157,7 @@ impl Block<Ball> for Balls {
 
     #[inline(always)]
     fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
-        let Spheres { center, radius, .. } = self.spheres(simd);
+        let Spheres { center, radius } = self.spheres(simd);
         beam.may_meet_spheres(simd, center, radius)
     }
 

@@ -46,8 +46,16 @@ pub(super) trait Verdict: Copy {
     /// The shape cannot be told from f32: all rays of a packet that may meet it are asked again.
     fn abstain<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
 
-    /// A shape that the end of a ray is on may hide it all the same: those are asked again.
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who);
+    /// A sphere that the end of a ray is on may hide it all the same: those are asked again that are seen from
+    /// within, and of one that cannot be told all.
+    fn doubt_own<S: Simd>(
+        self,
+        simd: S,
+        canvas: &mut Canvas,
+        packet: usize,
+        who: Who,
+        is_untold: bool,
+    );
 }
 
 /// What is the first that a primary ray meets?
@@ -147,7 +155,7 @@ impl Verdict for First {
     }
 
     #[inline(always)]
-    fn doubt_own<S: Simd>(self, _: S, _: &mut Canvas, _: usize, _: Who) {}
+    fn doubt_own<S: Simd>(self, _: S, _: &mut Canvas, _: usize, _: Who, _: bool) {}
 }
 
 impl Verdict for Reached<'_> {
@@ -208,8 +216,21 @@ impl Verdict for Reached<'_> {
     }
 
     #[inline(always)]
-    fn doubt_own<S: Simd>(self, simd: S, canvas: &mut Canvas, packet: usize, who: Who) {
+    fn doubt_own<S: Simd>(
+        self,
+        simd: S,
+        canvas: &mut Canvas,
+        packet: usize,
+        who: Who,
+        is_untold: bool,
+    ) {
         let own = self.are_on(simd, packet, who);
-        canvas.undecided[packet] |= (canvas.asking(simd, packet) & own).to_bits();
+        let own = (canvas.asking(simd, packet) & own).to_bits();
+        let of_those = if is_untold {
+            own
+        } else {
+            self.points.within[packet]
+        };
+        canvas.undecided[packet] |= own & of_those;
     }
 }

@@ -236,7 +236,7 @@ mod tests {
         for compression in Compression::ALL {
             assert!(fits(compression, &Channels::default()));
         }
-        let world = World::new(&Scene::builtin()).unwrap();
+        let world = World::new(&Scene::builtin()).unwrap().0;
         let channels = every_nm.channels(&world);
         assert!(fits(Compression::Zip, &channels));
         // 32 lines of 65536 pixels of 475 values of 4 bytes are 4 GB.

@@ -13,7 +13,8 @@ use glam::DVec3;
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
 use super::spectra::{Products, Spectra};
-use super::{Camera, Named, Object, PointLight, Projection, World};
+use super::{Loaded, Named, Object, PointLight, World};
+use crate::camera::{Camera, Projection};
 use crate::math::{Normal, Point};
 use crate::memory::{self, OutOfMemory};
 use crate::printable::{counted, printable};
@@ -34,16 +35,34 @@ const LARGEST: f64 = 1e30;
 const MOST_PRODUCTS: u64 = 1 << 25;
 
 /// Validates a whole scene.
-pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
-    let (world, diagnostics) = Validator::run(scene, &Broken::default());
+pub(super) fn validate(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
+    let (made, diagnostics) = Validator::run(scene, &Broken::default());
     match Diagnostics::new(Arc::clone(&scene.source), diagnostics) {
         Some(diagnostics) => Err(diagnostics),
-        None => Ok(world),
+        None => Ok(made.expect(CAMERA_IS_MADE)),
     }
 }
 
+/// Validates a camera that is placed in a world with this anchor.
+pub(super) fn place(
+    camera: &scene::Camera,
+    [width, height]: [u32; 2],
+    anchor: DVec3,
+) -> Result<Camera, Diagnostics> {
+    let scene = Scene::new(scene::Image::new(width, height), camera.clone());
+    let broken = Broken::default();
+    let mut validator = Validator::new(&scene, &broken, anchor);
+    let camera = validator.camera();
+    match Diagnostics::new(Arc::clone(&scene.source), validator.diagnostics) {
+        Some(diagnostics) => Err(diagnostics),
+        None => Ok(camera.ok().expect(CAMERA_IS_MADE)),
+    }
+}
+
+const CAMERA_IS_MADE: &str = "what no diagnostic is about is made";
+
 /// Validates what could be read of a scene; what is wrong with its form is reported as well.
-pub(super) fn validate_reading(reading: Reading) -> Result<(Scene, World), Diagnostics> {
+pub(super) fn validate_reading(reading: Reading) -> Result<Loaded, Diagnostics> {
     let Reading {
         source,
         scene,
@@ -51,14 +70,20 @@ pub(super) fn validate_reading(reading: Reading) -> Result<(Scene, World), Diagn
         broken,
     } = reading;
     let validated = scene.map(|scene| {
-        let (world, found) = Validator::run(&scene, &broken);
+        let (made, found) = Validator::run(&scene, &broken);
         diagnostics.extend(found);
-        (scene, world)
+        (scene, made)
     });
-    match Diagnostics::new(source, diagnostics) {
-        Some(diagnostics) => Err(diagnostics),
-        None => Ok(validated.expect("a scene that cannot be read has a diagnostic")),
+    if let Some(diagnostics) = Diagnostics::new(source, diagnostics) {
+        return Err(diagnostics);
     }
+    let (scene, made) = validated.expect("a scene that cannot be read has a diagnostic");
+    let (world, camera) = made.expect(CAMERA_IS_MADE);
+    Ok(Loaded {
+        scene,
+        world,
+        camera,
+    })
 }
 
 /// Values in f64, checked as far as they go; what is wrong with them is in `diagnostics`, and then
@@ -110,16 +135,26 @@ impl Entry<'_> {
 struct Reported;
 
 impl<'a> Validator<'a> {
-    fn run(scene: &'a Scene, broken: &'a Broken) -> (World, Vec<Diagnostic>) {
+    /// Of a whole scene; no camera where it is in error.
+    fn run(scene: &'a Scene, broken: &'a Broken) -> (Option<(World, Camera)>, Vec<Diagnostic>) {
         let look_at = DVec3::from_array(scene.camera.value.view().look_at.value);
-        let mut validator = Validator {
+        let anchor = if look_at.is_finite() {
+            look_at
+        } else {
+            DVec3::ZERO
+        };
+        let mut validator = Self::new(scene, broken, anchor);
+        let camera = validator.camera();
+        let world = validator.world();
+        let made = camera.ok().map(|camera| (world, camera));
+        (made, validator.diagnostics)
+    }
+
+    fn new(scene: &'a Scene, broken: &'a Broken, anchor: DVec3) -> Self {
+        Self {
             scene,
             broken,
-            anchor: if look_at.is_finite() {
-                look_at
-            } else {
-                DVec3::ZERO
-            },
+            anchor,
             diagnostics: Vec::new(),
             entry: None,
             is_out_of_memory: false,
@@ -134,19 +169,14 @@ impl<'a> Validator<'a> {
             shades: color::Shades::default(),
             spectral_values: Vec::new(),
             gaps: Vec::new(),
-        };
-        let world = validator.world();
-        (world, validator.diagnostics)
+        }
     }
 
     fn world(&mut self) -> World {
         self.entry = Some(Entry::Image);
-        let resolution = self.resolution();
         let background = &self.scene.image.background;
         self.note_spectra([&background.value], || "the background".to_owned());
         let background = self.emission("background", background);
-        self.entry = Some(Entry::Camera);
-        let camera = self.camera(resolution);
         let mut pigments = Vec::new();
         let mut materials = Vec::new();
         self.each(
@@ -185,12 +215,9 @@ impl<'a> Validator<'a> {
         let mut world = World {
             scene_hash: self.scene.hash().to_string(),
             inputs_hash: self.scene.inputs_hash().to_string(),
-            resolution,
             color_space: self.scene.image.color_space.value,
             background: Radiance(Rgb(background.rgb)),
             anchor: self.anchor,
-            // A camera that cannot be made is an error, after which the world is dropped.
-            camera: camera.unwrap_or_else(|Reported| placeholder_camera()),
             materials,
             lights,
             objects: Vec::new(),
@@ -444,7 +471,17 @@ impl<'a> Validator<'a> {
         })
     }
 
-    fn camera(&mut self, resolution: [u32; 2]) -> Result<Camera, Reported> {
+    /// The scene's camera, with the image that it makes.
+    fn camera(&mut self) -> Result<Camera, Reported> {
+        self.entry = Some(Entry::Image);
+        let resolution = self.resolution();
+        self.entry = Some(Entry::Camera);
+        let camera = self.camera_of(resolution);
+        self.entry = None;
+        camera
+    }
+
+    fn camera_of(&mut self, resolution: [u32; 2]) -> Result<Camera, Reported> {
         let view = self.scene.camera.value.view();
         let projection = match &self.scene.camera.value {
             scene::Camera::Perspective { vertical_fov, .. } => self
@@ -475,7 +512,8 @@ impl<'a> Validator<'a> {
             self.report(view.look_at.span, Problem::Conflict(conflict.to_owned()));
             return Err(Reported);
         }
-        Camera::new(eye, forward, up.get(), projection, resolution).ok_or_else(|| {
+        let camera = Camera::new(self.anchor, eye, forward, up.get(), projection, resolution);
+        camera.ok_or_else(|| {
             let conflict = "`up` is along the view from `eye` to `look_at`, expected a direction \
                             across it, such as [0, 0, 1] for a view along y";
             self.report(view.up.span, Problem::Conflict(conflict.to_owned()));
@@ -575,11 +613,4 @@ fn as_written(value: f64) -> String {
 fn listed(values: &[f64]) -> String {
     let values: Vec<String> = values.iter().copied().map(as_written).collect();
     format!("[{}]", values.join(", "))
-}
-
-/// Stands in after an error, in a world that is dropped.
-fn placeholder_camera() -> Camera {
-    let projection = Projection::Perspective { half_height: 1.0 };
-    Camera::new(Point(DVec3::ZERO), DVec3::Z, DVec3::Y, projection, [1, 1])
-        .expect("z and y make a frame")
 }
