@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use candela::film::Layers;
+use candela::render::Layers;
 use candela::world::Loaded;
 use candela::{Film, Options, World, render};
 

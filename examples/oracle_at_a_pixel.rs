@@ -9,7 +9,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use candela::film::Window;
+use candela::image::Window;
 use candela::oracle::{Oracle, Sample};
 use candela::world::Loaded;
 use candela::{Options, World, render};

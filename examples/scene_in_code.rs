@@ -10,7 +10,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use candela::display::{self, Exposure, Settings, View};
-use candela::film::exr::ExrOptions;
+use candela::exr::ExrOptions;
 use candela::output::Unfinished;
 use candela::scene::{Camera, Image, Light, Material, MeshFile, Object, Placement, Scene, Value};
 use candela::{Options, World, render};

@@ -18,8 +18,8 @@
 //!          world                       │         legal: resolved, in range
 //!            │ Plan::new               │
 //!          plan                        │         just what this scene needs
-//!            │ film::render            │         or film::render_exr: straight into the file
-//!  ┌─ film ──┴────────────────┐        │
+//!            │ render                  │         or render::render_exr: straight into the file
+//!  ┌─ render ┴────────────────┐        │
 //!  │ visibility ⇄ shading     │        │         camera rays to points, points to radiance
 //!  └─────────┬────────────────┘        │
 //!            │ Film::write_exr    tests, probe   the same pixels by other code, in f64
@@ -44,7 +44,9 @@
 //! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the [`Plan`](world::Plan) |
 //! | [`visibility`] | what a camera ray sees (L1, L2) and what a light reaches (L4) |
 //! | [`shading`] | how much light goes from there to the viewer (L3, L5 to L9) |
-//! | [`film`] | pixels: tiles, samples, the box filter, and OpenEXR out and in |
+//! | [`image`] | what an image is: its window, its pixels and channels |
+//! | [`exr`] | images to OpenEXR and back |
+//! | [`mod@render`] | tiles, their samples, the box filter, and where finished tiles go |
 //! | [`display`] | EXR to PNG: exposure, view, sRGB |
 //! | [`oracle`] | the equations in f64 by brute force, from the scene as written: the truth for tests and `candela probe`; it shares nothing else with the renderer but the CIE's tables |
 //!
@@ -67,7 +69,7 @@
 //!
 //! ```
 //! use candela::display::{self, Settings};
-//! use candela::film::exr::ExrOptions;
+//! use candela::exr::ExrOptions;
 //! use candela::output::Unfinished;
 //! use candela::{Options, Scene, World, render};
 //!
@@ -118,16 +120,19 @@
 pub mod camera;
 pub mod color;
 pub mod display;
-pub mod film;
+pub mod exr;
+pub mod image;
 pub mod math;
 pub mod memory;
 pub mod oracle;
 pub mod output;
 pub mod printable;
+pub mod render;
 pub mod scene;
 pub mod shading;
 pub mod simd;
 pub mod spectrum;
+mod turns;
 pub mod units;
 pub mod visibility;
 pub mod world;
@@ -138,6 +143,7 @@ pub mod world;
 struct LibraryPage;
 
 pub use camera::Camera;
-pub use film::{Film, Options, Renderer, render};
+pub use image::Film;
+pub use render::{Options, Renderer, render};
 pub use scene::Scene;
 pub use world::World;

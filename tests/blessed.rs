@@ -7,8 +7,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use candela::film::exr::{ExrOptions, read};
-use candela::film::{Film, Window};
+use candela::exr::{ExrOptions, read};
+use candela::image::{Film, Window};
 use candela::output::Unfinished;
 use candela::scene::Scene;
 

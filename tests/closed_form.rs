@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
-use candela::film::Film;
+use candela::image::Film;
 
 use crate::images::{pixel, render};
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use candela::Scene;
 use candela::color::Primaries;
 use candela::color::difference::{Lab, delta_e_2000};
-use candela::film::exr::{self, ExrOptions};
+use candela::exr::{self, ExrOptions};
 use candela::math::DVec3;
 use candela::oracle::Oracle;
 use candela::output::Unfinished;

@@ -7,8 +7,8 @@ use std::path::Path;
 use candela::display::{
     Alpha, Bits, DisplayError, Dither, Exposure, Frame, Picture, Settings, View, convert, tonemap,
 };
-use candela::film::exr::{Compression, ExrOptions, ExrProblem, read};
-use candela::film::{Film, Metadata, Window};
+use candela::exr::{Compression, ExrOptions, ExrProblem, read};
+use candela::image::{Film, Metadata, Window};
 use candela::output::{OutputProblem, Unfinished};
 use candela::scene::{ColorSpace, Scene};
 

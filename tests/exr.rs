@@ -5,8 +5,8 @@ use std::io::Cursor;
 use std::path::Path;
 use std::process::Command;
 
-use candela::film::exr::{Compression, ExrOptions, Precision, read};
-use candela::film::{Channel, ChannelKind, Channels, Film, Metadata, Window};
+use candela::exr::{Compression, ExrOptions, Precision, read};
+use candela::image::{Channel, ChannelKind, Channels, Film, Metadata, Window};
 use candela::output::{OutputProblem, Unfinished};
 use candela::scene::ColorSpace;
 use half::f16;

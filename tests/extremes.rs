@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::thread;
 
-use candela::film::Film;
+use candela::image::Film;
 use candela::scene::{Object, Scene};
 use candela::world::plan::Acceleration;
 use candela::world::{Plan, World};

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use candela::film::{self, Film, Options};
+use candela::image::Film;
+use candela::render::{self, Options};
 use candela::scene::Scene;
 use candela::world::World;
 
@@ -39,7 +40,7 @@ pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
         samples,
         ..Options::default()
     };
-    film::render(&world, &camera, &options)
+    render::render(&world, &camera, &options)
 }
 
 /// The image of a scene given as text.

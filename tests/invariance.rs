@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use candela::film::Film;
+use candela::image::Film;
 use candela::scene::{Camera, Light, Material, Object, Scene, Spanned, Transport, Value};
 use candela::spectrum::{Curve, Lines};
 use candela::world::plan::Acceleration;

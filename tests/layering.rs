@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 19] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
@@ -33,34 +33,47 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ),
     ("visibility", &["world", "camera", "math", "simd", "memory"]),
     ("shading", &["world", "visibility", "units", "math", "simd"]),
+    ("turns", &[]),
+    ("image", &["scene"]),
     (
-        "film",
+        "exr",
+        &[
+            "image",
+            "world",
+            "scene",
+            "color",
+            "output",
+            "printable",
+            "turns",
+        ],
+    ),
+    (
+        "render",
         &[
             "world",
             "camera",
             "visibility",
             "shading",
+            "scene",
+            "image",
+            "exr",
             "math",
             "simd",
-            "scene",
-            "units",
-            "color",
             "output",
-            "printable",
-            "memory",
+            "turns",
         ],
     ),
     (
         "display",
-        &["film", "color", "memory", "output", "printable"],
+        &["image", "exr", "color", "memory", "output", "printable"],
     ),
     ("oracle", &["scene", "spectrum"]),
 ];
 
 /// Arrows that are only to some items: who, to whom, to what there.
 const ONLY_TO: [(&str, &str, &[&str]); 2] = [
-    // The image and its file, not how it was rendered.
-    ("display", "film", &["exr", "Film", "Metadata", "Window"]),
+    // The spaces' primaries, which the header of a file has.
+    ("exr", "world", &["colorimetry"]),
     // What was published and what was written, not what the renderer makes of it.
     (
         "oracle",
@@ -112,7 +125,7 @@ fn code(text: &str) -> String {
     text.lines().map(line).collect()
 }
 
-/// The path of modules that a file is: `src/film/exr/mod.rs` is film, exr.
+/// The path of modules that a file is: `src/exr/read/mod.rs` is exr, read.
 fn module_path(path: &Path) -> Vec<String> {
     let mut parts: Vec<String> = path
         .with_extension("")
@@ -291,10 +304,10 @@ fn arrows_are_found() {
         ),
         (
             "src/scene/mod.rs",
-            "use crate::{\n    units::Rgb,\n    film::Film,\n};",
+            "use crate::{\n    units::Rgb,\n    image::Film,\n};",
         ),
         ("src/units.rs", "use super::math::DVec3;"),
-        ("src/display/mod.rs", "use crate::film::{Film, render};"),
+        ("src/display/mod.rs", "use crate::render::Options;"),
         ("src/visibility/mod.rs", "pub(in crate::shading) fn f() {}"),
         ("src/spare.rs", ""),
     ] {
@@ -312,10 +325,10 @@ fn arrows_are_found() {
         ("src/scene/mesh/mod.rs", "use super::super::scene::Scene;"),
         (
             "src/display/mod.rs",
-            "use crate::film::{Film, exr::{self, read}};",
+            "use crate::{image::Film, exr::{self, read}};",
         ),
         (
-            "src/film/render.rs",
+            "src/render/tile.rs",
             "pub(crate) use crate::{shading, world::{Plan, World}};",
         ),
         ("src/lib.rs", "pub mod math;"),

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
-use candela::film::Layers;
-use candela::film::exr::ExrOptions;
+use candela::exr::ExrOptions;
 use candela::oracle::Oracle;
+use candela::render::Layers;
 use candela::scene::{Reading, Scene};
 use candela::world::difference::differences;
 use candela::world::physics::{self, Warning};

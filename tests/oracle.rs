@@ -3,10 +3,11 @@
 
 use std::path::Path;
 
-use candela::film::exr::ExrOptions;
-use candela::film::{Film, Options, Window, render};
+use candela::exr::ExrOptions;
+use candela::image::{Film, Window};
 use candela::oracle::{Oracle, Sample};
 use candela::output::Unfinished;
+use candela::render::{Options, render};
 use candela::scene::{Object, Scene};
 use candela::simd::SimdLevel;
 use candela::world::World;

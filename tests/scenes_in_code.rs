@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use candela::film::exr::ExrOptions;
+use candela::exr::ExrOptions;
 use candela::output::Unfinished;
 use candela::scene::mesh::{MeshGroup, MeshNormals};
 use candela::scene::{

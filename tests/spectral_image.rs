@@ -8,9 +8,10 @@ use std::process::Command;
 
 use candela::color::adaptation::bradford;
 use candela::color::difference::{Lab, delta_e_2000};
-use candela::film::exr::{ExrOptions, Precision};
-use candela::film::{self, Film, Layers, Options, Window};
+use candela::exr::{ExrOptions, Precision};
+use candela::image::{Film, Window};
 use candela::output::Unfinished;
+use candela::render::{self, Layers, Options};
 use candela::scene::{Scene, Transport};
 use candela::spectrum::{Illuminant, Observer, SAMPLES};
 use candela::world::colorimetry::primaries;
@@ -39,7 +40,7 @@ fn film_of(scene: &Scene, options: &Options) -> Film {
     let mut scene = scene.clone();
     scene.image.transport.value = Transport::Spectral;
     let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-    film::render(&world, &camera, options)
+    render::render(&world, &camera, options)
 }
 
 /// The bits of all bands of all pixels.
@@ -177,7 +178,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
     let mut scene = parse(&text);
     scene.image.transport.value = Transport::Spectral;
     let (world, camera) = World::new(&scene).unwrap();
-    let renderer = film::Renderer::new(world).unwrap();
+    let renderer = render::Renderer::new(world).unwrap();
     let options = Options {
         layers: Layers {
             spectral: Some(Wavelengths::default()),

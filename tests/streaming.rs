@@ -5,8 +5,9 @@ use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use candela::Camera;
-use candela::film::exr::{Compression, ExrOptions, ExrReport, Precision};
-use candela::film::{Counts, Layers, Options, Renderer, Window};
+use candela::exr::{Compression, ExrOptions, ExrReport, Precision};
+use candela::image::Window;
+use candela::render::{Counts, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport};
 use candela::world::{Wavelengths, World};
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use candela::film::Film;
+use candela::image::Film;
 use candela::scene::Scene;
 
 use crate::images::{bits, film_of, render};

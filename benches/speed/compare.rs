@@ -4,9 +4,10 @@ use std::path::Path;
 use std::time::Instant;
 
 use candela::Camera;
-use candela::film::exr::ExrOptions;
-use candela::film::{Counts, Film, Options, Renderer};
+use candela::exr::ExrOptions;
+use candela::image::Film;
 use candela::output::Unfinished;
+use candela::render::{Counts, Options, Renderer};
 use candela::world::{Loaded, World};
 use rayon::ThreadPool;
 use serde::Serialize;

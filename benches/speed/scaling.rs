@@ -7,9 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use candela::film::exr::ExrOptions;
-use candela::film::{Options, Renderer};
+use candela::exr::ExrOptions;
 use candela::output::Unfinished;
+use candela::render::{Options, Renderer};
 use serde::{Deserialize, Serialize};
 
 use super::archive::{keep, milliseconds};

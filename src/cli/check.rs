@@ -2,9 +2,9 @@
 
 use std::io::Write;
 
-use candela::film::Renderer;
 use candela::memory::Size;
 use candela::printable::{counted, printable, printable_path};
+use candela::render::Renderer;
 use candela::scene::{Scene, Transport};
 use candela::world::difference::differences;
 use candela::world::material::Model;

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use candela::display::DisplayError;
-use candela::film::exr::ExrError;
+use candela::exr::ExrError;
 use candela::memory::OutOfMemory;
 use candela::output::{self, OutputError};
 use candela::scene::Diagnostics;

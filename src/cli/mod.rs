@@ -20,10 +20,11 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use candela::film::{self, Options, Window};
+use candela::image::Window;
 use candela::memory;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
 use candela::printable::printable_path;
+use candela::render::Options;
 use candela::world::Loaded;
 use clap::{ColorChoice, Parser, Subcommand};
 use failure::{Failure, StandardOutput};
@@ -129,7 +130,7 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
             window: Some(pixel),
             ..Options::default()
         };
-        let [r, g, b, _] = film::render(&world, &camera, &options).pixels()[0];
+        let [r, g, b, _] = candela::render(&world, &camera, &options).pixels()[0];
         [r, g, b]
     };
     Ok(probe::run(arguments, &scene, renderer, output)?)

@@ -11,10 +11,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use candela::display::{self, Alpha, Frame};
-use candela::film::exr::{Compression, ExrOptions, Precision};
-use candela::film::{self, Channels, Layers, MAX_SAMPLES, Options, Renderer, Window};
+use candela::exr::{Compression, ExrOptions, Precision};
+use candela::image::{Channels, Window};
 use candela::memory::Size;
 use candela::output::{self, Staged, Unfinished};
+use candela::render::{self, Layers, MAX_SAMPLES, Options, Renderer};
 use candela::scene::Scene;
 use candela::simd::SimdLevel;
 use candela::world::{Bands, Loaded, Plan, World, physics};
@@ -253,7 +254,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         Bands::size(spectra, wavelengths)
     });
     let threads = rayon::current_num_threads();
-    let pixels = film::memory(whole, &channels, &exr_options, threads);
+    let pixels = render::memory(whole, &channels, &exr_options, threads);
     fits_in_memory(pixels, table, layers, &channels).map_err(super::failure::transient)?;
     seconds.load = start.elapsed().as_secs_f64();
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::develop::DevelopArguments;
 use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
-use candela::film::exr::ExrReader;
+use candela::exr::ExrReader;
 use candela::output::Unfinished;
 use candela::printable::printable_path;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};

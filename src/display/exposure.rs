@@ -111,8 +111,8 @@ impl LogSum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Window;
-    use crate::film::exr::{ColorTag, ExrImage};
+    use crate::exr::{ColorTag, ExrImage};
+    use crate::image::Window;
 
     /// In EV: δ beside a luminance of at least 0.18 is log2(1 + 1e-6 / 0.18) = 8.0e-6, and the
     /// rounding of the radiance to f32 at most 1e-7.

@@ -31,7 +31,7 @@ pub use picture::Picture;
 pub use stream::{convert, convert_reader};
 pub use view::View;
 
-use crate::film::exr::ExrError;
+use crate::exr::ExrError;
 use crate::output::OutputError;
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
@@ -318,8 +318,8 @@ fn developed(picture: &Picture<'_>, develop: &Develop) -> Image {
 mod tests {
     use super::*;
     use crate::color::transfer;
-    use crate::film::Window;
-    use crate::film::exr::{ColorTag, ExrImage};
+    use crate::exr::{ColorTag, ExrImage};
+    use crate::image::Window;
 
     /// Without dither: every value becomes the nearest code.
     const NEAREST: Settings = Settings {

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use crate::color::Primaries;
 use crate::color::adaptation::conversion;
-use crate::film::exr::{ExrImage, color_interop_id, primaries_of};
-use crate::film::{Film, Window};
+use crate::exr::{ExrImage, color_interop_id, primaries_of};
+use crate::image::{Film, Window};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 

@@ -14,8 +14,8 @@ use super::exposure::LogSum;
 use super::picture::{Prepare, Repaired, has_uncovered_light};
 use super::png::{encoder, into_io, pixel_dimensions};
 use super::{Alpha, DisplayError, Exposure, Frame, Report, Settings};
-use crate::film::Window;
-use crate::film::exr::{ExrError, ExrReader};
+use crate::exr::{ExrError, ExrReader};
+use crate::image::Window;
 use crate::memory;
 use crate::output::{self, Sink, Unfinished};
 

@@ -1,130 +1,14 @@
-//! Sixteen rays at a time: what they are, what they ask, and their way down a tree.
+//! Sixteen rays at a time: how they put their question to shapes, and their way down a tree.
 
 use fearless_simd::Simd;
 
-use super::Primitive;
-use super::beam::{Beam, Stack, range};
-use super::nodes::Tree;
-use super::search::Shape;
-use super::triangle::{Shears, shears};
-use crate::math::{DVec3, Point};
-use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
-
-/// Rays r(t) = o + t ω, side by side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rays<S: Simd> {
-    pub(super) origin: DVec3x16<S>,
-    pub(super) direction: DVec3x16<S>,
-    /// Where all start, if they start at one point.
-    pub(super) shared_origin: Option<DVec3>,
-    /// |ω|²
-    pub(super) square: F64x16<S>,
-}
-
-/// Rays that are asked together.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Packet<S: Simd> {
-    pub(super) rays: Rays<S>,
-    pub(super) shears: Shears<S>,
-}
-
-impl<S: Simd> Packet<S> {
-    #[inline(always)]
-    pub(super) fn new(rays: Rays<S>) -> Self {
-        Self {
-            rays,
-            shears: shears(rays.direction),
-        }
-    }
-}
-
-impl<S: Simd> Rays<S> {
-    /// Rays from one point.
-    #[inline(always)]
-    pub(super) fn from_point(simd: S, origin: Point, direction: DVec3x16<S>) -> Self {
-        let origins = DVec3x16::splat(simd, origin.0);
-        Self::new(origins, direction, Some(origin.0))
-    }
-
-    #[inline(always)]
-    pub(super) fn new(
-        origin: DVec3x16<S>,
-        direction: DVec3x16<S>,
-        shared_origin: Option<DVec3>,
-    ) -> Self {
-        Self {
-            origin,
-            direction,
-            shared_origin,
-            square: direction.dot(direction),
-        }
-    }
-}
-
-/// The nearest hits so far.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest<S: Simd> {
-    /// The rays that ask.
-    pub(super) asked: Mask64x16<S>,
-    pub(super) asked_bits: u32,
-    /// t; infinite where nothing is hit.
-    pub(super) t: F64x16<S>,
-    pub(super) primitive: U64x16<S>,
-}
-
-impl<S: Simd> Nearest<S> {
-    #[inline(always)]
-    pub(super) fn new(simd: S, asked_bits: u32) -> Self {
-        Self {
-            asked: Mask64x16::from_bits(simd, asked_bits),
-            asked_bits,
-            t: F64x16::splat(simd, f64::INFINITY),
-            primitive: U64x16::splat(simd, u64::MAX),
-        }
-    }
-
-    /// Takes the hits that are nearer; at the same distance what is written first in the scene.
-    #[inline(always)]
-    pub(super) fn offer(
-        &mut self,
-        simd: S,
-        found: Mask64x16<S>,
-        t: F64x16<S>,
-        primitive: Primitive,
-    ) {
-        let primitive = primitive.lanes(simd);
-        let ties = t.eq(self.t) & primitive.lt(self.primitive);
-        let is_nearer = found & self.asked & (t.lt(self.t) | ties);
-        self.t = is_nearer.select(t, self.t);
-        self.primitive = is_nearer.select_ids(primitive, self.primitive);
-    }
-}
-
-/// Points of surfaces that ask for a light.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ends<S: Simd> {
-    pub(super) position: DVec3x16<S>,
-    pub(super) error: F64x16<S>,
-    pub(super) primitive: U64x16<S>,
-}
-
-/// Which points a light reaches, so far.
-#[derive(Debug)]
-pub(super) struct Shadow<'p, S: Simd> {
-    pub(super) light: Point,
-    pub(super) points: &'p Ends<S>,
-    /// Those that nothing is known to hide.
-    pub(super) asked: Mask64x16<S>,
-    pub(super) asked_bits: u32,
-}
-
-impl<S: Simd> Shadow<'_, S> {
-    #[inline(always)]
-    pub(super) fn hide(&mut self, hidden: Mask64x16<S>) {
-        self.asked = self.asked & !hidden;
-        self.asked_bits = self.asked.to_bits();
-    }
-}
+use super::batch::range;
+use super::question::{NearestHit, Occlusion};
+use super::rays::{Rays, ShearedRays};
+use super::shape::Shape;
+use super::tree::{Beam, Stack, Tree};
+use crate::math::DVec3;
+use crate::simd::{F64x16, LANES, Mask64x16};
 
 /// What a packet asks of the shapes in a tree.
 pub(super) trait Question<S: Simd> {
@@ -138,13 +22,13 @@ pub(super) trait Question<S: Simd> {
     fn error(&self, simd: S) -> f64;
 
     /// Asks one shape.
-    fn ask<T: Shape>(&mut self, simd: S, packet: &Packet<S>, shape: &T);
+    fn ask<T: Shape>(&mut self, simd: S, packet: &ShearedRays<S>, shape: &T);
 
     /// Asks only for some of the rays from now on.
     fn only(&mut self, simd: S, bits: u32);
 }
 
-impl<S: Simd> Question<S> for Nearest<S> {
+impl<S: Simd> Question<S> for NearestHit<S> {
     #[inline(always)]
     fn asked(&self) -> u32 {
         self.asked_bits
@@ -163,7 +47,7 @@ impl<S: Simd> Question<S> for Nearest<S> {
     }
 
     #[inline(always)]
-    fn ask<T: Shape>(&mut self, simd: S, packet: &Packet<S>, shape: &T) {
+    fn ask<T: Shape>(&mut self, simd: S, packet: &ShearedRays<S>, shape: &T) {
         shape.intersect(simd, packet, self);
     }
 
@@ -174,7 +58,7 @@ impl<S: Simd> Question<S> for Nearest<S> {
     }
 }
 
-impl<S: Simd> Question<S> for Shadow<'_, S> {
+impl<S: Simd> Question<S> for Occlusion<'_, S> {
     #[inline(always)]
     fn asked(&self) -> u32 {
         self.asked_bits
@@ -193,7 +77,7 @@ impl<S: Simd> Question<S> for Shadow<'_, S> {
     }
 
     #[inline(always)]
-    fn ask<T: Shape>(&mut self, simd: S, packet: &Packet<S>, shape: &T) {
+    fn ask<T: Shape>(&mut self, simd: S, packet: &ShearedRays<S>, shape: &T) {
         shape.occlude(simd, packet, self);
     }
 
@@ -259,7 +143,7 @@ impl Spread {
 pub(super) fn descend<S: Simd, Q: Question<S>>(
     simd: S,
     tree: &Tree,
-    packet: &Packet<S>,
+    packet: &ShearedRays<S>,
     question: &mut Q,
     stack: &mut Stack,
     mut show: impl FnMut(u32, u32, &Beam, &mut Q),

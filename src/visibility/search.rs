@@ -3,72 +3,14 @@
 use fearless_simd::Simd;
 use rayon::prelude::*;
 
-use super::beam::{Beam, Stack};
-use super::bvh::Bounds;
-use super::canvas::Canvas;
-use super::nodes::{Members, Tree, blocks_of};
-use super::packet::{Nearest, Packet, Question, Shadow, descend};
-use super::verdict::Verdict;
+use super::packet::{Question, descend};
+use super::projection::{BatchProjection, DepthTest};
+use super::rays::ShearedRays;
+use super::shape::{Block, Shape};
+use super::tree::{BlockRange, Bounds, Stack, Tree, blocks_of};
 use crate::math::DVec3;
 use crate::simd::ones;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
-
-/// A shape that fits in a box.
-pub(super) trait Shape: Copy + Send + Sync {
-    /// Several of them, as the canvas takes them.
-    type Block: Block<Self>;
-
-    /// How many.
-    const WIDTH: usize;
-
-    /// What the slots of this kind of shape have in common.
-    const SLOTS: u32;
-
-    /// Whether blocks have no more of shapes than canvases need.
-    const IS_SKETCHED: bool;
-
-    /// The smallest box around it.
-    fn bounds(&self) -> Bounds;
-
-    /// L2: offers where the rays hit it at t above 0.
-    fn intersect<S: Simd>(&self, simd: S, packet: &Packet<S>, nearest: &mut Nearest<S>);
-
-    /// L4: hides the points that it stands strictly before.
-    fn occlude<S: Simd>(&self, simd: S, packet: &Packet<S>, shadow: &mut Shadow<'_, S>);
-
-    /// Whether it is certain, and soon told, that no ray on a canvas meets it.
-    fn is_beside(&self, canvas: &Canvas) -> bool;
-}
-
-/// A few shapes side by side.
-pub(super) trait Block<T>: Send + Sync {
-    /// What a canvas makes of them before it is looked at ray by ray.
-    type Drawing;
-
-    /// Of [`Shape::WIDTH`] shapes or fewer, at least one, of which `first` come before in the order of all.
-    fn of(shapes: &[T], first: u32) -> Self;
-
-    /// One of them, by its place; all shapes of sketched ones are in `shapes`.
-    fn get(&self, shapes: &[T], place: usize) -> T;
-
-    /// One bit for each place that the rays of a beam might meet a shape at.
-    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
-
-    /// Has it on its way from memory.
-    fn touch(&self);
-
-    /// Puts those with a bit on a canvas. The first has the slot `slot`, the others follow; sketched ones
-    /// have their places in the order of all for it.
-    fn cast<S: Simd>(
-        &self,
-        simd: S,
-        bits: u32,
-        slot: u32,
-        drawing: &mut Self::Drawing,
-        canvas: &mut Canvas,
-        verdict: impl Verdict,
-    );
-}
 
 /// A shape that is this many times larger than the middle one is kept out of the tree: its boxes
 /// give way in proportion to the whole, and a planet would blur the pebbles on it.
@@ -83,9 +25,9 @@ const SAMPLE: u32 = 4096;
 /// All shapes of one kind.
 #[derive(Debug)]
 pub(super) struct Search<T: Shape> {
-    /// All shapes as they are and in the order of the blocks, if these are sketches of them.
+    /// All shapes as they are and in the order of the blocks, if the blocks are quantized.
     shapes: Vec<T>,
-    /// All shapes as canvases take them: first the listed ones, then those of the tree, leaf by leaf.
+    /// All shapes as projections take them: first the listed ones, then those of the tree, leaf by leaf.
     blocks: Vec<T::Block>,
     /// How many are gone through one by one.
     listed: usize,
@@ -104,11 +46,12 @@ impl<T: Shape> Search<T> {
             Acceleration::Tree => outsized(count, &shape),
         };
         let mut members = Vec::new();
-        members.extend(blocks_of::<T>(0, listed.len() as u32));
+        members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
         let mut order = listed;
         let listed = order.len();
         let tree = (listed < count as usize).then(|| {
-            let (tree, treed) = Tree::new(count, &shape, &order, &mut members);
+            let bounds = |index| shape(index).bounds();
+            let (tree, treed) = Tree::new(count, T::WIDTH, &bounds, &order, &mut members);
             order.extend(treed);
             tree
         });
@@ -116,14 +59,14 @@ impl<T: Shape> Search<T> {
         let mut shapes: Vec<T> = shapes.collect();
         let blocks: Vec<T::Block> = members
             .par_iter()
-            .map(|&Members { first, count }| {
+            .map(|&BlockRange { first, count }| {
                 let shapes = &shapes[first as usize..(first + count) as usize];
                 T::Block::of(shapes, first)
             })
             .collect();
         let places = blocks.len() * T::WIDTH;
         assert!(places <= MOST_PLACES, "memory ends before slots do");
-        if !T::IS_SKETCHED {
+        if !T::IS_QUANTIZED {
             shapes = Vec::new();
         }
         Self {
@@ -138,7 +81,7 @@ impl<T: Shape> Search<T> {
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> T {
         let number = number as usize;
-        if T::IS_SKETCHED {
+        if T::IS_QUANTIZED {
             return self.shapes[number];
         }
         self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
@@ -165,47 +108,47 @@ impl<T: Shape> Search<T> {
         })
     }
 
-    /// Puts every shape that the rays on a canvas may meet on it.
+    /// Rasterizes every shape that the rays of a projection may meet.
     #[inline(never)]
-    pub(super) fn cast<S: Simd>(
+    pub(super) fn rasterize<S: Simd>(
         &self,
         simd: S,
-        canvas: &mut Canvas,
-        drawing: &mut <T::Block as Block<T>>::Drawing,
+        projection: &mut BatchProjection,
+        setup: &mut <T::Block as Block<T>>::Setup,
         stack: &mut Stack,
-        verdict: impl Verdict,
+        depth_test: impl DepthTest,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.cast_all(simd, canvas, drawing, stack, verdict),
+            || self.rasterize_all(simd, projection, setup, stack, depth_test),
         );
     }
 
     #[inline(always)]
-    fn cast_all<S: Simd>(
+    fn rasterize_all<S: Simd>(
         &self,
         simd: S,
-        canvas: &mut Canvas,
-        drawing: &mut <T::Block as Block<T>>::Drawing,
+        projection: &mut BatchProjection,
+        setup: &mut <T::Block as Block<T>>::Setup,
         stack: &mut Stack,
-        verdict: impl Verdict,
+        depth_test: impl DepthTest,
     ) {
         for (block, number, shapes) in self.blocks(0, self.listed) {
             let mut bits = shapes;
             for place in ones(shapes) {
-                bits &= !(u32::from(block.get(&self.shapes, place).is_beside(canvas)) << place);
+                bits &= !(u32::from(block.get(&self.shapes, place).is_beside(projection)) << place);
             }
             if bits != 0 {
                 let slot = T::SLOTS | number as u32;
-                block.cast(simd, bits, slot, drawing, canvas, verdict);
+                block.rasterize(simd, bits, slot, setup, projection, depth_test);
             }
         }
         if let Some(tree) = &self.tree {
-            let beam = canvas.beam(tree);
+            let beam = projection.beam(tree);
             beam.descend(
                 simd,
                 tree,
-                canvas.look(simd),
+                projection.look(simd),
                 stack,
                 #[inline(always)]
                 |block, count, next| {
@@ -214,11 +157,11 @@ impl<T: Shape> Search<T> {
                     }
                     for (block, number, bits) in self.blocks(block as usize, count as usize) {
                         let slot = T::SLOTS | number as u32;
-                        block.cast(simd, bits, slot, drawing, canvas, verdict);
+                        block.rasterize(simd, bits, slot, setup, projection, depth_test);
                     }
-                    (!canvas.gives_up(simd)).then(
+                    (!projection.gives_up(simd)).then(
                         #[inline(always)]
-                        || canvas.look(simd),
+                        || projection.look(simd),
                     )
                 },
             );
@@ -230,7 +173,7 @@ impl<T: Shape> Search<T> {
     pub(super) fn ask<S: Simd>(
         &self,
         simd: S,
-        packet: &Packet<S>,
+        packet: &ShearedRays<S>,
         question: &mut impl Question<S>,
         stack: &mut Stack,
     ) {
@@ -244,7 +187,7 @@ impl<T: Shape> Search<T> {
     fn ask_all<S: Simd>(
         &self,
         simd: S,
-        packet: &Packet<S>,
+        packet: &ShearedRays<S>,
         question: &mut impl Question<S>,
         stack: &mut Stack,
     ) {

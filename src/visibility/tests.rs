@@ -1,4 +1,4 @@
-//! The canvas against packets alone, on every instruction set: all ways to the same bits.
+//! The projection against packets alone, on every instruction set: all ways to the same bits.
 
 use std::fmt::Write as _;
 
@@ -13,8 +13,8 @@ mod lifted;
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];
 
-/// The part of the rays of an ordinary scene that the canvas may leave to the packets.
-const ASKED_AGAIN: f64 = 0.01;
+/// The part of the rays of an ordinary scene that the projection may leave to the packets.
+const FALLS_BACK: f64 = 0.01;
 
 /// Numbers without order from 0 to 1: multiples of irrational ones.
 fn scattered(index: u32, dimension: u32) -> f64 {
@@ -144,7 +144,7 @@ impl Writer {
         }
     }
 
-    /// Renders both ways on every instruction set; the part of all rays that the canvas left to the
+    /// Renders both ways on every instruction set; the part of all rays that the projection left to the
     /// packets, at most.
     #[track_caller]
     fn agrees(&self) -> f64 {
@@ -162,21 +162,21 @@ impl Writer {
         lifted::add_meshes(&mut scene, &self.meshes);
         let (world, camera) = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let plan = Plan::new(&world);
-        let canvas = Visibility::new(&world, &plan);
+        let projection = Visibility::new(&world, &plan);
         let packets = Visibility {
-            uses_canvas: false,
+            uses_projection: false,
             ..Visibility::new(&world, &plan)
         };
         let compare = Compare {
             world: &world,
             camera: &camera,
-            ways: [&canvas, &packets],
+            ways: [&projection, &packets],
         };
         let mut bits = None;
         let mut most_again = 0.0_f64;
         for (name, level) in SimdLevel::available() {
-            let (again, seen) = level.run(compare);
-            most_again = most_again.max(again);
+            let (fallback, seen) = level.run(compare);
+            most_again = most_again.max(fallback);
             // The way of one instruction set is the way of all.
             assert!(*bits.get_or_insert_with(|| seen.clone()) == seen, "{name}");
         }
@@ -192,7 +192,7 @@ struct Compare<'w> {
 }
 
 impl Kernel for Compare<'_> {
-    /// The part of all rays that the canvas left to the packets, and the bits of all that was seen.
+    /// The part of all rays that the projection left to the packets, and the bits of all that was seen.
     type Output = (f64, Vec<u64>);
 
     fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -200,7 +200,7 @@ impl Kernel for Compare<'_> {
         // A batch is 16 × 16 pixels, in squares of four by four.
         let mut spaces = [Workspace::default(), Workspace::default()];
         let mut points = [Points::default(), Points::default()];
-        let (mut asked, mut asked_again) = (0_u32, 0_u32);
+        let (mut asked, mut fell_back) = (0_u32, 0_u32);
         let mut all = Vec::new();
         for tile in 0..(width / 16) * (height / 16) {
             let corner = [tile % (width / 16) * 16, tile / (width / 16) * 16];
@@ -228,17 +228,19 @@ impl Kernel for Compare<'_> {
                 };
                 self.ways[way].see(simd, samples, space, points);
             }
-            // A canvas that does not fit leaves all rays to the packets, one that is only aimed none.
-            let again = |space: &Workspace, bits: &dyn Fn(usize) -> u32| -> u32 {
-                let again = |packet| match space.canvas.state {
-                    State::Stretched => space.canvas.asked_again(packet) & bits(packet),
+            // A projection that does not fit leaves all rays to the packets, one that is only bounded none.
+            let fallback = |space: &Workspace, bits: &dyn Fn(usize) -> u32| -> u32 {
+                let fallback = |packet| match space.projection.state {
+                    State::Projected => space.projection.falls_back(packet) & bits(packet),
                     State::Unfit => bits(packet),
-                    State::Aimed | State::Dark | State::Unclear => 0,
+                    State::Bounded | State::Occluded | State::Overlapping => 0,
                 };
-                (0..PACKETS).map(|packet| again(packet).count_ones()).sum()
+                (0..PACKETS)
+                    .map(|packet| fallback(packet).count_ones())
+                    .sum()
             };
             asked += BATCH as u32;
-            asked_again += again(&spaces[0], &|_| u32::from(u16::MAX));
+            fell_back += fallback(&spaces[0], &|_| u32::from(u16::MAX));
             let [seen, expected] = &points;
             assert_eq!(seen.hit, expected.hit);
             for slot in (0..BATCH).filter(|&slot| expected.is_hit(slot)) {
@@ -260,10 +262,10 @@ impl Kernel for Compare<'_> {
                 assert_eq!(lit, expected);
                 all.extend(lit.map(u64::from));
                 asked += facing.iter().map(|bits| bits.count_ones()).sum::<u32>();
-                asked_again += again(&spaces[0], &|packet| lit[packet]);
+                fell_back += fallback(&spaces[0], &|packet| lit[packet]);
             }
         }
-        (f64::from(asked_again) / f64::from(asked), all)
+        (f64::from(fell_back) / f64::from(asked), all)
     }
 }
 
@@ -275,8 +277,8 @@ fn an_ordinary_scene_is_decided_by_the_canvas() {
     scene.clutter(300, 60, 0.2);
     scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
     scene.lights();
-    let again = scene.agrees();
-    assert!(again < ASKED_AGAIN, "{again}");
+    let fallback = scene.agrees();
+    assert!(fallback < FALLS_BACK, "{fallback}");
 }
 
 #[test]
@@ -435,7 +437,7 @@ fn triangles_without_extent() {
 }
 
 /// Far from the origin of the world f64 has few digits left for shapes, and f32 has none but in the axes
-/// of a canvas.
+/// of a projection.
 #[test]
 fn far_from_the_origin() {
     for place in [1e3, 1e6, 1e9, 1e12] {
@@ -485,19 +487,19 @@ fn triangles_between_rays() {
         scene.clutter(4000, 0, largest);
         scene.triangle([[-9.0, -1.0, -9.0], [0.0, -1.0, 9.0], [9.0, -1.0, -9.0]]);
         scene.lights();
-        let again = scene.agrees();
-        assert!(again < ASKED_AGAIN, "{again}");
+        let fallback = scene.agrees();
+        assert!(fallback < FALLS_BACK, "{fallback}");
     }
 }
 
-/// All of them before a few batches: their canvases give up.
+/// All of them before a few batches: their projections give up.
 #[test]
 fn far_more_triangles_than_rays() {
     let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE.map(|x| 8.0 * x));
     scene.clutter(4000, 0, 0.003);
     scene.lights();
-    let again = scene.agrees();
-    assert!(again > ASKED_AGAIN, "{again}");
+    let fallback = scene.agrees();
+    assert!(fallback > FALLS_BACK, "{fallback}");
 }
 
 /// Triangles that touch each other with corners, edges and faces, and lights on them.
@@ -567,8 +569,8 @@ fn parallel_rays_from_within() {
         [[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]].map(|[x, z]| [x, -0.9, z]);
     scene.triangle([a, b, c]);
     scene.triangle([a, c, d]);
-    let again = scene.agrees();
-    assert!(again < ASKED_AGAIN, "{again}");
+    let fallback = scene.agrees();
+    assert!(fallback < FALLS_BACK, "{fallback}");
     scene.sphere([0.5, 1001.0, 0.0], 1000.0);
     scene.plane([0.1, 0.2, 0.1], [1.0, 0.3, -0.2]);
     scene.lights();

@@ -106,19 +106,23 @@ impl Colorimetry {
 
     /// The reflectance of a color under white light, from 0 to 1 at every wavelength; `None` if no
     /// smooth one has it.
-    pub fn reflectance_of(&self, rgb: [f64; 3]) -> Option<Shade> {
+    pub fn reflectance_of(&self, rgb: [f64; 3]) -> Option<SpectralReflectance> {
         if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
-            return (0.0..=1.0).contains(&rgb[0]).then_some(Shade::Flat(rgb[0]));
+            return (0.0..=1.0)
+                .contains(&rgb[0])
+                .then_some(SpectralReflectance::Flat(rgb[0]));
         }
         let coefficients = upsample::reflectance(&self.under_white, rgb)?;
-        Some(Shade::Spectrum(Arc::new(coefficients.spectrum())))
+        Some(SpectralReflectance::Spectrum(Arc::new(
+            coefficients.spectrum(),
+        )))
     }
 
     /// A curve of any size whose color under white light is `rgb`: a reflectance where there is
     /// one, else that of a darker color, scaled up. `None` for colors that no light has.
-    pub fn unbounded(&self, rgb: [f64; 3]) -> Option<Shade> {
+    pub fn unbounded(&self, rgb: [f64; 3]) -> Option<SpectralReflectance> {
         if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
-            return Some(Shade::Flat(rgb[0]));
+            return Some(SpectralReflectance::Flat(rgb[0]));
         }
         let brightest = rgb.into_iter().fold(0.0, f64::max);
         DIMMER.into_iter().find_map(|dimmer| {
@@ -126,21 +130,21 @@ impl Colorimetry {
             let coefficients =
                 upsample::reflectance(&self.under_white, rgb.map(|channel| channel * scale))?;
             let spectrum = coefficients.spectrum().scaled(1.0 / scale);
-            Some(Shade::Spectrum(Arc::new(spectrum)))
+            Some(SpectralReflectance::Spectrum(Arc::new(spectrum)))
         })
     }
 }
 
 /// A reflectance, or the share of white light that a colored one is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shade {
+pub enum SpectralReflectance {
     /// The same at every wavelength.
     Flat(f64),
     /// One number for each wavelength.
     Spectrum(Arc<Spectrum>),
 }
 
-impl Shade {
+impl SpectralReflectance {
     /// The largest value.
     pub fn peak(&self) -> f64 {
         match self {
@@ -255,14 +259,14 @@ mod tests {
                 [0.18; 3],
             ] {
                 let rgb = converted(literal, ColorSpace::Rec709, space);
-                let shade = colorimetry
+                let reflectance = colorimetry
                     .reflectance_of(if literal[0] == literal[1] && literal[1] == literal[2] {
                         literal
                     } else {
                         rgb
                     })
                     .unwrap_or_else(|| panic!("{literal:?} in {}", space.name()));
-                let back = colorimetry.reflectance(&shade.of(&Spectrum::constant(1.0)));
+                let back = colorimetry.reflectance(&reflectance.of(&Spectrum::constant(1.0)));
                 for (back, rgb) in back.into_iter().zip(rgb) {
                     assert!((back - rgb).abs() <= upsample::RESIDUAL, "{back} {rgb}");
                 }

@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::colorimetry::{Colorimetry, Shade};
+use super::colorimetry::{Colorimetry, SpectralReflectance};
 use super::{Lobes, Named, PointLight};
 use crate::memory::{self, OutOfMemory};
 use crate::spectrum::{FIRST, LAST, Spectrum};
@@ -17,7 +17,7 @@ pub struct Spectra {
     /// I(λ) of each light in W·sr⁻¹·nm⁻¹.
     pub(super) lights: Vec<Spectrum>,
     /// k_d(λ) and k_s(λ) of each material.
-    pub(super) materials: Vec<Lobes<Pigment>>,
+    pub(super) materials: Vec<Lobes<ScaledReflectance>>,
     /// Whether any object has the material.
     pub(super) used: Vec<bool>,
     /// Of what is behind everything, in W·m⁻²·sr⁻¹·nm⁻¹.
@@ -26,8 +26,8 @@ pub struct Spectra {
 
 /// k(λ) of one lobe in sr⁻¹: a reflectance and the factor of its model, such as 1/π.
 #[derive(Clone, Debug)]
-pub struct Pigment {
-    pub(super) shade: Shade,
+pub struct ScaledReflectance {
+    pub(super) reflectance: SpectralReflectance,
     pub(super) factor: f64,
 }
 
@@ -93,12 +93,16 @@ impl Products {
             .for_each(|((row, spectrum), light)| {
                 let seen = spectra.colorimetry.seen(spectrum);
                 let rgb = light.value.intensity.0.0;
-                let integrated = |pigment: &Pigment| {
-                    let rgb = match &pigment.shade {
-                        Shade::Flat(value) => rgb.map(|channel| channel * (value * pigment.factor)),
-                        Shade::Spectrum(reflectance) => [0, 1, 2].map(|channel: usize| {
-                            reflectance.integral(seen[channel].values()) * pigment.factor
-                        }),
+                let integrated = |lobe: &ScaledReflectance| {
+                    let rgb = match &lobe.reflectance {
+                        SpectralReflectance::Flat(value) => {
+                            rgb.map(|channel| channel * (value * lobe.factor))
+                        }
+                        SpectralReflectance::Spectrum(reflectance) => {
+                            [0, 1, 2].map(|channel: usize| {
+                                reflectance.integral(seen[channel].values()) * lobe.factor
+                            })
+                        }
                     };
                     ReflectedIntensity(Rgb(rgb))
                 };
@@ -241,11 +245,11 @@ impl Bands {
         let rows = spectra.lights.par_iter();
         let transport = rows.flat_map_iter(|light| {
             let of_light = wavelengths.means(light);
-            let reflected = move |pigment: &Pigment| {
-                let (mut means, scale) = match &pigment.shade {
-                    Shade::Flat(value) => (of_light.clone(), value * pigment.factor),
-                    Shade::Spectrum(reflectance) => {
-                        (wavelengths.means(&light.times(reflectance)), pigment.factor)
+            let reflected = move |lobe: &ScaledReflectance| {
+                let (mut means, scale) = match &lobe.reflectance {
+                    SpectralReflectance::Flat(value) => (of_light.clone(), value * lobe.factor),
+                    SpectralReflectance::Spectrum(reflectance) => {
+                        (wavelengths.means(&light.times(reflectance)), lobe.factor)
                     }
                 };
                 for mean in &mut means {
@@ -333,8 +337,8 @@ mod tests {
     #[test]
     fn only_materials_that_are_used_have_bands() {
         let colorimetry = Colorimetry::new(Observer::Cie1931, ColorSpace::Rec709);
-        let flat = |value| Pigment {
-            shade: Shade::Flat(value),
+        let flat = |value| ScaledReflectance {
+            reflectance: SpectralReflectance::Flat(value),
             factor: 1.0,
         };
         let material = |value| Lobes {

@@ -13,7 +13,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use candela::film::exr::{Compression, ExrImage, read};
+use candela::exr::{Compression, ExrImage, read};
 use candela::oracle::{Oracle, Outcome};
 use candela::scene::Scene;
 use serde_json::Value;

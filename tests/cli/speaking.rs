@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use candela::film::exr::read;
+use candela::exr::read;
 
 use tempfile::TempDir;
 

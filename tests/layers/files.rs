@@ -3,9 +3,10 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use candela::film::exr::{ExrOptions, Precision};
-use candela::film::{self, ChannelKind, Film, Layers, Options};
+use candela::exr::{ExrOptions, Precision};
+use candela::image::{ChannelKind, Film};
 use candela::output::Unfinished;
+use candela::render::{self, Layers, Options};
 use candela::scene::{Object, Scene, Value};
 use candela::simd::SimdLevel;
 use candela::world::{Wavelengths, World};
@@ -33,7 +34,7 @@ fn threads_and_instructions_give_the_same_file() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {
                 let mut file = Cursor::new(Vec::new());
-                let film = film::render(&world, &camera, &options);
+                let film = render::render(&world, &camera, &options);
                 film.write_exr_to(&mut file, &ExrOptions::default())
                     .unwrap();
                 file.into_inner()

@@ -3,8 +3,9 @@
 
 mod files;
 
-use candela::film::{self, BACKGROUND_DEPTH, Film, Layers, Options, Window};
+use candela::image::{BACKGROUND_DEPTH, Film, Window};
 use candela::oracle::Oracle;
+use candela::render::{self, Layers, Options};
 use candela::scene::{Scene, Transport, Value};
 use candela::world::{Wavelengths, World};
 
@@ -42,7 +43,7 @@ fn with_layers(scene: &Scene, samples: u32, layers: Layers) -> Film {
         layers,
         ..Options::default()
     };
-    film::render(&world, &camera, &options)
+    render::render(&world, &camera, &options)
 }
 
 /// The values of some channels, pixel by pixel.
@@ -483,7 +484,7 @@ fn a_part_has_the_layers_of_the_whole() {
             layers: ALL,
             ..Options::default()
         };
-        let part = film::render(&world, &camera, &options);
+        let part = render::render(&world, &camera, &options);
         for (pixel, [x, y]) in window.pixels().enumerate() {
             let in_whole = (y * camera.resolution()[0] + x) as usize;
             let bits =
@@ -502,7 +503,7 @@ fn shares_beyond_f32_are_clamped_and_counted() {
             .replace("[0, 0, 1]\n", "[-1e-7, 0, 1e-9]\n"),
     );
     let (world, camera) = World::new(&scene).unwrap();
-    let renderer = film::Renderer::new(world).unwrap();
+    let renderer = render::Renderer::new(world).unwrap();
     let options = Options {
         samples: 64,
         layers: ALL,

@@ -1,6 +1,6 @@
 //! Luminance with chroma, and other channels with fewer samples than pixels.
 
-use candela::film::exr::read;
+use candela::exr::read;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::{ChannelDescription, Compression, IntegerBounds, SampleType, Text};
 use exr::meta::header::Header;

@@ -5,8 +5,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use candela::display::{Alpha, Dither, Exposure, Picture, Settings, convert, tonemap};
-use candela::film::exr::{Compression, ExrOptions, ExrProblem, read};
-use candela::film::{Film, Metadata, Window};
+use candela::exr::{Compression, ExrOptions, ExrProblem, read};
+use candela::image::{Film, Metadata, Window};
 use candela::output::Unfinished;
 use candela::scene::ColorSpace;
 
@@ -384,13 +384,13 @@ fn errors_that_may_pass_are_told_apart() {
     let text = folder.path().join("text.exr");
     fs::write(&text, "no EXR").unwrap();
     assert!(!is_transient(&text));
-    let error = candela::film::exr::ExrError {
+    let error = candela::exr::ExrError {
         path: text.clone(),
         problem: ExrProblem::NoMemory { bytes: 1 << 40 },
     };
     assert!(error.is_transient());
     assert!(error.to_string().contains("out of memory: 1099511.6 MB"));
-    let error = candela::film::exr::ExrError {
+    let error = candela::exr::ExrError {
         path: text,
         problem: ExrProblem::Io(std::io::ErrorKind::StaleNetworkFileHandle.into()),
     };

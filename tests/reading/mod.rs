@@ -15,7 +15,7 @@ use std::path::Path;
 use candela::display::{
     Alpha, Bits, Dither, Exposure, Frame, Report, Settings, View, convert_reader,
 };
-use candela::film::exr::ExrReader;
+use candela::exr::ExrReader;
 use candela::output::Unfinished;
 
 /// Without dither: every value becomes the nearest code.

@@ -1,7 +1,7 @@
 //! `--layers`, `--wavelengths` and `--transport`: what is rendered beside R, G, B and A, and what it
 //! asks of the way of light.
 
-use candela::film::{BACKGROUND_LIGHT, Layers};
+use candela::render::{BACKGROUND_LIGHT, Layers};
 use candela::scene::diagnostic::nearest;
 use candela::scene::{Scene, Transport};
 use candela::spectrum::{FIRST, LAST};

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use candela::display::exposure::scale;
 use candela::display::{self, Exposure, LOOKS_BLACK, MANY_CLIPPED, digits};
-use candela::film::exr::ExrReport;
-use candela::film::{Counts, Window};
+use candela::exr::ExrReport;
+use candela::image::Window;
 use candela::printable::printable_path;
+use candela::render::Counts;
 use candela::world::physics::Warning;
 
 use super::Arguments;

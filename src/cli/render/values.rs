@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use candela::film::Window;
+use candela::image::Window;
 use candela::printable::printable_path;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 

@@ -1,4 +1,4 @@
-//! A few shapes around and upon each other: one of them may settle a whole batch, or none may.
+//! A few shapes around and upon each other: one of them may resolve a whole batch, or none may.
 
 use super::*;
 
@@ -128,7 +128,7 @@ fn rays_that_touch_a_sphere() {
          [objects.ball.sphere]\nmaterial = \"m\"\nradius = 0.3039766715293524\n\
          center = [2.480039443609773, 0.1580737718166018, -2.0421290556327936]\n",
     );
-    // Beside others, so that no shape settles a batch.
+    // Beside others, so that no shape resolves a whole batch.
     agrees(
         &[CAMERA],
         "[lights.a.point]\nintensity = 1\n\

@@ -8,7 +8,7 @@ use super::{Reported, Validator, as_written, listed};
 use crate::color::{Primaries, transfer};
 use crate::scene::{ColorSpace, Problem, Spanned, Unit, Value};
 use crate::spectrum::{Curve, Spectrum, blackbody, daylight};
-use crate::world::colorimetry::{Shade, converted};
+use crate::world::colorimetry::{SpectralReflectance, converted};
 
 /// The temperatures in K of black bodies: below, no more than one part in 10⁹ of the radiation is
 /// visible; above, its color no longer changes.
@@ -32,7 +32,7 @@ pub(super) struct Reflection {
     /// Under white light, in the working space.
     pub(super) rgb: [f64; 3],
     /// Of every curve, and of RGB values where light is carried spectrally.
-    pub(super) shade: Option<Shade>,
+    pub(super) reflectance: Option<SpectralReflectance>,
 }
 
 /// How large a reflectance may be.
@@ -54,11 +54,15 @@ impl Emission {
 impl Reflection {
     const BLACK: Self = Self {
         rgb: [0.0; 3],
-        shade: None,
+        reflectance: None,
     };
 
     pub(super) fn is_black(&self) -> bool {
-        self.rgb == [0.0; 3] && self.shade.as_ref().is_none_or(Shade::is_black)
+        self.rgb == [0.0; 3]
+            && self
+                .reflectance
+                .as_ref()
+                .is_none_or(SpectralReflectance::is_black)
     }
 
     pub(super) fn is_gray(&self) -> bool {
@@ -68,23 +72,23 @@ impl Reflection {
 
 /// The spectra found for colors so far: scenes have few colors and many materials.
 #[derive(Default)]
-pub(super) struct Shades {
-    known: HashMap<([u64; 3], Option<Bound>), Option<Shade>>,
+pub(super) struct KnownReflectances {
+    known: HashMap<([u64; 3], Option<Bound>), Option<SpectralReflectance>>,
     out_of_reach: usize,
 }
 
 /// Errors of one kind that are enough to mend a scene by.
 const MOST_OUT_OF_REACH: usize = 100;
 
-impl Shades {
+impl KnownReflectances {
     /// What stands for a color, as a reflectance within a bound or as light. After many colors out of
     /// reach, each of which takes long to give up, no more are looked for.
     fn of(
         &mut self,
         rgb: [f64; 3],
         bound: Option<Bound>,
-        find: impl FnOnce() -> Option<Shade>,
-    ) -> Result<Option<Shade>, Reported> {
+        find: impl FnOnce() -> Option<SpectralReflectance>,
+    ) -> Result<Option<SpectralReflectance>, Reported> {
         let key = (rgb.map(f64::to_bits), bound);
         if let Some(known) = self.known.get(&key) {
             return Ok(known.clone());
@@ -280,8 +284,10 @@ impl Validator<'_> {
                 spectrum: None,
             });
         };
-        let shade = self.shades.of(rgb, None, || colorimetry.unbounded(rgb))?;
-        let spectrum = shade.map(|shade| shade.of(colorimetry.white()));
+        let reflectance = self
+            .reflectances
+            .of(rgb, None, || colorimetry.unbounded(rgb))?;
+        let spectrum = reflectance.map(|reflectance| reflectance.of(colorimetry.white()));
         let Some(spectrum) = spectrum else {
             return Err(self.out_of_reach(key, written, literal, "light"));
         };
@@ -307,18 +313,21 @@ impl Validator<'_> {
             return Err(Reported);
         }
         let Some(colorimetry) = colorimetry else {
-            return Ok(Reflection { rgb, shade: None });
+            return Ok(Reflection {
+                rgb,
+                reflectance: None,
+            });
         };
-        let shade = self.shades.of(rgb, Some(bound), || match bound {
+        let reflectance = self.reflectances.of(rgb, Some(bound), || match bound {
             Bound::Albedo => colorimetry.reflectance_of(rgb),
             Bound::None => colorimetry
                 .reflectance_of(rgb)
                 .or_else(|| colorimetry.unbounded(rgb)),
         })?;
-        if shade.is_none() {
+        if reflectance.is_none() {
             return Err(self.out_of_reach(key, written, literal, "reflectance"));
         }
-        Ok(Reflection { rgb, shade })
+        Ok(Reflection { rgb, reflectance })
     }
 
     fn curve_reflection(
@@ -347,18 +356,18 @@ impl Validator<'_> {
         }
         Ok(Reflection {
             rgb: self.colorimetry.reflectance(&spectrum),
-            shade: Some(Shade::Spectrum(spectrum)),
+            reflectance: Some(SpectralReflectance::Spectrum(spectrum)),
         })
     }
 
     /// What an albedo is at each wavelength; `None` if no smooth spectrum has its color.
-    pub(super) fn by_wavelength(&mut self, albedo: &Reflection) -> Option<Shade> {
-        if albedo.shade.is_some() {
-            return albedo.shade.clone();
+    pub(super) fn by_wavelength(&mut self, albedo: &Reflection) -> Option<SpectralReflectance> {
+        if albedo.reflectance.is_some() {
+            return albedo.reflectance.clone();
         }
         let colorimetry = Arc::clone(&self.colorimetry);
         let find = || colorimetry.reflectance_of(albedo.rgb);
-        let found = self.shades.of(albedo.rgb, Some(Bound::Albedo), find);
+        let found = self.reflectances.of(albedo.rgb, Some(Bound::Albedo), find);
         found.ok().flatten()
     }
 
@@ -423,10 +432,10 @@ impl Validator<'_> {
                         let rgb = self.literal(key, written, &literal)?;
                         let colorimetry = Arc::clone(&self.colorimetry);
                         let find = || colorimetry.unbounded(rgb);
-                        let Some(shade) = self.shades.of(rgb, None, find)? else {
+                        let Some(reflectance) = self.reflectances.of(rgb, None, find)? else {
                             return Err(self.out_of_reach(key, written, &literal, "light"));
                         };
-                        shade.of(self.colorimetry.white())
+                        reflectance.of(self.colorimetry.white())
                     }
                     None => self.light_spectrum(key, written, color)?,
                 };

@@ -3,7 +3,7 @@
 use super::color::{Bound, Reflection};
 use super::{Validator, as_written, listed};
 use crate::scene::{self, Problem};
-use crate::world::spectra::Pigment;
+use crate::world::spectra::ScaledReflectance;
 use crate::world::{Lobes, Material};
 
 /// The largest shininess. Its lobe is 3e-5 wide (1/√n); the rounding of a cosine, 1e-16, changes
@@ -18,7 +18,7 @@ impl Validator<'_> {
     pub(super) fn material(
         &mut self,
         entry: &scene::Entry<scene::Material>,
-    ) -> (Material, Option<Lobes<Pigment>>) {
+    ) -> (Material, Option<Lobes<ScaledReflectance>>) {
         let (lobes, bound) = match &entry.value {
             // k_d is the share that is reflected towards any one viewer; k_s has no such limit,
             // since a narrow lobe with a large k_s still reflects little in all.
@@ -62,24 +62,24 @@ impl Validator<'_> {
             }
         };
         let is_spectral = self.is_spectral;
-        let pigments = diffuse
-            .shade
+        let reflectances = diffuse
+            .reflectance
             .filter(|_| is_spectral)
-            .zip(specular.shade)
+            .zip(specular.reflectance)
             .map(|(diffuse, specular)| {
                 let factors = material.factors();
                 Lobes {
-                    diffuse: Pigment {
-                        shade: diffuse,
+                    diffuse: ScaledReflectance {
+                        reflectance: diffuse,
                         factor: factors.diffuse,
                     },
-                    specular: Pigment {
-                        shade: specular,
+                    specular: ScaledReflectance {
+                        reflectance: specular,
                         factor: factors.specular,
                     },
                 }
             });
-        (material, pigments)
+        (material, reflectances)
     }
 
     /// ρ_d + ρ_s is at most 1, in every channel or, of spectra, at every wavelength: the channels of
@@ -92,10 +92,10 @@ impl Validator<'_> {
         let both = [diffuse, specular];
         let albedo: [f64; 3] = std::array::from_fn(|i| diffuse.rgb[i] + specular.rgb[i]);
         let in_channels = albedo.iter().all(|&albedo| albedo <= LARGEST_ALBEDO);
-        let has_spectrum = both.iter().any(|lobe| lobe.shade.is_some());
+        let has_spectrum = both.iter().any(|lobe| lobe.reflectance.is_some());
         let has_triple = both
             .iter()
-            .any(|lobe| lobe.shade.is_none() && !lobe.is_gray());
+            .any(|lobe| lobe.reflectance.is_none() && !lobe.is_gray());
         if has_spectrum
             && !(has_triple && in_channels)
             && let Some(diffuse) = self.by_wavelength(diffuse)

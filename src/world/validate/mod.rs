@@ -104,7 +104,7 @@ struct Validator<'a> {
     colorimetry: Arc<Colorimetry>,
     /// Whether light is carried wavelength by wavelength.
     is_spectral: bool,
-    shades: color::Shades,
+    reflectances: color::KnownReflectances,
     spectral_values: Vec<String>,
     gaps: Vec<Named<[f64; 2]>>,
 }
@@ -166,7 +166,7 @@ impl<'a> Validator<'a> {
                 scene.image.color_space.value,
             )),
             is_spectral: is_spectral(scene),
-            shades: color::Shades::default(),
+            reflectances: color::KnownReflectances::default(),
             spectral_values: Vec::new(),
             gaps: Vec::new(),
         }
@@ -177,7 +177,7 @@ impl<'a> Validator<'a> {
         let background = &self.scene.image.background;
         self.note_spectra([&background.value], || "the background".to_owned());
         let background = self.emission("background", background);
-        let mut pigments = Vec::new();
+        let mut reflectances = Vec::new();
         let mut materials = Vec::new();
         self.each(
             "material",
@@ -187,8 +187,8 @@ impl<'a> Validator<'a> {
                 let (material, lobes) = validator.material(entry);
                 validator.reserve(&mut materials, 1)?;
                 materials.push(named(entry, material));
-                validator.reserve(&mut pigments, 1)?;
-                pigments.extend(lobes);
+                validator.reserve(&mut reflectances, 1)?;
+                reflectances.extend(lobes);
                 Ok(())
             },
         );
@@ -278,7 +278,7 @@ impl<'a> Validator<'a> {
             let spectra = Spectra {
                 colorimetry: Colorimetry::clone(&self.colorimetry),
                 lights: spectra,
-                materials: pigments,
+                materials: reflectances,
                 used,
                 background: background.spectrum.expect("spectral light has a spectrum"),
             };

@@ -1,0 +1,243 @@
+//! An EXR file that is being written: blocks of lines are compressed by many threads, in any order,
+//! and written in the order of the lines.
+
+use std::collections::BTreeMap;
+use std::io::{self, SeekFrom};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use exr::meta::attribute::{Compression, IntegerBounds};
+use exr::meta::header::Header;
+
+use super::head::head;
+use super::store::{FileChannel, Halves};
+use super::zip::Zip;
+use super::{ExrOptions, ExrReport, Precision};
+use crate::image::{ImageSpec, Rows};
+use crate::output::Sink;
+
+/// An EXR file whose blocks may come in any order.
+pub(crate) struct ExrFile<'f> {
+    header: Header,
+    channels: Vec<FileChannel<'f>>,
+    has_failed: AtomicBool,
+    written: Mutex<Written<'f>>,
+}
+
+/// The part of a file that is written.
+struct Written<'f> {
+    sink: &'f mut dyn Sink,
+    /// Where the offset table is.
+    table: u64,
+    /// Where the next block goes.
+    position: u64,
+    /// Where each block is, as far as they are written.
+    offsets: Vec<u64>,
+    /// Blocks that came before one above them, by their index.
+    early: BTreeMap<usize, Vec<u8>>,
+    halves: Halves,
+    /// What ended the writing.
+    error: Option<io::Error>,
+}
+
+/// What a thread compresses one block after the other with.
+pub(crate) struct Packer {
+    /// A block before compression.
+    raw: Vec<u8>,
+    /// A block as it goes into the file.
+    block: Vec<u8>,
+    /// Where the compression is of that kind.
+    zip: Option<Zip>,
+}
+
+impl<'f> ExrFile<'f> {
+    /// Writes all that comes before the blocks.
+    ///
+    /// # Errors
+    /// As [`Film::write_exr_to`](crate::image::Film::write_exr_to).
+    pub(crate) fn begin(
+        spec: &'f ImageSpec,
+        options: &ExrOptions,
+        sink: &'f mut dyn Sink,
+    ) -> io::Result<Self> {
+        let channels = spec.file_channels(options.precision);
+        let header = spec.header(options, &channels);
+        options
+            .check(spec.window, &spec.channels)
+            .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
+        let mut head = head(&header).map_err(into_io)?;
+        let table = head.len() as u64;
+        head.resize(head.len() + header.chunk_count * size_of::<u64>(), 0);
+        sink.write_all(&head)?;
+        let written = Written {
+            sink,
+            table,
+            position: head.len() as u64,
+            offsets: Vec::with_capacity(header.chunk_count),
+            early: BTreeMap::new(),
+            halves: Halves::default(),
+            error: None,
+        };
+        Ok(Self {
+            header,
+            channels,
+            has_failed: AtomicBool::new(false),
+            written: Mutex::new(written),
+        })
+    }
+
+    /// Lines of a block that is not cut off.
+    pub(crate) fn lines_per_block(&self) -> usize {
+        self.header.compression.scan_lines_per_block()
+    }
+
+    /// How many blocks there are.
+    pub(crate) fn blocks(&self) -> usize {
+        self.header.chunk_count
+    }
+
+    /// What a thread needs to add blocks.
+    pub(crate) fn packer(&self) -> Packer {
+        let is_float = |channel: &&FileChannel<'_>| channel.precision == Precision::Float;
+        let floats = self.channels.iter().filter(is_float).count();
+        let mostly_float = 2 * floats >= self.channels.len();
+        let zip = match self.header.compression {
+            // Elsewhere values have to be turned around, which the `exr` crate does.
+            Compression::ZIP1 | Compression::ZIP16 if cfg!(target_endian = "little") => {
+                Some(Zip::new(mostly_float))
+            }
+            Compression::ZIP1
+            | Compression::ZIP16
+            | Compression::Uncompressed
+            | Compression::RLE
+            | Compression::PIZ
+            | Compression::PXR24
+            | Compression::B44
+            | Compression::B44A
+            | Compression::DWAA(_)
+            | Compression::DWAB(_)
+            | Compression::HTJ2K32
+            | Compression::HTJ2K256 => None,
+        };
+        Packer {
+            raw: Vec::new(),
+            block: Vec::new(),
+            zip,
+        }
+    }
+
+    /// Whether anything went wrong: further blocks are of no use.
+    pub(crate) fn has_failed(&self) -> bool {
+        self.has_failed.load(Ordering::Relaxed)
+    }
+
+    /// Compresses the block with this index, counted from the top, and writes all that is there
+    /// without a gap. What goes wrong is told by [`ExrFile::finish`].
+    pub(crate) fn add(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) {
+        match self.pack(index, rows, packer) {
+            Ok(halves) => {
+                let mut written = self.written();
+                written.halves.add(halves);
+                if written.error.is_none()
+                    && let Err(error) = written.add(index, &packer.block)
+                {
+                    written.error = Some(error);
+                    self.has_failed.store(true, Ordering::Relaxed);
+                }
+            }
+            Err(error) => {
+                self.written().error.get_or_insert(error);
+                self.has_failed.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Writes the offset table, after all blocks have come.
+    ///
+    /// # Errors
+    /// The first that there was.
+    pub(crate) fn finish(self) -> io::Result<ExrReport> {
+        let written = self.written.into_inner();
+        let written = written.unwrap_or_else(PoisonError::into_inner);
+        if let Some(error) = written.error {
+            return Err(error);
+        }
+        let sink = written.sink;
+        sink.seek(SeekFrom::Start(written.table))?;
+        let table: Vec<u8> = written
+            .offsets
+            .into_iter()
+            .flat_map(u64::to_le_bytes)
+            .collect();
+        sink.write_all(&table)?;
+        sink.flush()?;
+        Ok(ExrReport {
+            clamped_to_half: written.halves.clamped,
+            small_in_half: written.halves.small,
+            bytes: written.position,
+        })
+    }
+
+    /// Makes a block as the file has it: its first line, its length, and its pixels.
+    fn pack(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) -> io::Result<Halves> {
+        let Packer { raw, block, zip } = packer;
+        let width = self.header.layer_size.width();
+        let top = index * self.lines_per_block();
+        raw.clear();
+        let halves = rows.store(&self.channels, width, raw);
+
+        block.clear();
+        let y = self.header.own_attributes.layer_position.y() + top as i32;
+        block.extend_from_slice(&y.to_le_bytes());
+        // The length comes later.
+        block.extend_from_slice(&[0; 4]);
+        let start = block.len();
+        if let Some(zip) = zip {
+            zip.compress(raw, block);
+        } else {
+            let lines = rows.pixels.len() / width;
+            let section = IntegerBounds::new((0, top as i32), (width, lines));
+            let compression = self.header.compression;
+            let pixels = compression
+                .compress_image_section_to_le(&self.header, std::mem::take(raw), section)
+                .map_err(into_io)?;
+            block.extend_from_slice(&pixels);
+        }
+        let length = (block.len() - start) as i32;
+        block[start - size_of::<i32>()..start].copy_from_slice(&length.to_le_bytes());
+        Ok(halves)
+    }
+
+    /// A panic elsewhere ends the render in any case.
+    fn written(&self) -> MutexGuard<'_, Written<'f>> {
+        self.written.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Written<'_> {
+    fn add(&mut self, index: usize, block: &[u8]) -> io::Result<()> {
+        if index > self.offsets.len() {
+            self.early.insert(index, block.to_vec());
+            return Ok(());
+        }
+        self.write(block)?;
+        while let Some(block) = self.early.remove(&self.offsets.len()) {
+            self.write(&block)?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, block: &[u8]) -> io::Result<()> {
+        self.sink.write_all(block)?;
+        self.offsets.push(self.position);
+        self.position += block.len() as u64;
+        Ok(())
+    }
+}
+
+fn into_io(error: exr::error::Error) -> io::Error {
+    match error {
+        exr::error::Error::Io(error) => error,
+        error => io::Error::new(io::ErrorKind::InvalidInput, error.to_string()),
+    }
+}

@@ -1,0 +1,205 @@
+//! What an image is: its pixels, what each of its channels holds, and what is said about it.
+
+mod channels;
+
+pub use channels::{BACKGROUND_DEPTH, Channel, ChannelKind, Channels};
+
+use std::ops::Range;
+
+use crate::scene::ColorSpace;
+
+/// A rectangle of pixels; (0, 0) is the top left of the whole image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Leftmost column.
+    pub x: u32,
+    /// Topmost row.
+    pub y: u32,
+    /// Columns. Range: at least 1.
+    pub width: u32,
+    /// Rows. Range: at least 1.
+    pub height: u32,
+}
+
+/// A rendered image: linear radiance in cd/m², RGB premultiplied by coverage A, in f32.
+#[derive(Clone, Debug)]
+pub struct Film {
+    spec: ImageSpec,
+    /// R, G, B, A, row by row from the top of the spec's window.
+    pixels: Vec<[f32; 4]>,
+    /// The values of the spec's channels, row by row, pixel by pixel, channel by channel within;
+    /// empty where there are none.
+    values: Vec<f32>,
+}
+
+/// All that a film is but for its pixels, and all that the head of its file is made of: known
+/// before the first pixel is.
+#[derive(Clone, Debug)]
+pub(crate) struct ImageSpec {
+    /// Width and height of the whole image: the EXR's display window.
+    pub(crate) resolution: [u32; 2],
+    /// The part that is rendered: the EXR's data window, inside the whole image.
+    pub(crate) window: Window,
+    /// What there is beside R, G, B, A.
+    pub(crate) channels: Channels,
+    /// What the EXR header says about the image.
+    pub(crate) metadata: Metadata,
+}
+
+/// Whole rows of a film.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows<'f> {
+    /// R, G, B, A, row by row.
+    pub(crate) pixels: &'f [[f32; 4]],
+    /// The values of further channels, row by row, pixel by pixel, channel by channel within.
+    pub(crate) values: &'f [f32],
+}
+
+/// What the EXR header says about the image beside its windows and channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metadata {
+    /// The space of R, G, B: `colorInteropID`.
+    pub color_space: ColorSpace,
+    /// World to camera space, for column vectors (p' = M p, `[row][column]`); camera space is left-handed, +x right, +y up,
+    /// +z along the view.
+    pub world_to_camera: [[f64; 4]; 4],
+    /// World to normalized device coordinates, for column vectors, before the division by w:
+    /// (0, 0) top left of the display window, y down.
+    pub world_to_ndc: [[f64; 4]; 4],
+    /// `candela:KEY` = value, sorted by key.
+    pub provenance: Vec<(String, String)>,
+}
+
+impl Window {
+    /// All of an image.
+    pub const fn whole([width, height]: [u32; 2]) -> Self {
+        Self {
+            x: 0,
+            y: 0,
+            width,
+            height,
+        }
+    }
+
+    /// How many pixels it has.
+    pub const fn count(self) -> u64 {
+        self.width as u64 * self.height as u64
+    }
+
+    /// Column and row of every pixel, row by row.
+    pub fn pixels(self) -> impl Iterator<Item = [u32; 2]> {
+        let columns = move || self.x..self.x + self.width;
+        (self.y..self.y + self.height).flat_map(move |y| columns().map(move |x| [x, y]))
+    }
+}
+
+impl Film {
+    /// A film without light or coverage, and 0 in all further channels.
+    pub(crate) fn black(spec: ImageSpec) -> Self {
+        let Window { width, height, .. } = spec.window;
+        let count = width as usize * height as usize;
+        Self {
+            pixels: vec![[0.0; 4]; count],
+            values: vec![0.0; count * spec.channels.list.len()],
+            spec,
+        }
+    }
+
+    /// A film from its pixels, row by row from the top of `window`.
+    ///
+    /// # Panics
+    /// If the pixels are not as many as `window` holds, or `window` is not inside the image.
+    pub fn new(
+        resolution: [u32; 2],
+        window: Window,
+        pixels: Vec<[f32; 4]>,
+        metadata: Metadata,
+    ) -> Self {
+        assert_eq!(pixels.len(), window.width as usize * window.height as usize);
+        assert!(
+            window.x + window.width <= resolution[0] && window.y + window.height <= resolution[1]
+        );
+        let spec = ImageSpec {
+            resolution,
+            window,
+            channels: Channels::default(),
+            metadata,
+        };
+        Self {
+            spec,
+            pixels,
+            values: Vec::new(),
+        }
+    }
+
+    /// The film with these channels beside R, G, B, A instead of those that it had. Their values
+    /// are row by row from the top of the window, pixel by pixel, channel by channel within.
+    ///
+    /// # Panics
+    /// If the values are not as many as the pixels have channels.
+    pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
+        assert_eq!(values.len(), self.pixels.len() * channels.list.len());
+        let spec = ImageSpec {
+            channels,
+            ..self.spec
+        };
+        Self {
+            spec,
+            values,
+            ..self
+        }
+    }
+
+    /// Width and height of the whole image, of which [`Film::window`] is a part.
+    pub fn resolution(&self) -> [u32; 2] {
+        self.spec.resolution
+    }
+
+    /// The part of the image that this film holds.
+    pub fn window(&self) -> Window {
+        self.spec.window
+    }
+
+    /// R, G, B, A of every pixel of the window, row by row from its top.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.pixels
+    }
+
+    /// What the film has beside R, G, B, A.
+    pub fn channels(&self) -> &Channels {
+        &self.spec.channels
+    }
+
+    /// The values of [`Film::channels`] of a pixel, by its place in [`Film::pixels`].
+    pub fn values(&self, pixel: usize) -> &[f32] {
+        let count = self.spec.channels.list.len();
+        &self.values[pixel * count..][..count]
+    }
+
+    /// What the EXR header says about the image.
+    pub fn metadata(&self) -> &Metadata {
+        &self.spec.metadata
+    }
+
+    /// Its pixels and the values of its channels, to be filled.
+    pub(crate) fn rows_mut(&mut self) -> (&mut [[f32; 4]], &mut [f32]) {
+        (&mut self.pixels, &mut self.values)
+    }
+
+    /// All that it is but for its pixels.
+    pub(crate) fn spec(&self) -> &ImageSpec {
+        &self.spec
+    }
+
+    /// Some of its rows, counted from the top of its window.
+    pub(crate) fn rows(&self, rows: Range<usize>) -> Rows<'_> {
+        let width = self.spec.window.width as usize;
+        let channels = self.spec.channels.list.len();
+        let pixels = rows.start * width..rows.end * width;
+        let values = pixels.start * channels..pixels.end * channels;
+        Rows {
+            pixels: &self.pixels[pixels],
+            values: &self.values[values],
+        }
+    }
+}

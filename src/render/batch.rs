@@ -1,0 +1,358 @@
+//! The samples of a tile's pixels, batch by batch, and where in the image they are.
+
+use std::ops::Range;
+
+use fearless_simd::Simd;
+
+use super::sampling::Sampler;
+use crate::camera::Camera;
+use crate::image::Window;
+use crate::math::both;
+use crate::simd::{LANES, U32x16};
+use crate::visibility::{BATCH, Column, Samples};
+
+/// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
+pub(super) const TILE: u32 = 16;
+
+/// Pixels of a tile.
+pub(super) const PIXELS: usize = (TILE * TILE) as usize;
+
+/// A number for each pixel of a tile.
+type PerPixel = [u32; PIXELS];
+
+/// A number for each sample of a batch.
+type PerSample = [u32; BATCH];
+
+/// A column has a place for each pixel of a tile.
+const _: () = assert!(PIXELS <= BATCH);
+
+/// The pixels of a tile in the order in which they are sampled.
+#[derive(Clone, Debug)]
+struct Pixels {
+    count: usize,
+    /// Column and row of each in the tile, and in the image.
+    in_tile: [PerPixel; 2],
+    in_image: [PerPixel; 2],
+    /// What scrambles the samples of each.
+    seeds: [PerPixel; 2],
+}
+
+/// Samples that are traced and shaded together, those of pixel after pixel.
+#[derive(Clone, Debug)]
+pub(super) struct Batch {
+    pixels: Pixels,
+    /// Samples of a pixel.
+    samples: usize,
+    /// The first sample, counted through the tile.
+    first: usize,
+    len: usize,
+    /// The place among a pixel's samples of the first of `sequence`, which is the same in most batches.
+    phase: Option<usize>,
+    /// What is scrambled.
+    sequence: [PerSample; 2],
+    /// What scrambles it, and the place in the image of each sample's pixel.
+    seeds: [PerSample; 2],
+    corners: [PerSample; 2],
+    /// Each sample's place in the image.
+    positions: [Column; 2],
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        Self {
+            pixels: Pixels {
+                count: 0,
+                in_tile: [[0; PIXELS]; 2],
+                in_image: [[0; PIXELS]; 2],
+                seeds: [[0; PIXELS]; 2],
+            },
+            samples: 1,
+            first: 0,
+            len: 0,
+            phase: None,
+            sequence: [[0; BATCH]; 2],
+            seeds: [[0; BATCH]; 2],
+            corners: [[0; BATCH]; 2],
+            positions: [Column::ZERO; 2],
+        }
+    }
+}
+
+impl Batch {
+    /// Takes the pixels of a tile. Samples of one pixel follow each other, and pixels come in an order
+    /// that keeps neighbors together, so that the rays of a batch, and any few of them in a row, are as
+    /// alike as they can be.
+    #[inline(always)]
+    pub(super) fn begin<S: Simd>(&mut self, simd: S, sampler: &Sampler, tile: Window) {
+        let samples = sampler.samples() as usize;
+        if self.samples != samples {
+            (self.samples, self.phase) = (samples, None);
+        }
+        (self.first, self.len) = (0, 0);
+        let pixels = &mut self.pixels;
+        pixels.count = 0;
+        for &[column, row] in &Z_ORDER {
+            if column < tile.width && row < tile.height {
+                pixels.in_tile[0][pixels.count] = column;
+                pixels.in_tile[1][pixels.count] = row;
+                pixels.count += 1;
+            }
+        }
+        let corner = [U32x16::splat(simd, tile.x), U32x16::splat(simd, tile.y)];
+        for first in (0..pixels.count).step_by(LANES) {
+            let column = U32x16::load(simd, &pixels.in_tile[0][first..]) + corner[0];
+            let row = U32x16::load(simd, &pixels.in_tile[1][first..]) + corner[1];
+            column.store(&mut pixels.in_image[0][first..]);
+            row.store(&mut pixels.in_image[1][first..]);
+            let [seeds_x, seeds_y] = sampler.seeds(simd, [column, row]);
+            seeds_x.store(&mut pixels.seeds[0][first..]);
+            seeds_y.store(&mut pixels.seeds[1][first..]);
+        }
+    }
+
+    /// Takes the next samples of the tile; whether there are any.
+    #[inline(always)]
+    pub(super) fn next<S: Simd>(&mut self, simd: S, sampler: &Sampler) -> bool {
+        self.first += self.len;
+        let left = self.pixels.count * self.samples - self.first;
+        self.len = left.min(BATCH);
+        if left == 0 {
+            return false;
+        }
+        let phase = self.first % self.samples;
+        if self.phase != Some(phase) {
+            self.phase = Some(phase);
+            let [first, second] = &mut self.sequence;
+            for (slot, sample) in (0..BATCH).zip((0..self.samples).cycle().skip(phase)) {
+                [first[slot], second[slot]] = sampler.sequence(sample);
+            }
+        }
+        let range = self.range();
+        for dimension in 0..2 {
+            let pixels = &self.pixels;
+            range.spread(
+                simd,
+                &pixels.in_image[dimension],
+                &mut self.corners[dimension],
+            );
+            range.spread(simd, &pixels.seeds[dimension], &mut self.seeds[dimension]);
+            for first in (0..self.len).step_by(LANES) {
+                let sequence = &self.sequence[dimension][first..];
+                let seeds = &self.seeds[dimension][first..];
+                let corner = U32x16::load(simd, &self.corners[dimension][first..]);
+                let place = corner.widened(simd) + sampler.offsets(simd, sequence, seeds);
+                place.store(&mut self.positions[dimension][first..]);
+            }
+        }
+        true
+    }
+
+    /// How many samples it has.
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Where in the image of a camera the samples are.
+    pub(super) fn samples<'s>(&'s self, camera: &'s Camera) -> Samples<'s> {
+        let pixels = self.range().pixel(0)..=self.range().last_pixel();
+        let [x, y] = &self.pixels.in_image;
+        let window = both([x, y], |places| {
+            let places = &places[pixels.clone()];
+            let (least, most) = places.iter().fold((u32::MAX, 0), |(least, most), &place| {
+                (least.min(place), most.max(place))
+            });
+            [f64::from(least), f64::from(most) + 1.0]
+        });
+        Samples {
+            camera,
+            places: [&self.positions[0], &self.positions[1]],
+            count: self.len,
+            window,
+        }
+    }
+
+    /// The samples, counted through the tile.
+    pub(super) fn range(&self) -> SampleRange {
+        SampleRange {
+            samples: self.samples,
+            first: self.first,
+            len: self.len,
+        }
+    }
+
+    /// Column and row in the tile of each of its pixels, in the order in which they are sampled.
+    pub(super) fn pixels(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
+        let Pixels { count, in_tile, .. } = &self.pixels;
+        (0..*count).map(|pixel| [in_tile[0][pixel], in_tile[1][pixel]])
+    }
+}
+
+/// Some samples of a tile, counted through the tile pixel by pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SampleRange {
+    /// Samples of a pixel.
+    samples: usize,
+    first: usize,
+    len: usize,
+}
+
+/// Samples of one pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Run {
+    /// The pixel, by its place among the pixels of the tile.
+    pub(super) pixel: usize,
+    /// Their places in the batch.
+    pub(super) slots: Range<usize>,
+}
+
+impl SampleRange {
+    /// The samples of pixel after pixel.
+    #[inline(always)]
+    pub(super) fn runs(self) -> impl Iterator<Item = Run> {
+        let (mut pixel, mut start) = (self.pixel(0), 0);
+        // Of the first pixel some samples may have been in the batch before.
+        let mut left = (pixel + 1) * self.samples - self.first;
+        std::iter::from_fn(move || {
+            let end = (start + left).min(self.len);
+            (start < end).then(|| {
+                let run = Run {
+                    pixel,
+                    slots: start..end,
+                };
+                (pixel, start, left) = (pixel + 1, end, self.samples);
+                run
+            })
+        })
+    }
+
+    /// The pixel of each sample, by its place among the pixels of the tile.
+    pub(super) fn pixels(self) -> impl ExactSizeIterator<Item = usize> {
+        (0..self.len).map(move |slot| self.pixel(slot))
+    }
+
+    /// The pixel of the sample in a slot, by its place among the pixels of the tile.
+    pub(super) fn pixel(self, slot: usize) -> usize {
+        (self.first + slot) / self.samples
+    }
+
+    /// The pixel of the last sample.
+    pub(super) fn last_pixel(self) -> usize {
+        self.pixel(self.len - 1)
+    }
+
+    /// Samples of a pixel, and the pixels, where no pixel has samples in another batch.
+    #[inline(always)]
+    pub(super) fn whole_pixels(self) -> Option<(usize, Range<usize>)> {
+        BATCH.is_multiple_of(self.samples).then(|| {
+            let first = self.first / self.samples;
+            (self.samples, first..first + self.len / self.samples)
+        })
+    }
+
+    /// Gives each sample the number of its pixel.
+    #[inline(always)]
+    fn spread<S: Simd>(self, simd: S, numbers: &PerPixel, column: &mut PerSample) {
+        match self.whole_pixels() {
+            Some((1, pixels)) => spread_over::<1>(&numbers[pixels], column),
+            Some((2, pixels)) => spread_over::<2>(&numbers[pixels], column),
+            Some((4, pixels)) => spread_over::<4>(&numbers[pixels], column),
+            Some((8, pixels)) => spread_over::<8>(&numbers[pixels], column),
+            Some((LANES, pixels)) => {
+                for (place, &number) in numbers[pixels].iter().enumerate() {
+                    U32x16::splat(simd, number).store(&mut column[place * LANES..]);
+                }
+            }
+            _ => {
+                for Run { pixel, slots } in self.runs() {
+                    column[slots].fill(numbers[pixel]);
+                }
+            }
+        }
+    }
+}
+
+/// Gives each of N samples the number of its pixel.
+#[inline(always)]
+fn spread_over<const N: usize>(numbers: &[u32], column: &mut PerSample) {
+    let (samples, _) = column.as_chunks_mut::<N>();
+    for (samples, &number) in samples.iter_mut().zip(numbers) {
+        *samples = [number; N];
+    }
+}
+
+/// Column and row of the pixels of a tile along a Z-order curve: the even and the odd bits of the
+/// number. Four in a row are a square, and so are four of these.
+const Z_ORDER: [[u32; 2]; PIXELS] = {
+    let mut order = [[0; 2]; PIXELS];
+    let mut n = 0;
+    while n < order.len() {
+        let mut bit = 0;
+        while 1 << (2 * bit) < order.len() {
+            order[n][0] |= ((n >> (2 * bit) & 1) << bit) as u32;
+            order[n][1] |= ((n >> (2 * bit + 1) & 1) << bit) as u32;
+            bit += 1;
+        }
+        n += 1;
+    }
+    order
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{Kernel, SimdLevel};
+
+    struct Spread<'n>(SampleRange, &'n PerPixel);
+
+    impl Kernel for Spread<'_> {
+        type Output = PerSample;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> PerSample {
+            let Self(range, numbers) = self;
+            let mut column = [0; BATCH];
+            range.spread(simd, numbers, &mut column);
+            column
+        }
+    }
+
+    #[test]
+    fn every_sample_has_its_pixel() {
+        for samples in [1, 2, 3, 4, 16, 100, 256, 300, 1024] {
+            let numbers = std::array::from_fn(|pixel| 7 * pixel as u32);
+            for first in (0..3 * samples + 512).step_by(BATCH) {
+                let range = SampleRange {
+                    samples,
+                    first,
+                    len: BATCH,
+                };
+                if range.last_pixel() >= PIXELS {
+                    continue;
+                }
+                let column = SimdLevel::default().run(Spread(range, &numbers));
+                let expected = |slot: usize| (first + slot) / samples;
+                for (slot, pixel) in range.pixels().enumerate() {
+                    assert_eq!(pixel, expected(slot));
+                    assert_eq!(column[slot], 7 * pixel as u32, "{samples} {first} {slot}");
+                }
+                let runs: Vec<Run> = range.runs().collect();
+                assert_eq!(runs.iter().map(|run| run.slots.len()).sum::<usize>(), BATCH);
+                for Run { pixel, slots } in runs {
+                    assert!(slots.clone().all(|slot| expected(slot) == pixel));
+                    assert!(!slots.is_empty());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn four_pixels_in_a_row_are_a_square() {
+        for four in Z_ORDER.chunks(4) {
+            let [x, y] = four[0];
+            assert_eq!(four, [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]]);
+        }
+        let mut all = Z_ORDER;
+        all.sort_unstable();
+        assert!(all.iter().zip(0..).all(|(&[x, y], n)| x * TILE + y == n));
+    }
+}

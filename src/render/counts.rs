@@ -1,0 +1,45 @@
+//! What a render took and met.
+
+/// The radiance in cd/m² that a screen shows as its white, where no exposure is given.
+pub const SCREEN_WHITE: f32 = 1.0;
+
+/// Above this a pixel is brighter than the screen: it would have a code of 256 or more of 255.
+pub(super) const BEYOND_WHITE: f32 = 1.009 * SCREEN_WHITE;
+
+/// What a render took and met. The same for any number of threads and any instructions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Camera rays.
+    pub primary_rays: u64,
+    /// Of these, those that hit an object.
+    pub hits: u64,
+    /// Points asked for a light's visibility: those that the light is not below.
+    pub shadow_rays: u64,
+    /// Of these, those that the light reaches.
+    pub lit: u64,
+    /// Times that a light was exactly on the point it should light (d = 0) and added nothing.
+    pub singular: u64,
+    /// Channels of pixels, those of layers among them, whose value is beyond ± the largest f32, and
+    /// became that.
+    pub clamped: u64,
+    /// The largest R, G or B of any pixel in cd/m², at least 0.
+    pub brightest: f32,
+    /// Pixels with R, G or B above [`SCREEN_WHITE`] by so much that a code of 8 bits
+    /// cannot show it, 0.9 %.
+    pub beyond_white: u64,
+}
+
+impl Counts {
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            primary_rays: self.primary_rays + other.primary_rays,
+            hits: self.hits + other.hits,
+            shadow_rays: self.shadow_rays + other.shadow_rays,
+            lit: self.lit + other.lit,
+            singular: self.singular + other.singular,
+            clamped: self.clamped + other.clamped,
+            brightest: self.brightest.max(other.brightest),
+            beyond_white: self.beyond_white + other.beyond_white,
+        }
+    }
+}

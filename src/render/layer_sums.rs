@@ -1,0 +1,336 @@
+//! What the layers of a film keep of a tile's samples: for each kind of layer its sums, pixel by
+//! pixel, in f64.
+//!
+//! The loop over batches tells [`LayerSums`] which points a batch has ([`LayerSums::see`]) and, where a layer
+//! wants them, each term of L9; without layers there are no sums, and nothing is told.
+
+use super::bands::{self, Geometry, Place};
+use super::batch::SampleRange;
+use super::layers::{Layers, has_background_share};
+use super::sums::narrowed;
+use crate::camera::Camera;
+use crate::image::BACKGROUND_DEPTH;
+use crate::math::DVec3;
+use crate::shading::{Term, Terms};
+use crate::visibility::{Column, Points};
+use crate::world::{Bands, World};
+
+/// The layers to make, and what they are made from.
+#[derive(Clone, Copy)]
+pub(super) struct RequestedLayers<'w> {
+    world: &'w World,
+    camera: &'w Camera,
+    layers: Layers,
+    bands: Option<&'w Bands>,
+}
+
+impl<'w> RequestedLayers<'w> {
+    /// `None` where no layer is asked for. `bands` are those of [`Layers::spectral`].
+    pub(super) fn new(
+        world: &'w World,
+        camera: &'w Camera,
+        layers: Layers,
+        bands: Option<&'w Bands>,
+    ) -> Option<Self> {
+        let requested = Self {
+            world,
+            camera,
+            layers,
+            bands,
+        };
+        (requested.sums(0).channels() > 0).then_some(requested)
+    }
+
+    /// Room for so many pixels.
+    pub(super) fn sums(self, pixels: usize) -> LayerSums<'w> {
+        let Self {
+            world,
+            camera,
+            layers,
+            bands,
+        } = self;
+        LayerSums {
+            lights: layers.lights.then(|| LightSums::new(world, pixels)),
+            depths: layers.depth.then(|| Depths::new(camera, pixels)),
+            normals: layers.normal.then(|| vec![DVec3::ZERO; pixels]),
+            spectral: bands.map(|bands| SpectralSums::new(bands, pixels)),
+        }
+    }
+}
+
+/// The sums of a tile's pixels. Samples come in the order of the pixels.
+pub(super) struct LayerSums<'w> {
+    lights: Option<LightSums<'w>>,
+    depths: Option<Depths>,
+    /// Σ n of each pixel.
+    normals: Option<Vec<DVec3>>,
+    spectral: Option<SpectralSums<'w>>,
+}
+
+impl<'w> LayerSums<'w> {
+    /// How many channels a pixel has.
+    pub(super) fn channels(&self) -> usize {
+        let lights = self.lights.as_ref().map_or(0, |lights| 3 * lights.shares);
+        let depth = usize::from(self.depths.is_some());
+        let normal = 3 * usize::from(self.normals.is_some());
+        let spectral = self.spectral.as_ref();
+        let bands = spectral.map_or(0, |spectral| spectral.bands.wavelengths().count());
+        lights + depth + normal + bands
+    }
+
+    /// Adds what the points of a batch are by themselves. What comes back, if any layer is made of
+    /// light, is to be told of each term of their sums.
+    pub(super) fn see<'s>(
+        &'s mut self,
+        batch: SampleRange,
+        points: &Points,
+    ) -> Option<impl FnMut(Terms<'_>) + use<'s, 'w>> {
+        let Self {
+            lights,
+            depths,
+            normals,
+            spectral,
+        } = self;
+        if let Some(depths) = depths {
+            depths.add(batch, points);
+        }
+        if let Some(normals) = normals {
+            for_each_hit(batch, points, points.shading_normals(), |pixel, normal| {
+                normals[pixel] += normal;
+            });
+        }
+        if let Some(lights) = lights {
+            lights.add_background(batch, points);
+        }
+        if let Some(spectral) = spectral {
+            spectral.see(batch, points);
+        }
+        (lights.is_some() || spectral.is_some()).then_some(move |terms: Terms<'_>| {
+            for term in terms.iter() {
+                if let Some(lights) = lights {
+                    lights.add(batch.pixel(term.point), &term);
+                }
+                if let Some(spectral) = spectral {
+                    spectral.add(&term);
+                }
+            }
+        })
+    }
+
+    /// Of the pixels before `end` no more samples come.
+    pub(super) fn finish(&mut self, end: usize) {
+        if let Some(spectral) = &mut self.spectral {
+            spectral.finish(end);
+        }
+    }
+
+    /// The values of a finished pixel with so many samples, `misses` of which hit nothing, in the
+    /// order of [`Layers::channels`]; how many are beyond the largest f32.
+    pub(super) fn means(
+        &mut self,
+        pixel: usize,
+        misses: u32,
+        samples: u32,
+        values: &mut [f32],
+    ) -> u64 {
+        let mut output = Output {
+            rest: values,
+            clamped: 0,
+        };
+        let samples = f64::from(samples);
+        if let Some(lights) = &self.lights {
+            for share in lights.of(pixel) {
+                output.put(share, samples);
+            }
+        }
+        if let Some(depths) = &self.depths {
+            output.put(&[depths.of(pixel)], 1.0);
+        }
+        if let Some(normals) = &self.normals {
+            output.put(&normals[pixel].to_array(), samples);
+        }
+        if let Some(spectral) = &mut self.spectral {
+            output.put(spectral.of(pixel, misses), samples);
+        }
+        output.clamped
+    }
+}
+
+/// The values of a pixel that are not written yet.
+struct Output<'v> {
+    rest: &'v mut [f32],
+    clamped: u64,
+}
+
+impl Output<'_> {
+    fn put(&mut self, sums: &[f64], samples: f64) {
+        let (values, rest) = std::mem::take(&mut self.rest).split_at_mut(sums.len());
+        for (value, sum) in values.iter_mut().zip(sums) {
+            let (mean, is_clamped) = narrowed(sum / samples);
+            *value = mean;
+            self.clamped += u64::from(is_clamped);
+        }
+        self.rest = rest;
+    }
+}
+
+/// Tells of each sample of a batch that hits something its pixel, and what the columns have of it.
+fn for_each_hit(
+    batch: SampleRange,
+    points: &Points,
+    vectors: &[Column; 3],
+    mut each: impl FnMut(usize, DVec3),
+) {
+    let [xs, ys, zs] = vectors;
+    for (slot, pixel) in batch.pixels().enumerate() {
+        if points.is_hit(slot) {
+            each(pixel, DVec3::new(xs[slot], ys[slot], zs[slot]));
+        }
+    }
+}
+
+/// Σ L_i r V of each light, as if it were alone: the terms that the radiance is made of, in the
+/// same order, so that the sums have the bits of a film with this light only.
+struct LightSums<'w> {
+    world: &'w World,
+    /// How many there are in each pixel: the lights', and the background's unless that is black.
+    shares: usize,
+    pixels: usize,
+    /// Share by share, pixel by pixel within: terms come light by light.
+    sums: Vec<[f64; 3]>,
+}
+
+impl<'w> LightSums<'w> {
+    fn new(world: &'w World, pixels: usize) -> Self {
+        let shares = world.lights().len() + usize::from(has_background_share(world));
+        Self {
+            world,
+            shares,
+            pixels,
+            sums: vec![[0.0; 3]; pixels * shares],
+        }
+    }
+
+    /// The shares of a pixel.
+    fn of(&self, pixel: usize) -> impl Iterator<Item = &[f64; 3]> {
+        (0..self.shares).map(move |share| &self.sums[share * self.pixels + pixel])
+    }
+
+    fn add(&mut self, pixel: usize, term: &Term) {
+        let reflected = self.world.reflected(term.light, term.material);
+        let (diffuse, specular) = (reflected.diffuse.0.0, reflected.specular.0.0);
+        let sum = &mut self.sums[term.light * self.pixels + pixel];
+        for (channel, sum) in sum.iter_mut().enumerate() {
+            *sum += diffuse[channel] * term.geometry.diffuse
+                + specular[channel] * term.geometry.specular;
+        }
+    }
+
+    fn add_background(&mut self, batch: SampleRange, points: &Points) {
+        let lights = self.world.lights().len();
+        if self.shares == lights {
+            return;
+        }
+        let background = self.world.background().0.0;
+        for (slot, pixel) in batch.pixels().enumerate() {
+            if !points.is_hit(slot) {
+                let sum = &mut self.sums[lights * self.pixels + pixel];
+                for (sum, channel) in sum.iter_mut().zip(background) {
+                    *sum += channel;
+                }
+            }
+        }
+    }
+}
+
+/// The nearest of each pixel's samples along the view axis. A mean would be a place between things
+/// at which there is nothing.
+struct Depths {
+    eye: DVec3,
+    forward: DVec3,
+    /// Infinite where nothing is hit.
+    nearest: Vec<f64>,
+}
+
+impl Depths {
+    fn new(camera: &Camera, pixels: usize) -> Self {
+        Self {
+            eye: camera.eye().0,
+            forward: camera.forward().get(),
+            nearest: vec![f64::INFINITY; pixels],
+        }
+    }
+
+    fn add(&mut self, batch: SampleRange, points: &Points) {
+        let Self {
+            eye,
+            forward,
+            nearest,
+        } = self;
+        for_each_hit(batch, points, &points.position, |pixel, position| {
+            let depth = (position - *eye).dot(*forward);
+            if depth < nearest[pixel] {
+                nearest[pixel] = depth;
+            }
+        });
+    }
+
+    fn of(&self, pixel: usize) -> f64 {
+        let nearest = self.nearest[pixel];
+        if nearest == f64::INFINITY {
+            f64::from(BACKGROUND_DEPTH)
+        } else {
+            nearest
+        }
+    }
+}
+
+/// The bands of a tile's pixels.
+struct SpectralSums<'b> {
+    bands: &'b Bands,
+    geometry: Geometry,
+    /// Where the terms of each sample of the batch belong.
+    places: Vec<Option<Place>>,
+    /// Pixel by pixel, band by band.
+    sums: Vec<f64>,
+}
+
+impl<'b> SpectralSums<'b> {
+    fn new(bands: &'b Bands, pixels: usize) -> Self {
+        Self {
+            bands,
+            geometry: Geometry::new(bands.lights()),
+            places: Vec::new(),
+            sums: vec![0.0; pixels * bands.wavelengths().count()],
+        }
+    }
+
+    fn see(&mut self, batch: SampleRange, points: &Points) {
+        let geometry = &mut self.geometry;
+        let samples = batch.pixels().enumerate();
+        let places = samples.map(|(slot, pixel)| {
+            let material = points.material[slot] as usize;
+            let place = || geometry.place(pixel, material);
+            points.is_hit(slot).then(place)
+        });
+        self.places.clear();
+        self.places.extend(places);
+    }
+
+    fn add(&mut self, term: &Term) {
+        let place = self.places[term.point].expect("a term is of a point that is hit");
+        self.geometry.add(place, term);
+    }
+
+    fn finish(&mut self, end: usize) {
+        self.geometry.finish(end, self.bands, &mut self.sums);
+    }
+
+    /// The sums of a finished pixel, with the background where samples miss.
+    fn of(&mut self, pixel: usize, misses: u32) -> &[f64] {
+        let count = self.bands.wavelengths().count();
+        let sums = &mut self.sums[pixel * count..][..count];
+        bands::add_scaled(sums, f64::from(misses), self.bands.background());
+        sums
+    }
+}

@@ -1,0 +1,163 @@
+//! The box filter: the mean over the samples of each pixel of a tile.
+
+use fearless_simd::Simd;
+
+use super::batch::{PIXELS, Run, SampleRange};
+use super::counts::{BEYOND_WHITE, Counts};
+use crate::simd::{F32x16, F64x16, LANES, Mask32x16, U32x16, every_nth, side_by_side};
+use crate::visibility::{BATCH, Column, Points};
+
+/// The box filter: the mean over the samples of each pixel of a tile, summed in f64.
+#[derive(Clone)]
+pub(super) struct PixelSums {
+    radiance: [Column; 3],
+    pub(super) hits: [u32; PIXELS],
+}
+
+impl Default for PixelSums {
+    fn default() -> Self {
+        Self {
+            radiance: [Column::ZERO; 3],
+            hits: [0; PIXELS],
+        }
+    }
+}
+
+impl PixelSums {
+    pub(super) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Adds the radiance of some samples, those of each pixel in their order.
+    #[inline(always)]
+    pub(super) fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        range: SampleRange,
+        points: &Points,
+        radiance: &[Column; 3],
+    ) {
+        let pixels = range.whole_pixels();
+        for (sums, column) in self.radiance.iter_mut().zip(radiance) {
+            match pixels.clone() {
+                Some((1, pixels)) => add_each::<S, 1>(simd, &mut sums[pixels.start..], column),
+                Some((2, pixels)) => add_each::<S, 2>(simd, &mut sums[pixels.start..], column),
+                Some((4, pixels)) => add_each::<S, 4>(simd, &mut sums[pixels.start..], column),
+                Some((8, pixels)) => add_each::<S, 8>(simd, &mut sums[pixels.start..], column),
+                Some((16, pixels)) => add_each::<S, 16>(simd, &mut sums[pixels.start..], column),
+                _ => {
+                    for Run { pixel, slots } in range.runs() {
+                        sums[pixel] = column[slots].iter().fold(sums[pixel], |sum, l| sum + l);
+                    }
+                }
+            }
+        }
+        match pixels {
+            Some((samples, pixels)) if points.all_hit() => {
+                for hits in &mut self.hits[pixels] {
+                    *hits += samples as u32;
+                }
+            }
+            _ if points.none_hit() => {}
+            _ => {
+                for Run { pixel, slots } in range.runs() {
+                    self.hits[pixel] += points.hits(slots);
+                }
+            }
+        }
+    }
+
+    /// R, G, B, A of sixteen pixels, and what of [`Counts`] is known of the first `count` by then.
+    #[inline(always)]
+    pub(super) fn means<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        count: usize,
+        samples: u32,
+    ) -> ([[f32; 4]; LANES], Counts) {
+        let samples = f64::from(samples);
+        let hits = U32x16::load(simd, &self.hits[first..]).widened(simd);
+        let alpha = (hits / samples).narrowed(simd);
+        let mut means = [alpha; 4];
+        let mut clamped = 0;
+        for (narrow, column) in means.iter_mut().zip(&self.radiance) {
+            let mean = F64x16::load(simd, &column[first..]) / samples;
+            let largest = F64x16::splat(simd, f64::from(f32::MAX));
+            if (!mean.abs().le(largest)).any() {
+                let mut values = [0.0; LANES];
+                for (value, mean) in values.iter_mut().zip(mean.to_array()).take(count) {
+                    let (narrow, is_clamped) = narrowed(mean);
+                    *value = narrow;
+                    clamped += u64::from(is_clamped);
+                }
+                *narrow = F32x16::load(simd, &values);
+            } else {
+                *narrow = mean.narrowed(simd);
+            }
+        }
+        let [r, g, b, _] = means;
+        let is_counted = Mask32x16::from_bits(simd, u32::MAX >> (u32::BITS - count as u32));
+        let largest = is_counted.select(r.max(g).max(b), F32x16::splat(simd, 0.0));
+        let is_beyond = largest.gt(F32x16::splat(simd, BEYOND_WHITE));
+        let met = Counts {
+            hits: self.hits[first..][..count]
+                .iter()
+                .copied()
+                .map(u64::from)
+                .sum(),
+            clamped,
+            brightest: largest.largest().max(0.0),
+            beyond_white: u64::from(is_beyond.to_bits().count_ones()),
+            ..Counts::default()
+        };
+        (side_by_side(means), met)
+    }
+}
+
+/// Adds to each sum N numbers of its own, one after the other.
+#[inline(always)]
+fn add_each<S: Simd, const N: usize>(simd: S, sums: &mut [f64], column: &Column) {
+    for (first, sums) in (0..BATCH).step_by(N * LANES).zip(sums.chunks_mut(LANES)) {
+        let mut rows = [F64x16::splat(simd, 0.0); N];
+        for (place, row) in rows.iter_mut().enumerate() {
+            *row = F64x16::load(simd, &column[first + place * LANES..]);
+        }
+        let mut sum = F64x16::load(simd, sums);
+        for row in every_nth(rows) {
+            sum = sum + row;
+        }
+        sum.store(sums);
+    }
+}
+
+/// Here, and nowhere before, light becomes f32; whether it was beyond the largest.
+pub(super) fn narrowed(light: f64) -> (f32, bool) {
+    let largest = f64::from(f32::MAX);
+    if light.is_nan() {
+        // Two lights at the very point, one of a color beyond the gamut: ∞ − ∞ is too large as well.
+        return (f32::MAX, true);
+    }
+    let narrow = light.clamp(-largest, largest) as f32;
+    (narrow, light.abs() > largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_narrowed_once_and_counted() {
+        assert_eq!(narrowed(0.1), (0.1_f32, false));
+        assert_eq!(narrowed(f64::from(f32::MAX)), (f32::MAX, false));
+        // Colors beyond the gamut are negative.
+        for (light, expected) in [
+            (1e39, f32::MAX),
+            (f64::INFINITY, f32::MAX),
+            (-1e39, -f32::MAX),
+            (f64::NAN, f32::MAX),
+        ] {
+            assert_eq!(narrowed(light), (expected, true));
+        }
+    }
+}

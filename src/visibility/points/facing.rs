@@ -1,0 +1,117 @@
+//! Which surfaces face a light.
+
+use fearless_simd::Simd;
+
+use super::Points;
+use crate::math::{DVec3, Point};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
+use crate::visibility::batch::{PACKETS, columns};
+use crate::visibility::primitive::Primitive;
+use crate::visibility::rays::ROUNDING;
+use crate::world::geometry::from_shorter_edges;
+use crate::world::{Shape, World};
+
+/// Where a light is as seen from the points of a batch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facing {
+    /// One bit for each point whose surface it is above of.
+    pub(crate) above: [u32; PACKETS],
+    /// At how many points it is.
+    pub(crate) at: u32,
+}
+
+impl Points {
+    /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane (of
+    /// lifted points the one across the interpolated normal), further from it than rounding errors. A light in
+    /// the very plane of a floor is not above it. And whether it is at the point itself (d = 0), as far as can
+    /// be told.
+    #[inline(always)]
+    pub(crate) fn facing<S: Simd>(&self, simd: S, world: &World, light: Point) -> Facing {
+        // What holds for all points of the batch will often do: a bound on the rounding of each, and a
+        // light that is outside of the box around them. With p₀ a point of the tangent plane, n·l − n·p₀ and
+        // what it is compared with point by point are off by 2 ROUNDING (|l| + |l − p₀|) and the error of p₀,
+        // and |p₀| ROUNDING is below the error of p: twice that.
+        let light_length = light.0.abs().max_element();
+        let room = 6.0 * self.largest_error + 8.0 * ROUNDING * light_length;
+        let room = F64x16::splat(simd, room);
+        let [least, most] = self.bounds;
+        let outside = (least - light.0).max(light.0 - most).max_element();
+        let is_apart = outside > 2.0 * self.largest_error;
+        let mut facing = Facing {
+            above: [0; PACKETS],
+            at: 0,
+        };
+        for (packet, &hit) in self.hit.iter().enumerate() {
+            if hit == 0 {
+                continue;
+            }
+            let normal = self.facing_normals(simd, packet);
+            let plane = F64x16::load(simd, &self.plane[packet * LANES..]);
+            let height = normal.dot_with(light.0) - plane;
+            let above = height.gt(room).to_bits();
+            if is_apart && (above | height.lt(-room).to_bits()) & hit == hit {
+                facing.above[packet] = above & hit;
+            } else {
+                let (above, at) = self.facing_in(simd, world, packet, light);
+                facing.above[packet] = above;
+                facing.at += at.count_ones();
+            }
+        }
+        facing
+    }
+
+    /// The points of a packet that a light is above of, and those that it is at, one bit for each.
+    #[inline(never)]
+    fn facing_in<S: Simd>(
+        &self,
+        simd: S,
+        world: &World,
+        packet: usize,
+        light: Point,
+    ) -> (u32, u32) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let hit = self.hit[packet];
+                let lanes = packet * LANES;
+                let position = DVec3x16::load(simd, columns(&self.position, packet));
+                let error = F64x16::load(simd, &self.error[lanes..]);
+                // Of flat shapes a point is known exactly.
+                let mut flat = 0;
+                let mut points = [[0.0; LANES]; 3];
+                for lane in ones(hit & !self.lifts.points[packet]) {
+                    if let Some(point) = flat_point(world, Primitive(self.primitive[lanes + lane]))
+                    {
+                        flat |= 1 << lane;
+                        for axis in 0..3 {
+                            points[axis][lane] = point[axis];
+                        }
+                    }
+                }
+                let is_flat = Mask64x16::from_bits(simd, flat);
+                let [x, y, z] = &points;
+                let tangent = is_flat.select_vectors(DVec3x16::load(simd, [x, y, z]), position);
+                let known_to = is_flat.select(F64x16::splat(simd, 0.0), error);
+                let to_light = -tangent.minus(light.0);
+                // The largest component stands for the length, which is at most √3 times as long.
+                let light_length = light.0.abs().max_element();
+                let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
+                let normal = self.facing_normals(simd, packet);
+                let is_above = normal.dot(to_light).gt(rounding + known_to);
+                let offset = position.minus(light.0);
+                let is_at = offset.dot(offset).le(error * error).to_bits() & hit;
+                (is_above.to_bits() & hit & !is_at, is_at)
+            },
+        )
+    }
+}
+
+/// A point of a flat primitive that is known exactly; `None` for a curved one.
+fn flat_point(world: &World, primitive: Primitive) -> Option<DVec3> {
+    let (object, triangle) = primitive.parts();
+    match world.objects()[object as usize].shape {
+        Shape::Sphere(_) => None,
+        Shape::Plane(index) => Some(world.planes()[index].point.0),
+        Shape::Mesh(_) => Some(from_shorter_edges(world.triangles().vertices(triangle))[0]),
+    }
+}

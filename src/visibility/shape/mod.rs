@@ -1,0 +1,71 @@
+//! The shapes: how rays meet each, and how each is set up on a projection.
+
+pub(in crate::visibility) mod plane;
+mod sphere;
+pub(in crate::visibility) mod triangle;
+
+use fearless_simd::Simd;
+
+use super::projection::{BatchProjection, DepthTest};
+use super::question::{NearestHit, Occlusion};
+use super::rays::ShearedRays;
+use super::tree::{Beam, Bounds};
+pub(in crate::visibility) use sphere::Sphere;
+pub(in crate::visibility) use triangle::{PlaneSetup, Triangle, edge, side_by_side};
+
+/// A shape that fits in a box.
+pub(in crate::visibility) trait Shape: Copy + Send + Sync {
+    /// Several of them, as the projection takes them.
+    type Block: Block<Self>;
+
+    /// How many.
+    const WIDTH: usize;
+
+    /// What the slots of this kind of shape have in common.
+    const SLOTS: u32;
+
+    /// Whether blocks have no more of shapes than projections need.
+    const IS_QUANTIZED: bool;
+
+    /// The smallest box around it.
+    fn bounds(&self) -> Bounds;
+
+    /// L2: offers where the rays hit it at t above 0.
+    fn intersect<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, nearest: &mut NearestHit<S>);
+
+    /// L4: hides the points that it stands strictly before.
+    fn occlude<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, occlusion: &mut Occlusion<'_, S>);
+
+    /// Whether it is certain, and soon told, that no ray on a projection meets it.
+    fn is_beside(&self, projection: &BatchProjection) -> bool;
+}
+
+/// A few shapes side by side.
+pub(in crate::visibility) trait Block<T>: Send + Sync {
+    /// What a projection makes of them before it is looked at ray by ray.
+    type Setup;
+
+    /// Of [`Shape::WIDTH`] shapes or fewer, at least one, of which `first` come before in the order of all.
+    fn of(shapes: &[T], first: u32) -> Self;
+
+    /// One of them, by its place; all shapes of quantized ones are in `shapes`.
+    fn get(&self, shapes: &[T], place: usize) -> T;
+
+    /// One bit for each place that the rays of a beam might meet a shape at.
+    fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
+
+    /// Has it on its way from memory.
+    fn touch(&self);
+
+    /// Rasterizes those with a bit. The first has the slot `slot`, the others follow; quantized ones
+    /// have their places in the order of all for it.
+    fn rasterize<S: Simd>(
+        &self,
+        simd: S,
+        bits: u32,
+        slot: u32,
+        setup: &mut Self::Setup,
+        projection: &mut BatchProjection,
+        depth_test: impl DepthTest,
+    );
+}
