@@ -59,6 +59,7 @@ const MAY_USE: [(&str, &[&str]); 19] = [
             "exr",
             "math",
             "simd",
+            "memory",
             "output",
             "turns",
         ],
