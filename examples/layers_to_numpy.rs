@@ -42,7 +42,7 @@ pub(crate) fn run(scene: &Path, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn E
         },
         ..Options::default()
     };
-    let film = render(&world, &camera, &options);
+    let film = render(&world, &camera, &options)?;
 
     let rgba: Vec<f32> = film.pixels().iter().flatten().copied().collect();
     let mut files = vec![write(folder, "rgba", &film, 4, &rgba)?];

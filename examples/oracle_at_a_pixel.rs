@@ -57,6 +57,6 @@ pub(crate) fn both(scene: &Path, [x, y]: [u32; 2]) -> Result<(Sample, [f32; 3]),
         window: Some(pixel),
         ..Options::default()
     };
-    let [r, g, b, _] = render(&world, &camera, &options).pixels()[0];
+    let [r, g, b, _] = render(&world, &camera, &options)?.pixels()[0];
     Ok((oracle, [r, g, b]))
 }

@@ -50,7 +50,7 @@ pub(crate) fn summarize(scene: &Path, samples: u32) -> Result<Summary, Box<dyn E
         samples,
         ..Options::default()
     };
-    let film = render(&world, &camera, &options);
+    let film = render(&world, &camera, &options)?;
     let [width, _] = film.resolution();
 
     // Row by row from the top left: R, G, B in cd/m², and the share of the pixel that is covered.

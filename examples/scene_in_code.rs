@@ -64,7 +64,7 @@ pub(crate) fn run(folder: &Path, height: u32) -> Result<PathBuf, Box<dyn Error>>
         samples: 16,
         ..Options::default()
     };
-    let film = render(&world, &camera, &options);
+    let film = render(&world, &camera, &options)?;
 
     let exr = folder.join("steps.exr");
     let png = folder.join("steps.png");

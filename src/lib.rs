@@ -1,6 +1,6 @@
 //! candela: a renderer for direct light.
 //!
-//! For every pixel it computes what a viewer receives from point lights by way of one surface
+//! For every pixel it computes what a viewer receives from point lights and spots by way of one surface
 //! (L9, with its parts L1 to L8 in [`oracle`], [`visibility`] and [`shading`]):
 //!
 //! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
@@ -18,7 +18,7 @@
 //!          world                       │         legal: resolved, in range
 //!            │ Plan::new               │
 //!          plan                        │         just what this scene needs
-//!            │ render                  │         or render::render_exr: straight into the file
+//!            │ render                  │         or Renderer::exr: straight into the file
 //!  ┌─ render ┴────────────────┐        │
 //!  │ visibility ⇄ shading     │        │         camera rays to points, points to radiance
 //!  └─────────┬────────────────┘        │
@@ -54,11 +54,11 @@
 //!
 //! # Scope
 //!
-//! In: diffuse point lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
+//! In: diffuse point lights and spots; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
 //! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
 //! spaces, or as spectra.
 //!
-//! Out: indirect light, mirrors and refraction, lights with a size or a direction, textures, motion,
+//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion,
 //! adaptive sampling.
 //!
 //! # Example
@@ -69,7 +69,6 @@
 //!
 //! ```
 //! use candela::display::{self, Settings};
-//! use candela::exr::ExrOptions;
 //! use candela::output::Unfinished;
 //! use candela::{Options, Scene, World, render};
 //!
@@ -97,7 +96,7 @@
 //! "#;
 //! let scene = Scene::parse(text, "floor.toml")?; // what was written
 //! let (world, camera) = World::new(&scene)?; // what is legal, and who looks at it
-//! let film = render(&world, &camera, &Options::default());
+//! let film = render(&world, &camera, &Options::default())?;
 //!
 //! // One pixel is one metre; column 4 is x = 0, column 7 is x = 3.
 //! let pixel = |x: usize, y: usize| film.pixels()[9 * y + x];
@@ -109,7 +108,7 @@
 //!
 //! let folder = tempfile::tempdir()?;
 //! let (exr, png) = (folder.path().join("floor.exr"), folder.path().join("floor.png"));
-//! film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())?;
+//! film.save(&exr)?;
 //! display::convert(&exr, &png, &Settings::default(), &Unfinished::new())?;
 //! assert!(png.exists());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -117,6 +116,8 @@
 
 #![forbid(unsafe_code)]
 
+#[doc(hidden)]
+pub mod bench;
 pub mod camera;
 pub mod color;
 pub mod display;

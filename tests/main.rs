@@ -22,6 +22,7 @@ mod invariance;
 mod layering;
 mod layers;
 mod limits;
+mod measured;
 mod memory;
 mod meshes;
 mod openimageio;

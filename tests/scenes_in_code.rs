@@ -433,7 +433,7 @@ fn inputs_are_hashed_as_sha256sum_does() {
     assert_eq!(paths.len(), 5);
 
     let exr = folder.join("out.exr");
-    let film = render(&world, &camera, &Options::default());
+    let film = render(&world, &camera, &Options::default()).unwrap();
     film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
         .unwrap();
     let printed = oiiotool(folder, "--info -v out.exr");

@@ -11,7 +11,7 @@ use candela::color::difference::{Lab, delta_e_2000};
 use candela::exr::{ExrOptions, Precision};
 use candela::image::{Film, Window};
 use candela::output::Unfinished;
-use candela::render::{self, Layers, Options};
+use candela::render::{self, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport};
 use candela::spectrum::{Illuminant, Observer, SAMPLES};
 use candela::world::colorimetry::primaries;
@@ -40,7 +40,7 @@ fn film_of(scene: &Scene, options: &Options) -> Film {
     let mut scene = scene.clone();
     scene.image.transport.value = Transport::Spectral;
     let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-    render::render(&world, &camera, options)
+    render::render(&world, &camera, options).unwrap()
 }
 
 /// The bits of all bands of all pixels.
@@ -178,7 +178,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
     let mut scene = parse(&text);
     scene.image.transport.value = Transport::Spectral;
     let (world, camera) = World::new(&scene).unwrap();
-    let renderer = render::Renderer::new(world).unwrap();
+    let renderer = Renderer::new(&world).unwrap();
     let options = Options {
         layers: Layers {
             spectral: Some(Wavelengths::default()),
@@ -186,7 +186,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
         },
         ..Options::default()
     };
-    let (film, counts) = renderer.render_with(&camera, &options, &|_| {});
+    let (film, counts) = renderer.film(&camera, &options, &Job::new()).unwrap();
     assert!(film.values(9 * 4 + 4).iter().all(|&band| band == f32::MAX));
     assert_eq!(counts.clamped, 3 + 41);
 }

@@ -5,9 +5,9 @@ use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use candela::Camera;
-use candela::exr::{Compression, ExrOptions, ExrReport, Precision};
+use candela::exr::{Compression, ExrOptions, ExrReport, Precision, Preserve};
 use candela::image::Window;
-use candela::render::{Counts, Layers, Options, Renderer};
+use candela::render::{Counts, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport};
 use candela::world::{Wavelengths, World};
 
@@ -24,37 +24,32 @@ const CROP: Window = Window {
     height: 290,
 };
 
-/// A world that is ready, and its camera.
-struct Built {
-    renderer: Renderer,
-    camera: Camera,
-}
-
-fn built(resolution: [u32; 2], transport: Transport) -> Built {
+fn world(resolution: [u32; 2], transport: Transport) -> (World, Camera) {
     let mut scene = Scene::builtin();
     scene.image.resolution.value = resolution;
     scene.image.transport.value = transport;
-    let (world, camera) = World::new(&scene).unwrap();
-    let renderer = Renderer::new(world).unwrap();
-    Built { renderer, camera }
+    World::new(&scene).unwrap()
 }
 
 fn stream(
-    built: &Built,
+    (world, camera): &(World, Camera),
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
     exr: &ExrOptions,
     sink: &mut (impl Write + Seek + Send),
 ) -> io::Result<(Counts, ExrReport)> {
-    let Built { renderer, camera } = built;
-    renderer.render_exr(camera, options, progress, exr, sink)
+    let renderer = Renderer::new(world).unwrap();
+    let job = Job::watched(progress);
+    let rendered = renderer.exr(camera, options, exr, Preserve::Nothing, &job, sink)?;
+    Ok((rendered.counts, rendered.report))
 }
 
 /// Renders and writes, together and one after the other, on any number of threads: one file, one
 /// report.
-fn assert_same(built: &Built, options: &Options, exr: &ExrOptions) {
-    let Built { renderer, camera } = built;
-    let (film, counts) = renderer.render_with(camera, options, &|_| {});
+fn assert_same(viewed: &(World, Camera), options: &Options, exr: &ExrOptions) {
+    let (world, camera) = viewed;
+    let renderer = Renderer::new(world).unwrap();
+    let (film, counts) = renderer.film(camera, options, &Job::new()).unwrap();
     let mut file = Cursor::new(Vec::new());
     let report = film.write_exr_to(&mut file, exr).unwrap();
     for threads in [1, 2, 5] {
@@ -65,7 +60,7 @@ fn assert_same(built: &Built, options: &Options, exr: &ExrOptions) {
         let told = |pixels| {
             progress.fetch_add(pixels, Ordering::Relaxed);
         };
-        let done = pool.install(|| stream(built, options, &told, exr, &mut streamed));
+        let done = pool.install(|| stream(viewed, options, &told, exr, &mut streamed));
         let case = format!("{options:?} {exr:?} {threads}");
         assert_eq!(done.unwrap(), (counts, report), "{case}");
         assert!(streamed.get_ref() == file.get_ref(), "{case}");
@@ -75,7 +70,7 @@ fn assert_same(built: &Built, options: &Options, exr: &ExrOptions) {
 
 #[test]
 fn the_bytes_are_those_of_the_finished_film() {
-    let built = built(RESOLUTION, Transport::Auto);
+    let world = world(RESOLUTION, Transport::Auto);
     for window in [None, Some(CROP)] {
         let options = Options {
             window,
@@ -88,7 +83,7 @@ fn the_bytes_are_those_of_the_finished_film() {
                     compression,
                     ..ExrOptions::default()
                 };
-                assert_same(&built, &options, &exr);
+                assert_same(&world, &options, &exr);
             }
         }
     }
@@ -96,7 +91,7 @@ fn the_bytes_are_those_of_the_finished_film() {
 
 #[test]
 fn windows_of_every_size_are_whole() {
-    let built = built(RESOLUTION, Transport::Auto);
+    let world = world(RESOLUTION, Transport::Auto);
     for [width, height] in [
         [1, 1],
         [16, 16],
@@ -121,14 +116,14 @@ fn windows_of_every_size_are_whole() {
                 compression,
                 ..ExrOptions::default()
             };
-            assert_same(&built, &options, &exr);
+            assert_same(&world, &options, &exr);
         }
     }
 }
 
 #[test]
 fn bands_are_streamed_as_well() {
-    let built = built([75, 50], Transport::Spectral);
+    let world = world([75, 50], Transport::Spectral);
     for compression in [Compression::Zip, Compression::Piz] {
         for precision in [Precision::Float, Precision::Half] {
             let options = Options {
@@ -143,7 +138,7 @@ fn bands_are_streamed_as_well() {
                 compression,
                 ..ExrOptions::default()
             };
-            assert_same(&built, &options, &exr);
+            assert_same(&world, &options, &exr);
         }
     }
 }
@@ -176,7 +171,7 @@ impl Seek for Disk {
 
 #[test]
 fn a_full_disk_ends_rendering() {
-    let built = built([256, 256], Transport::Auto);
+    let world = world([256, 256], Transport::Auto);
     let exr = ExrOptions {
         compression: Compression::None,
         ..ExrOptions::default()
@@ -191,7 +186,7 @@ fn a_full_disk_ends_rendering() {
                 rendered.fetch_add(pixels, Ordering::Relaxed);
             };
             let result =
-                pool.install(|| stream(&built, &Options::default(), &told, &exr, &mut disk));
+                pool.install(|| stream(&world, &Options::default(), &told, &exr, &mut disk));
             (result, rendered.into_inner(), disk.written)
         };
         // No place for the head, for the third block of 16 lines, for the offset table.
@@ -213,15 +208,23 @@ fn a_full_disk_ends_rendering() {
 fn the_film_is_never_there_as_a_whole() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
     let pool = pool.build().unwrap();
-    let built = built([1024, 1024], Transport::Auto);
+    let (world, camera) = world([1024, 1024], Transport::Auto);
     let mut disk = Disk {
         free: usize::MAX,
         written: 0,
     };
+    let renderer = Renderer::new(&world).unwrap();
     let (result, most) = pool.install(|| {
         peak(|| {
             let (options, exr) = (Options::default(), ExrOptions::default());
-            stream(&built, &options, &|_| {}, &exr, &mut disk)
+            renderer.exr(
+                &camera,
+                &options,
+                &exr,
+                Preserve::Nothing,
+                &Job::new(),
+                &mut disk,
+            )
         })
     });
     result.unwrap();

@@ -7,7 +7,7 @@ use candela::Camera;
 use candela::exr::ExrOptions;
 use candela::image::Film;
 use candela::output::Unfinished;
-use candela::render::{Counts, Options, Renderer};
+use candela::render::{Counts, Job, Options, RenderError, Renderer};
 use candela::world::{Loaded, World};
 use rayon::ThreadPool;
 use serde::Serialize;
@@ -15,6 +15,9 @@ use serde::Serialize;
 use super::Result;
 use super::scenes::Scene;
 use super::yardstick::{self, Yardstick};
+
+/// What a render makes.
+type Rendered = std::result::Result<(Film, Counts), RenderError>;
 
 /// Pictures agree in a pixel where every channel does to this share. Embree and the yardstick compute
 /// in f32: near a shadow's terminator and in highlights that is good for some 1e-4.
@@ -101,7 +104,7 @@ pub(crate) fn pool(threads: usize) -> Result<ThreadPool> {
         .build()?)
 }
 
-/// A world, its camera, and the seconds that it takes to read and validate the scene.
+/// A world, its camera, and the seconds that it takes to read the scene and validate it.
 pub(crate) fn load(
     path: &Path,
     change: impl FnOnce(&mut candela::Scene),
@@ -125,18 +128,18 @@ impl Bench<'_> {
         for &lights in lights {
             let (world, camera, load) =
                 pool.install(|| load(&scene.path, |scene| scene.lights.truncate(lights)))?;
-            let (renderer, build) = timed(|| pool.install(|| Renderer::new(world)));
+            let (renderer, build) = timed(|| pool.install(|| Renderer::new(&world)));
             let renderer = renderer?;
-            let render = |samples: u32| -> ((Film, Counts), f64) {
+            let render = |samples: u32| -> (Rendered, f64) {
                 let options = Options {
                     samples,
                     ..Options::default()
                 };
-                let render = || renderer.render_with(&camera, &options, &|_| {});
+                let render = || renderer.film(&camera, &options, &Job::new());
                 timed(|| pool.install(render))
             };
             // The first renders of both are not measured.
-            let ((film, _), _) = render(1);
+            let (film, _) = render(1).0?;
             let agreement = match &mut yardstick {
                 None => None,
                 Some(yardstick) => {
@@ -153,8 +156,8 @@ impl Bench<'_> {
                 let (mut ours, mut theirs, mut shading) = (Vec::new(), Vec::new(), Vec::new());
                 let mut counts = Counts::default();
                 for _ in 0..self.runs {
-                    let ((_, run_counts), seconds) = render(samples);
-                    counts = run_counts;
+                    let (rendered, seconds) = render(samples);
+                    (_, counts) = rendered?;
                     ours.push(seconds);
                     if let Some(yardstick) = &mut yardstick {
                         theirs.push(yardstick.render(samples, self.threads, lights)?);

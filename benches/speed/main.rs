@@ -4,6 +4,8 @@
 mod archive;
 mod compare;
 mod plot;
+#[path = "../rays/mod.rs"]
+mod rays;
 mod scaling;
 mod scenes;
 mod whole;
@@ -31,6 +33,10 @@ struct Arguments {
     /// How time and memory grow with threads, triangles, lights, samples and pixels instead
     #[arg(long)]
     scaling: bool,
+
+    /// Rays and segments that share nothing instead, one thread; nothing is archived
+    #[arg(long, conflicts_with_all = ["quick", "scaling"])]
+    rays: bool,
 
     /// The folder of the Stanford dragon's meshes, dragon_vrip.ply and dragon_vrip_res2.ply to _res4
     #[arg(long, value_name = "FOLDER")]
@@ -118,6 +124,18 @@ fn run(arguments: &Arguments) -> Result<()> {
         if arguments.may_archive() {
             scaling::archive(&setting, &tables)?;
         }
+        return Ok(());
+    }
+
+    if arguments.rays {
+        let scenes = scenes::write_all(&folder, arguments.dragon.as_deref())?;
+        let is_default = |name: &str| ["spheres-10k", "dragon", "smooth", "room"].contains(&name);
+        let scenes: Vec<_> = scenes
+            .iter()
+            .filter(|scene| is_wanted(&scene.name))
+            .filter(|scene| !arguments.only.is_empty() || is_default(&scene.name))
+            .collect();
+        print!("{}", rays::measure(&folder, &scenes, arguments.runs)?);
         return Ok(());
     }
 

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 use candela::exr::ExrOptions;
 use candela::output::Unfinished;
-use candela::render::{Options, Renderer};
+use candela::render::{Job, Options, Renderer};
 use serde::{Deserialize, Serialize};
 
 use super::archive::{keep, milliseconds};
@@ -89,13 +89,14 @@ pub(crate) fn measure_here(point: &str) -> Result<()> {
         let (world, camera, load) = load(&point.scene, |scene| {
             scene.image.resolution.value = point.resolution;
         })?;
-        let (renderer, build) = timed(|| Renderer::new(world));
+        let (renderer, build) = timed(|| Renderer::new(&world));
         let renderer = renderer?;
         let options = Options {
             samples: point.samples,
             ..Options::default()
         };
-        let ((film, _), render) = timed(|| renderer.render_with(&camera, &options, &|_| {}));
+        let (rendered, render) = timed(|| renderer.film(&camera, &options, &Job::new()));
+        let (film, _) = rendered?;
         let exr = point.scene.with_extension("exr");
         let (written, write) =
             timed(|| film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new()));

@@ -8,8 +8,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use candela::camera::{Camera, Projection};
 use candela::math::Point;
-use candela::world::World;
 use candela::world::material::Model;
+use candela::world::{Light, World};
 
 use super::Result;
 
@@ -31,10 +31,14 @@ pub(crate) struct Yardstick {
 
 /// Compiles the yardstick; where it is, or why it is not there.
 pub(crate) fn compile(folder: &Path) -> Result<PathBuf> {
-    let program = folder.join("yardstick");
+    compile_from(SOURCE, &folder.join("yardstick"))
+}
+
+/// Compiles a program that uses Embree, if it is older than its source.
+pub(crate) fn compile_from(source: &str, program: &Path) -> Result<PathBuf> {
     let modified = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
-    if modified(&program) > modified(Path::new(SOURCE)) {
-        return Ok(program);
+    if modified(program) > modified(Path::new(source)) {
+        return Ok(program.to_owned());
     }
     let output = Command::new("c++")
         .args([
@@ -42,15 +46,15 @@ pub(crate) fn compile(folder: &Path) -> Result<PathBuf> {
             "-O3",
             "-march=native",
             "-ffast-math",
-            SOURCE,
+            source,
             "-o",
         ])
-        .arg(&program)
+        .arg(program)
         .args(["-lembree3", "-lpthread"])
         .output()
         .map_err(|error| format!("no C++ compiler (c++): {error}"))?;
     if output.status.success() {
-        Ok(program)
+        Ok(program.to_owned())
     } else {
         let message = String::from_utf8_lossy(&output.stderr);
         Err(message.lines().next().unwrap_or_default().into())
@@ -191,8 +195,11 @@ pub(crate) fn write_scene(world: &World, camera: &Camera, path: &Path) -> Result
     write_camera(camera, &mut file)?;
     file.count(world.lights().len())?;
     for light in world.lights() {
-        file.numbers(light.value.position.0.to_array())?;
-        file.numbers(light.value.intensity.0.0)?;
+        let Light::Point(light) = light.value else {
+            return Err("the yardstick knows no lights but points".into());
+        };
+        file.numbers(light.position.0.to_array())?;
+        file.numbers(light.intensity.0.0)?;
     }
     file.numbers(world.background().0.0)?;
 

@@ -4,12 +4,12 @@ use std::io::Write;
 
 use candela::memory::Size;
 use candela::printable::{counted, printable, printable_path};
-use candela::render::Renderer;
 use candela::scene::{Scene, Transport};
+use candela::visibility::Visibility;
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
-use candela::world::{Loaded, Plan, Shape, World, physics};
+use candela::world::{Light, Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
 use super::source::SceneArguments;
@@ -36,8 +36,8 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         world,
         camera,
     } = arguments.scene.load(|_| {})?;
-    let renderer = Renderer::new(world)?;
-    let (world, plan) = (renderer.world(), renderer.plan());
+    let plan = Plan::new(&world);
+    let visibility = Visibility::try_new(&world, &plan)?;
 
     let [width, height] = camera.resolution();
     writeln!(
@@ -50,14 +50,14 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         "\nimage      {width} × {height}, {}",
         world.color_space().name()
     )?;
-    print_objects(world, output)?;
-    print_materials(world, output)?;
-    print_lights(world, output)?;
-    print_plan(world, plan, output)?;
-    print_differences(scene, world, plan, output)?;
+    print_objects(&world, output)?;
+    print_materials(&world, output)?;
+    print_lights(&world, output)?;
+    print_plan(&world, &plan, output)?;
+    print_differences(scene, &world, &plan, output)?;
 
     let film = u64::from(width) * u64::from(height) * size_of::<[f32; 4]>() as u64;
-    let shapes = (world.triangles().memory() + renderer.memory()) as u64;
+    let shapes = (world.triangles().memory() + visibility.memory()) as u64;
     writeln!(
         output,
         "\nmemory     {} film, {} shapes and trees",
@@ -65,14 +65,15 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         Size(shapes)
     )?;
     if let Some(memory) = world.products_memory() {
-        let (lights, materials) = (world.lights().len(), world.used_materials().len());
-        writeln!(
-            output,
-            "           {} products of the spectra of {} and {}",
-            Size(memory),
-            counted(lights, "light", "lights"),
-            counted(materials, "material", "materials"),
-        )?;
+        let lights = counted(world.lights().len(), "light", "lights");
+        let materials = counted(world.used_materials().len(), "material", "materials");
+        let products = format!("products of the spectra of {lights} and {materials}");
+        if memory == 0 && !world.lights().is_empty() {
+            let made = "too many for a table: each tile makes its own";
+            writeln!(output, "           {products}: {made}")?;
+        } else {
+            writeln!(output, "           {} {products}", Size(memory))?;
+        }
     }
     let shadow_rays = world.lights().len();
     let pixels = width as usize * height as usize;
@@ -83,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         counted(shadow_rays, "shadow ray", "shadow rays"),
     )?;
 
-    let warnings = physics::warnings(world);
+    let warnings = physics::warnings(&world);
     if !warnings.is_empty() {
         writeln!(output, "\nwarnings   {}", warnings.len())?;
         for warning in warnings.iter().take(LISTED) {
@@ -164,9 +165,17 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
 fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     writeln!(output, "\nlights     {}", world.lights().len())?;
     for light in world.lights().iter().take(LISTED) {
-        let [r, g, b] = light.value.intensity.0.0.map(rounded);
+        let [r, g, b] = light.value.intensity().0.0.map(rounded);
         let name = printable(&light.name);
-        writeln!(output, "  {name:<20} point, [{r} {g} {b}] cd")?;
+        let kind = match &light.value {
+            Light::Point(_) => "point".to_owned(),
+            Light::Spot(spot) => {
+                let [inner, outer] =
+                    [spot.cone.inner(), spot.cone.outer()].map(|angle| rounded(angle.to_degrees()));
+                format!("spot to {inner}° and {outer}°")
+            }
+        };
+        writeln!(output, "  {name:<20} {kind}, [{r} {g} {b}] cd")?;
     }
     print_rest(world.lights().len(), output)
 }

@@ -130,8 +130,8 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
             window: Some(pixel),
             ..Options::default()
         };
-        let [r, g, b, _] = candela::render(&world, &camera, &options).pixels()[0];
-        [r, g, b]
+        let [r, g, b, _] = candela::render(&world, &camera, &options)?.pixels()[0];
+        Ok([r, g, b])
     };
     Ok(probe::run(arguments, &scene, renderer, output)?)
 }

@@ -2,6 +2,7 @@
 
 mod file;
 mod head;
+mod preserve;
 mod read;
 mod store;
 mod write;
@@ -42,10 +43,7 @@ impl ExrOptions {
     /// Where the blocks of lines that are compressed together are too large, as thousands of
     /// columns with hundreds of channels are under the compressions of 32 lines and more.
     pub fn check(&self, window: Window, channels: &Channels) -> Result<(), LargeBlocks> {
-        let bytes = |precision| match precision {
-            Precision::Float => 4,
-            Precision::Half => 2,
-        };
+        let bytes = |precision: Precision| precision.bytes() as u64;
         let further = channels.list.iter().map(|channel| match channel.kind {
             ChannelKind::Light | ChannelKind::Direction => bytes(self.precision),
             ChannelKind::Data => bytes(Precision::Float),
@@ -103,6 +101,26 @@ pub enum Precision {
     Float,
     /// 16 bits (HALF): 11 significant bits, up to 65 504.
     Half,
+}
+
+impl Precision {
+    /// Bytes of a value.
+    pub(crate) const fn bytes(self) -> usize {
+        match self {
+            Self::Float => size_of::<f32>(),
+            Self::Half => size_of::<half::f16>(),
+        }
+    }
+}
+
+/// What of a file is still in memory once it is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preserve {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// What the file shows: R, G, B and A as whoever reads it finds them, 16 bytes for each pixel.
+    Image,
 }
 
 /// How the pixels are compressed.

@@ -138,6 +138,32 @@ impl ShadowTerminator {
     }
 }
 
+/// How a spot's intensity falls off between its inner and its outer angle, `falloff`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Falloff {
+    /// x²(3 − 2x), with x linear in the cosine of the angle: pbrt and Cycles.
+    #[default]
+    Smooth,
+    /// x²: glTF, KHR_lights_punctual.
+    Gltf,
+    /// Linear in the angle: Mitsuba.
+    LinearAngle,
+}
+
+impl Falloff {
+    /// Every choice, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Smooth, Self::Gltf, Self::LinearAngle];
+
+    /// The name in a scene file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::Gltf => "gltf",
+            Self::LinearAngle => "linear_angle",
+        }
+    }
+}
+
 impl Unit {
     /// Every unit, in the order of the documentation.
     pub const ALL: [Self; 4] = [

@@ -9,8 +9,19 @@
 //! Every number of a point is computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
 //! are asked together, nor on the instruction set.
+//!
+//! On floors, of which each uses only those before it:
+//! 1. `batch`, `primitive`: the columns of a batch; which shape it is.
+//! 2. `rays`, `question`: the rays of a packet, what they ask, and what is known of the answer.
+//! 3. `tree`: a bounding volume hierarchy and the beams that go down it. It knows boxes, not shapes.
+//! 4. `projection`: the samples of a batch on a plane, and the depth test that fragments pass there.
+//! 5. `shape`: spheres, triangles and planes, each with its set-up before a projection and its test in f64.
+//! 6. `packet`: how a packet goes down a tree and puts its question to shapes.
+//! 7. `search`, `shapes`: all shapes of a kind, and all of a world.
+//! 8. `points`, and here: the answers.
 
 mod batch;
+mod incoherent;
 mod packet;
 mod points;
 mod primitive;
@@ -29,6 +40,7 @@ use fearless_simd::Simd;
 
 pub use batch::{BATCH, PACKETS};
 pub(crate) use batch::{Column, columns};
+pub(crate) use incoherent::{Candidates, Hits, RayBatch, SegmentBatch};
 pub(crate) use points::Facing;
 pub use points::Points;
 
@@ -42,8 +54,7 @@ use points::{Known, Only};
 use projection::{BatchProjection, NearestHitTest, OcclusionTest, State};
 use question::NearestHit;
 use rays::{ROUNDING, Rays};
-pub(crate) use shapes::Parts;
-use shapes::{Segments, Setups, Shapes};
+use shapes::{Parts, Segments, Setups, Shapes};
 use tree::{EMPTY_STACK, Stack};
 
 /// Rays whose directions differ by more than this part of their length do not share a projection: at a
@@ -179,7 +190,7 @@ impl<'w> Visibility<'w> {
     }
 
     /// A world and the parts that were built of it.
-    pub(crate) fn of(world: &'w World, parts: Parts) -> Self {
+    fn of(world: &'w World, parts: Parts) -> Self {
         let shapes = Shapes::of(world, parts);
         let meshes = world.triangles().meshes();
         let count = world.triangles().len() + world.spheres().len();
@@ -197,14 +208,14 @@ impl<'w> Visibility<'w> {
         }
     }
 
-    /// The parts of a world, if there is as much memory as they take.
+    /// [`Visibility::new`], if there is as much memory as it takes.
     ///
     /// # Errors
     /// If there is not.
-    pub(crate) fn try_parts(world: &'w World, plan: &Plan) -> Result<Parts, OutOfMemory> {
+    pub fn try_new(world: &'w World, plan: &Plan) -> Result<Self, OutOfMemory> {
         let needed = memory::look_for(Self::memory_needed(world));
         needed.map_err(|error| error.for_what("building the trees over all shapes"))?;
-        Ok(Parts::new(world, plan))
+        Ok(Self::new(world, plan))
     }
 
     /// About how many bytes [`Visibility::new`] takes at once, of which it keeps about half.

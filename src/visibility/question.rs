@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::primitive::Primitive;
-use crate::math::Point;
+use crate::math::{DVec3, Point};
 use crate::simd::{DVec3x16, F64x16, Mask64x16, U64x16};
 
 /// The nearest hits so far.
@@ -51,6 +51,16 @@ pub(super) struct SegmentEnds<S: Simd> {
     pub(super) position: DVec3x16<S>,
     pub(super) error: F64x16<S>,
     pub(super) primitive: U64x16<S>,
+}
+
+/// One end of a segment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    pub(super) position: DVec3,
+    /// A bound on its rounding error.
+    pub(super) error: f64,
+    /// What it is on.
+    pub(super) primitive: Primitive,
 }
 
 /// Which points a light reaches, so far.

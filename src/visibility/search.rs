@@ -7,7 +7,7 @@ use super::packet::{Question, descend};
 use super::projection::{BatchProjection, DepthTest};
 use super::rays::ShearedRays;
 use super::shape::{Block, Shape};
-use super::tree::{BlockRange, Bounds, Stack, Tree, blocks_of};
+use super::tree::{Approach, BlockRange, Bounds, Stack, Tree, TreeRay, blocks_of};
 use crate::math::DVec3;
 use crate::simd::ones;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
@@ -85,6 +85,11 @@ impl<T: Shape> Search<T> {
             return self.shapes[number];
         }
         self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
     }
 
     /// A point amid the shapes, if there are any.
@@ -216,6 +221,59 @@ impl<T: Shape> Search<T> {
                 },
             );
         }
+    }
+
+    /// Shows the blocks that a ray may meet up to t of `limit`, near ones first if it is `SORTED`, each with one
+    /// bit for each shape that it has. `show` says how far to go from then on, if at all. What is `error`
+    /// beside the ray counts as met.
+    #[inline(always)]
+    pub(super) fn along<S: Simd, const SORTED: bool>(
+        &self,
+        simd: S,
+        [origin, direction]: [DVec3; 2],
+        error: f64,
+        mut limit: f64,
+        stack: &mut Stack,
+        mut show: impl FnMut(&T::Block, u32) -> Option<f64>,
+    ) {
+        for (block, _, bits) in self.blocks(0, self.listed) {
+            let Some(next) = show(block, bits) else {
+                return;
+            };
+            limit = next;
+        }
+        let Some(tree) = &self.tree else {
+            return;
+        };
+        let ray = match TreeRay::new(tree, origin, direction, error) {
+            Approach::Beside => return,
+            Approach::Towards(ray) => ray,
+            Approach::Untold => {
+                for node in &tree.nodes {
+                    for (&block, &count) in node.children.iter().zip(&node.counts) {
+                        for (block, _, bits) in self.blocks(block as usize, count as usize) {
+                            if show(block, bits).is_none() {
+                                return;
+                            }
+                        }
+                    }
+                }
+                return;
+            }
+        };
+        ray.descend::<S, SORTED>(
+            simd,
+            tree,
+            ray.limit(limit),
+            stack,
+            #[inline(always)]
+            |block, count| {
+                for (block, _, bits) in self.blocks(block as usize, count as usize) {
+                    limit = show(block, bits)?;
+                }
+                Some(ray.limit(limit))
+            },
+        );
     }
 
     /// Bytes of the shapes and their tree.

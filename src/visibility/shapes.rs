@@ -18,7 +18,7 @@ use crate::world::{Plan, World};
 
 /// The shapes of a world, arranged for tracing, whatever looks at them. Copies share what was built.
 #[derive(Clone, Debug)]
-pub(crate) struct Parts {
+pub(super) struct Parts {
     spheres: Arc<Search<Sphere>>,
     triangles: Arc<Search<Triangle>>,
 }
@@ -68,11 +68,6 @@ impl Parts {
             spheres: Arc::new(spheres),
             triangles: Arc::new(triangles),
         }
-    }
-
-    /// Bytes of the arrays and trees.
-    pub(crate) fn memory(&self) -> usize {
-        self.spheres.memory() + self.triangles.memory()
     }
 }
 

@@ -254,7 +254,7 @@ impl Kernel for Compare<'_> {
                 all.extend(bits(seen).as_flattened());
             }
             for light in self.world.lights() {
-                let light = light.value.position;
+                let light = light.value.position();
                 let facing = seen.facing(simd, self.world, light).above;
                 let [lit, expected] = [0, 1].map(|way: usize| {
                     self.ways[way].lit(simd, light, &points[way], &facing, &mut spaces[way])
@@ -272,7 +272,7 @@ impl Kernel for Compare<'_> {
 const EYE: [f64; 3] = [0.3, 1.1, 3.0];
 
 #[test]
-fn an_ordinary_scene_is_decided_by_the_canvas() {
+fn an_ordinary_scene_is_decided_by_the_projection() {
     let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE);
     scene.clutter(300, 60, 0.2);
     scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);

@@ -34,7 +34,7 @@ pub fn differences(one: &World, other: &World) -> Vec<Difference> {
     let lights = one.lights().iter().enumerate();
     lights
         .filter_map(|(light, entry)| {
-            let white = xyz(entry.value.intensity.0, &space);
+            let white = xyz(entry.value.intensity().0, &space);
             if white.y <= 0.0 {
                 return None;
             }

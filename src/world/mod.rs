@@ -13,6 +13,7 @@ pub mod colorimetry;
 mod containment;
 pub mod difference;
 pub(crate) mod geometry;
+pub mod light;
 pub mod material;
 pub mod physics;
 pub mod plan;
@@ -22,14 +23,16 @@ mod validate;
 use std::path::Path;
 
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
+pub use light::{Light, PointLight, SpotLight};
 pub use material::Material;
 pub use plan::Plan;
+pub(crate) use spectra::RecentProducts;
 pub use spectra::{Bands, Spectra, Wavelengths};
 
 use crate::camera::Camera;
-use crate::math::{DVec3, Point};
+use crate::math::DVec3;
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
-use crate::units::{Intensity, Radiance, ReflectedIntensity};
+use crate::units::{Radiance, ReflectedIntensity};
 use spectra::Products;
 
 /// A legal scene.
@@ -43,7 +46,7 @@ pub struct World {
     background: Radiance,
     anchor: DVec3,
     materials: Vec<Named<Material>>,
-    lights: Vec<Named<PointLight>>,
+    lights: Vec<Named<Light>>,
     objects: Vec<Object>,
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
@@ -86,15 +89,6 @@ pub struct Lobes<T> {
     pub diffuse: T,
     /// Of the specular lobe (L7).
     pub specular: T,
-}
-
-/// A diffuse point light (L3).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointLight {
-    /// p_L, relative to the anchor.
-    pub position: Point,
-    /// I
-    pub intensity: Intensity,
 }
 
 /// An object: its name, what it is made of and what it became.
@@ -140,9 +134,9 @@ impl World {
     /// let above = Camera::perspective([0.0, 6.0, 0.1], [0.0; 3], 40.0);
     /// let above = world.place(&above, [64, 36])?;
     /// assert_eq!(above.anchor(), camera.anchor());
-    /// let film = render(&world, &above, &Options::default());
+    /// let film = render(&world, &above, &Options::default())?;
     /// assert_eq!(film.pixels().len(), 64 * 36);
-    /// # Ok::<(), candela::scene::Diagnostics>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
@@ -223,7 +217,7 @@ impl World {
     }
 
     /// The lights in the order of the file, which is the order of the sum (L9).
-    pub fn lights(&self) -> &[Named<PointLight>] {
+    pub fn lights(&self) -> &[Named<Light>] {
         &self.lights
     }
 
@@ -268,27 +262,33 @@ impl World {
         &self.gaps
     }
 
-    /// I · k of both lobes of a material, lit by a light. Zero for a material that no object has,
-    /// where light is carried spectrally.
+    /// T: I · k of both lobes of a reflectance, that of a material, lit by a light. Zero for a material that no
+    /// object has, where light is carried spectrally.
     ///
-    /// Where light is carried as RGB, it is the product of three numbers, made when it is asked
-    /// for: a table of it would be as large as lights times materials.
+    /// Where light is carried as RGB, it is the product of three numbers, made when it is asked for; where it
+    /// is spectral, an integral, made when it is first asked for. Whenever and wherever it is made, it has the
+    /// same bits.
     #[inline]
     pub fn reflected(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
-        self.reflected_from(light)(material)
+        self.reflected_from(light, None)(material)
     }
 
-    /// [`World::reflected`] of one light, for each material that is asked for.
+    /// [`World::reflected`] of one light, for each material that is asked for. Products that no table has room
+    /// for are kept in `recent`, if that is there.
     #[inline(always)]
-    pub(crate) fn reflected_from(
-        &self,
+    pub(crate) fn reflected_from<'w>(
+        &'w self,
         light: usize,
-    ) -> impl Fn(usize) -> Lobes<ReflectedIntensity> + '_ {
+        mut recent: Option<&'w mut RecentProducts>,
+    ) -> impl FnMut(usize) -> Lobes<ReflectedIntensity> + 'w {
         let products = self.products.as_ref();
-        let intensity = self.lights[light].value.intensity;
+        let intensity = self.lights[light].value.intensity();
         #[inline(always)]
         move |material| match products {
-            Some(products) => products.of(light, material),
+            Some(products) => match products.known(light, material) {
+                Some(product) => *product,
+                None => self.integrated(products, light, material, recent.as_deref_mut()),
+            },
             None => {
                 let reflectance = self.materials[material].value.reflectance();
                 Lobes {
@@ -299,10 +299,35 @@ impl World {
         }
     }
 
+    /// A product that is not known yet.
+    #[cold]
+    #[inline(never)]
+    fn integrated(
+        &self,
+        products: &Products,
+        light: usize,
+        material: usize,
+        recent: Option<&mut RecentProducts>,
+    ) -> Lobes<ReflectedIntensity> {
+        let spectra = self.spectra.as_ref();
+        let spectra = spectra.expect("products are of spectra");
+        let intensity = self.lights[light].value.intensity();
+        let integrate = || spectra.product(light, intensity, material);
+        products.make(light, material, recent, integrate)
+    }
+
     /// Bytes of the table of I · k of lights and materials; `None` where light is carried as RGB,
-    /// which takes none.
+    /// which takes none, 0 where a table would be too large, and products are made where they are needed.
     pub fn products_memory(&self) -> Option<u64> {
         self.products.as_ref().map(Products::memory)
+    }
+
+    /// Has products made where they are needed, as if there were too many for a table.
+    #[cfg(test)]
+    pub(crate) fn drop_table(&mut self) {
+        if let Some(products) = &mut self.products {
+            products.drop_table();
+        }
     }
 
     /// The materials that objects have, as indices into [`World::materials`], ascending.

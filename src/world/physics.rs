@@ -264,7 +264,10 @@ fn outside(world: &World) -> impl Iterator<Item = Warning> {
         })
     };
     let lights = world.lights().iter().filter_map(move |light| {
-        warning(format!("light `{}`", light.name), light.value.intensity.0.0)
+        warning(
+            format!("light `{}`", light.name),
+            light.value.intensity().0.0,
+        )
     });
     let materials = world.materials().iter().filter_map(move |material| {
         let Reflectance(Rgb(diffuse)) = material.value.reflectance().diffuse;

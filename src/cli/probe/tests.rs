@@ -108,7 +108,7 @@ fn arguments(pixel: &str, more: &[&str]) -> Arguments {
 
 fn output_of(scene: &Scene, arguments: &Arguments) -> Result<String, ProbeError> {
     let mut output = Vec::new();
-    let renderer = |_| [0.5, 0.25, 0.125];
+    let renderer = |_| Ok([0.5, 0.25, 0.125]);
     run(arguments, scene, renderer, &mut output)?;
     Ok(String::from_utf8(output).unwrap())
 }

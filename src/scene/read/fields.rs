@@ -169,6 +169,12 @@ impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
         }
     }
 
+    /// The number of `key`, or `default` where it is not there.
+    pub(super) fn number_or(&mut self, key: &Key, default: f64) -> Option<Spanned<f64>> {
+        let written = self.optional_number(key)?;
+        Some(written.unwrap_or(Spanned::new(default, self.header)))
+    }
+
     pub(super) fn vector(&mut self, key: &'static Key) -> Option<Spanned<[f64; 3]>> {
         let node = self.require(key)?;
         spanned(self.reader.numbers(key, key.name, node), node)

@@ -273,6 +273,7 @@ impl BatchProjection {
     }
 
     /// Takes a shape to be what all rays see first, as far as is known.
+    #[inline]
     pub(in crate::visibility) fn cover_with(&mut self, id: ShapeId, range: [f32; 2]) {
         self.cover = Some(Cover {
             slot: id.slot,
@@ -539,6 +540,7 @@ impl BatchProjection {
     }
 
     /// For each packet a bit for each ray that falls back to f64.
+    #[inline]
     pub(in crate::visibility) fn falls_back(&self, packet: usize) -> u32 {
         self.ambiguous[packet] | self.unresolved[packet]
     }
@@ -553,6 +555,7 @@ impl BatchProjection {
 
     /// What the primary rays of a packet meet first, [`NOTHING`] where they meet nothing; except for
     /// those that fall back to f64.
+    #[inline]
     pub(in crate::visibility) fn nearest_slots(&self, packet: usize) -> &[u32] {
         &self.slots[packet * LANES..(packet + 1) * LANES]
     }

@@ -11,7 +11,9 @@ use super::question::{NearestHit, Occlusion};
 use super::rays::ShearedRays;
 use super::tree::{Beam, Bounds};
 pub(in crate::visibility) use sphere::Sphere;
-pub(in crate::visibility) use triangle::{PlaneSetup, Triangle, edge, side_by_side};
+pub(in crate::visibility) use triangle::{
+    PlaneSetup, SingleRay, Triangle, TrianglePerRay, edge, side_by_side,
+};
 
 /// A shape that fits in a box.
 pub(in crate::visibility) trait Shape: Copy + Send + Sync {

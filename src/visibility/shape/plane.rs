@@ -4,9 +4,9 @@ mod setup;
 
 use fearless_simd::Simd;
 
-use crate::simd::F64x16;
+use crate::simd::{F64x16, Mask64x16};
 use crate::visibility::primitive::Primitive;
-use crate::visibility::question::{NearestHit, Occlusion};
+use crate::visibility::question::{NearestHit, Occlusion, SegmentEnds};
 use crate::visibility::rays::{ROUNDING, Rays};
 use crate::world::Plane;
 pub(in crate::visibility) use setup::rasterize_plane;
@@ -64,4 +64,25 @@ pub(in crate::visibility) fn occlude<S: Simd>(
     };
     let is_clear = beyond.gt(points.error + length * ROUNDING);
     occlusion.hide(is_clear & !is_own);
+}
+
+/// L4: the same for segments that share nothing; which of them the plane stands in the way of.
+#[inline(always)]
+pub(in crate::visibility) fn is_between<S: Simd>(
+    simd: S,
+    plane: &Plane,
+    start: &SegmentEnds<S>,
+    end: &SegmentEnds<S>,
+) -> Mask64x16<S> {
+    let normal = plane.normal.get();
+    let own = Primitive::whole(plane.object).lanes(simd);
+    let to_start = start.position.minus(plane.point.0);
+    let start_height = to_start.dot_with(normal);
+    let length = to_start.dot(to_start).sqrt() + start.position.dot(start.position).sqrt();
+    let is_apart = start_height.abs().gt(start.error + length * ROUNDING);
+    let to_end = end.position.minus(plane.point.0);
+    let end_height = to_end.dot_with(normal);
+    let beyond = start_height.is_positive().select(-end_height, end_height);
+    let is_clear = beyond.gt(end.error + to_end.taxicab() * ROUNDING);
+    is_apart & is_clear & !(start.primitive.eq(own) | end.primitive.eq(own))
 }

@@ -1,6 +1,7 @@
 //! L2 and L4 for spheres: ‖r(t) − c‖² = R².
 
 mod conic;
+mod single;
 
 use fearless_simd::Simd;
 
@@ -30,6 +31,43 @@ struct Crossings<S: Simd> {
     second: F64x16<S>,
 }
 
+/// L2 with the whole lines, each before its sphere: `oc` from the starts to the centers, and `distance` how
+/// long that is; `None` if none of those in `asked` meets it. The discriminant R² − |oc − (oc·ω)ω|² and the
+/// root c/q keep their precision for a sphere that is small and far away, where b² − 4ac cancels.
+#[inline(always)]
+fn crossings<S: Simd>(
+    simd: S,
+    oc: DVec3x16<S>,
+    radius: F64x16<S>,
+    rays: &Rays<S>,
+    asked: Mask64x16<S>,
+    distance: impl FnOnce() -> F64x16<S>,
+) -> Option<Crossings<S>> {
+    let zero = F64x16::splat(simd, 0.0);
+    let along = oc.dot(rays.direction);
+    let inverse_square = F64x16::splat(simd, 1.0) / rays.square;
+    let across = oc - rays.direction.times(along * inverse_square);
+    let discriminant = -across.dot(across) + radius * radius;
+    let exist = discriminant.ge(zero) & asked;
+    if !exist.any() {
+        return None;
+    }
+    // A ray that misses has no root; what is made of it there is not looked at.
+    let root = (rays.square * discriminant.max(zero)).sqrt();
+    let q = along.lt(zero).select(along - root, along + root);
+    let distance = distance();
+    let c = (distance - radius) * (distance + radius);
+    // q is 0 only for a ray that starts on the sphere and touches it there.
+    let touches = q.eq(zero);
+    let a = touches.select(zero, q * inverse_square);
+    let b = touches.select(zero, c / q);
+    Some(Crossings {
+        exist,
+        first: a.min(b),
+        second: b.max(a),
+    })
+}
+
 impl Sphere {
     pub(in crate::visibility) fn new(sphere: &world::Sphere) -> Self {
         Self {
@@ -43,9 +81,7 @@ impl Sphere {
         Primitive::whole(self.object)
     }
 
-    /// L2 with the whole lines; `None` if none of the rays in `asked` meets the sphere. The
-    /// discriminant R² − |oc − (oc·ω)ω|² and the root c/q keep their precision for a sphere that is
-    /// small and far away, where b² − 4ac cancels.
+    /// L2 with the whole lines; `None` if none of the rays in `asked` meets the sphere.
     #[inline(always)]
     fn crossings<S: Simd>(
         &self,
@@ -53,38 +89,20 @@ impl Sphere {
         rays: &Rays<S>,
         asked: Mask64x16<S>,
     ) -> Option<Crossings<S>> {
-        let zero = F64x16::splat(simd, 0.0);
         let oc = -rays.origin.minus(self.center.0);
-        let along = oc.dot(rays.direction);
-        let inverse_square = F64x16::splat(simd, 1.0) / rays.square;
-        let across = oc - rays.direction.times(along * inverse_square);
-        let discriminant = -across.dot(across) + self.radius * self.radius;
-        let exist = discriminant.ge(zero) & asked;
-        if !exist.any() {
-            return None;
-        }
-        // A ray that misses has no root; what is made of it there is not looked at.
-        let root = (rays.square * discriminant.max(zero)).sqrt();
-        let q = along.lt(zero).select(along - root, along + root);
-        let c = match rays.shared_origin {
-            Some(origin) => {
-                let distance = self.center.from(Point(origin)).length();
-                F64x16::splat(simd, (distance - self.radius) * (distance + self.radius))
-            }
-            None => {
-                let distance = oc.dot(oc).sqrt();
-                (distance - self.radius) * (distance + self.radius)
-            }
-        };
-        // q is 0 only for a ray that starts on the sphere and touches it there.
-        let touches = q.eq(zero);
-        let a = touches.select(zero, q * inverse_square);
-        let b = touches.select(zero, c / q);
-        Some(Crossings {
-            exist,
-            first: a.min(b),
-            second: b.max(a),
-        })
+        let radius = F64x16::splat(simd, self.radius);
+        crossings(
+            simd,
+            oc,
+            radius,
+            rays,
+            asked,
+            #[inline(always)]
+            || match rays.shared_origin {
+                Some(origin) => F64x16::splat(simd, self.center.from(Point(origin)).length()),
+                None => oc.dot(oc).sqrt(),
+            },
+        )
     }
 
     /// L2: where the rays in `asked` first meet the sphere at t above 0, from outside or inside, and
@@ -263,6 +281,7 @@ impl Shape for Sphere {
             second,
         }) = self.crossings(simd, rays, occlusion.asked & !is_on)
         {
+            let at_light = F64x16::splat(simd, at_light);
             let hidden =
                 is_between(simd, first, rays, at_light) | is_between(simd, second, rays, at_light);
             occlusion.hide(exist & hidden);
@@ -272,7 +291,7 @@ impl Shape for Sphere {
 
 /// Where t is before the point at 1, and after the light: t > at_light / |ω|.
 #[inline(always)]
-fn is_between<S: Simd>(simd: S, t: F64x16<S>, rays: &Rays<S>, at_light: f64) -> Mask64x16<S> {
-    let after = (t * t * rays.square).gt(F64x16::splat(simd, at_light * at_light));
+fn is_between<S: Simd>(simd: S, t: F64x16<S>, rays: &Rays<S>, at_light: F64x16<S>) -> Mask64x16<S> {
+    let after = (t * t * rays.square).gt(at_light * at_light);
     t.is_positive() & after & t.lt(F64x16::splat(simd, 1.0))
 }

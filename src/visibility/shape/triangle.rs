@@ -8,7 +8,9 @@
 //! that share an edge or a corner.
 
 mod leaf_block;
+mod pairs;
 mod setup;
+mod single;
 
 use fearless_simd::Simd;
 
@@ -22,7 +24,9 @@ use crate::visibility::rays::{CYCLE, ROUNDING, Rays, Shear, ShearedRays};
 use crate::visibility::tree::{Beam, Bounds};
 use crate::world::geometry::{area_vector, from_shorter_edges};
 use leaf_block::LeafBlock;
+pub(in crate::visibility) use pairs::TrianglePerRay;
 use setup::TriangleSetups;
+pub(in crate::visibility) use single::{BlockHits, SingleRay};
 
 /// A triangle with its place in the world, its corners in f64.
 #[derive(Clone, Copy, Debug)]
@@ -32,12 +36,32 @@ pub(in crate::visibility) struct Triangle {
     primitive: Primitive,
 }
 
-/// Which rays pass through a triangle: all edge functions have one sign. The i-th edge function is
-/// twice the area that the ray makes with the edge opposite of the i-th corner.
+/// A coordinate of a corner: one for all rays, or one for each.
+trait Coordinate<S: Simd>: Copy {
+    /// How far it is beyond where rays start.
+    fn beyond(self, origin: F64x16<S>) -> F64x16<S>;
+}
+
+impl<S: Simd> Coordinate<S> for f64 {
+    #[inline(always)]
+    fn beyond(self, origin: F64x16<S>) -> F64x16<S> {
+        -(origin - self)
+    }
+}
+
+impl<S: Simd> Coordinate<S> for F64x16<S> {
+    #[inline(always)]
+    fn beyond(self, origin: F64x16<S>) -> F64x16<S> {
+        -(origin - self)
+    }
+}
+
+/// Which rays pass through a triangle, or each through its own: all edge functions have one sign. The i-th
+/// edge function is twice the area that the ray makes with the edge opposite of the i-th corner.
 #[inline(always)]
-fn passes_through<S: Simd>(
+fn passes_through<S: Simd, V: Coordinate<S>>(
     simd: S,
-    vertices: [DVec3; 3],
+    vertices: [[V; 3]; 3],
     packet: &ShearedRays<S>,
     asked: u32,
 ) -> Mask64x16<S> {
@@ -58,8 +82,8 @@ fn passes_through<S: Simd>(
 }
 
 #[inline(always)]
-fn edge_functions<S: Simd>(
-    vertices: [DVec3; 3],
+fn edge_functions<S: Simd, V: Coordinate<S>>(
+    vertices: [[V; 3]; 3],
     rays: &Rays<S>,
     shear: &Shear<S>,
     axis: usize,
@@ -74,17 +98,16 @@ fn edge_functions<S: Simd>(
 
 /// A corner as seen along the rays.
 #[inline(always)]
-fn projected<S: Simd>(
-    vertex: DVec3,
+fn projected<S: Simd, V: Coordinate<S>>(
+    vertex: [V; 3],
     origin: [F64x16<S>; 3],
     shear: &Shear<S>,
     [u, v, w]: [usize; 3],
 ) -> [F64x16<S>; 2] {
-    let vertex = vertex.to_array();
-    let z = -(origin[w] - vertex[w]);
+    let z = vertex[w].beyond(origin[w]);
     [
-        -(origin[u] - vertex[u]) - shear.slopes[0] * z,
-        -(origin[v] - vertex[v]) - shear.slopes[1] * z,
+        vertex[u].beyond(origin[u]) - shear.slopes[0] * z,
+        vertex[v].beyond(origin[v]) - shear.slopes[1] * z,
     ]
 }
 
@@ -185,6 +208,18 @@ impl Triangle {
         self.primitive
     }
 
+    #[inline(always)]
+    fn passed_through<S: Simd>(
+        &self,
+        simd: S,
+        packet: &ShearedRays<S>,
+        asked: u32,
+    ) -> Mask64x16<S> {
+        let [a, b, c] = self.vertices;
+        let vertices = [a.to_array(), b.to_array(), c.to_array()];
+        passes_through(simd, vertices, packet, asked)
+    }
+
     #[inline]
     pub(in crate::visibility) fn new(primitive: Primitive, vertices: [DVec3; 3]) -> Self {
         Self {
@@ -199,6 +234,30 @@ impl Triangle {
 pub(in crate::visibility) struct TriangleBlock {
     leaf: LeafBlock,
     primitives: [Primitive; LANES],
+}
+
+impl TriangleBlock {
+    /// What f32 can tell of one ray and the triangles with a bit; `None` if it passes through none.
+    #[inline(always)]
+    pub(in crate::visibility) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        ray: &SingleRay,
+        bits: u32,
+    ) -> Option<BlockHits<S>> {
+        self.leaf.meet(simd, ray, bits)
+    }
+
+    /// The number of a triangle in the order of all.
+    #[inline(always)]
+    pub(in crate::visibility) fn number(&self, place: usize) -> u32 {
+        self.leaf.number + place as u32
+    }
+
+    #[inline(always)]
+    pub(in crate::visibility) fn primitive(&self, place: usize) -> Primitive {
+        self.primitives[place]
+    }
 }
 
 impl Block<Triangle> for TriangleBlock {
@@ -299,8 +358,7 @@ impl Shape for Triangle {
 
     #[inline(always)]
     fn intersect<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, nearest: &mut NearestHit<S>) {
-        let passes =
-            passes_through(simd, self.vertices, packet, nearest.asked_bits) & nearest.asked;
+        let passes = self.passed_through(simd, packet, nearest.asked_bits) & nearest.asked;
         if !passes.any() {
             return;
         }
@@ -325,8 +383,7 @@ impl Shape for Triangle {
     /// rounding error, and the ray passes through it. A triangle does not occlude itself.
     #[inline(always)]
     fn occlude<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, occlusion: &mut Occlusion<'_, S>) {
-        let passes =
-            passes_through(simd, self.vertices, packet, occlusion.asked_bits) & occlusion.asked;
+        let passes = self.passed_through(simd, packet, occlusion.asked_bits) & occlusion.asked;
         if !passes.any() {
             return;
         }

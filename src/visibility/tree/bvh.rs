@@ -88,6 +88,13 @@ impl Bvh {
         &self.nodes
     }
 
+    /// The largest coordinate of any box in the tree's frame.
+    pub(in crate::visibility) fn reach(&self) -> f64 {
+        let members = self.nodes[0].members().iter();
+        let reach = members.map(|member| member.min.abs().max(member.max.abs()).max_element());
+        f64::from(reach.fold(0.0, f32::max))
+    }
+
     /// Middle of the tree's frame in world space.
     pub(in crate::visibility) fn center(&self) -> DVec3 {
         self.center

@@ -29,6 +29,8 @@ pub(in crate::visibility) struct Tree {
     pub(in crate::visibility) center: DVec3,
     /// From world space to the tree's frame: a power of two.
     pub(in crate::visibility) scale: f64,
+    /// The largest coordinate of any box in the tree's frame.
+    pub(in crate::visibility) reach: f64,
 }
 
 /// The shapes of a block.
@@ -70,8 +72,9 @@ impl Tree {
                 place
             })
         });
-        let nodes = nodes.collect();
+        let nodes: Vec<WideNode> = nodes.collect();
         let tree = Self {
+            reach: bvh.reach(),
             nodes,
             center: bvh.center(),
             scale: bvh.scale(),

@@ -194,13 +194,18 @@ const ROUNDING: f64 = 1e-14;
 
 impl Validator<'_> {
     /// The intensity of a light, or the background's radiance; dark after an error.
-    pub(super) fn emission(&mut self, key: &'static str, written: &Spanned<Value>) -> Emission {
+    pub(super) fn emission(
+        &mut self,
+        key: &'static str,
+        written: &Spanned<Value>,
+        spread: Spread,
+    ) -> Emission {
         let emission = match &written.value {
             Value::Sized {
                 unit,
                 amount,
                 color,
-            } => self.sized(written, *unit, *amount, color),
+            } => self.sized(written, *unit, *amount, color, spread),
             value => match Literal::of(value) {
                 Some(literal) => self
                     .literal(key, written, &literal)
@@ -406,6 +411,7 @@ impl Validator<'_> {
         unit: Unit,
         amount: f64,
         color: &Value,
+        spread: Spread,
     ) -> Result<Emission, Reported> {
         if !(0.0..=f64::from(f32::MAX)).contains(&amount) {
             let expected = "a number from 0 to 3.4e38";
@@ -413,14 +419,15 @@ impl Validator<'_> {
             return Err(Reported);
         }
         let key = "color";
+        let per_steradian = spread.per_steradian(unit, amount);
         match (Literal::of(color), unit) {
             (Some(literal), Unit::Candela | Unit::Lumens) => {
                 let of_color = self.literal(key, written, &literal)?;
-                let size = self.share(written, per_steradian(unit, amount), literal.luminance())?;
+                let size = self.share(written, per_steradian, literal.luminance())?;
                 let [r, g, b] = of_color;
                 let rgb = if r == g && g == b {
                     // To the bit what `intensity = [100, 100, 100]` is.
-                    [per_steradian(unit, amount); 3]
+                    [per_steradian; 3]
                 } else {
                     of_color.map(|channel| channel * size)
                 };
@@ -443,7 +450,7 @@ impl Validator<'_> {
                     Unit::Candela | Unit::Lumens => self.colorimetry.luminous(&spectrum),
                     Unit::WattsPerSteradian | Unit::Watts => spectrum.total(),
                 };
-                let size = self.share(written, per_steradian(unit, amount), whole)?;
+                let size = self.share(written, per_steradian, whole)?;
                 Ok(self.spectral_light(spectrum.scaled(size)))
             }
         }
@@ -526,10 +533,19 @@ fn rounded(rgb: [f64; 3]) -> [f64; 3] {
     rgb.map(|channel| (channel * 1e6).round() / 1e6)
 }
 
-/// An amount of light per steradian; a point light's flux goes evenly into 4π sr.
-fn per_steradian(unit: Unit, amount: f64) -> f64 {
-    match unit {
-        Unit::Candela | Unit::WattsPerSteradian => amount,
-        Unit::Lumens | Unit::Watts => amount / (4.0 * PI),
+/// Into how many sr the flux of a light goes: its flux in lm over its intensity in cd.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spread(pub(super) f64);
+
+impl Spread {
+    /// Of a point light: evenly into all directions, 4π sr.
+    pub(super) const EVERYWHERE: Self = Self(4.0 * PI);
+
+    /// An amount of light per steradian.
+    fn per_steradian(self, unit: Unit, amount: f64) -> f64 {
+        match unit {
+            Unit::Candela | Unit::WattsPerSteradian => amount,
+            Unit::Lumens | Unit::Watts => amount / self.0,
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 mod camera;
 mod color;
+mod light;
 mod material;
 mod mesh;
 mod shapes;
@@ -16,7 +17,7 @@ pub(super) use camera::place;
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
 use super::spectra::{Products, Spectra};
-use super::{Loaded, Named, Object, PointLight, World};
+use super::{Loaded, Named, Object, World};
 use crate::camera::Camera;
 use crate::math::{Normal, Point};
 use crate::memory::{self, OutOfMemory};
@@ -25,16 +26,11 @@ use crate::scene::diagnostic::MOST_COLLECTED;
 use crate::scene::{
     self, Broken, Diagnostic, Diagnostics, Problem, Reading, Scene, Span, Spanned, Transport, Value,
 };
-use crate::spectrum::Spectrum;
-use crate::units::{Intensity, Radiance, Rgb};
+use crate::units::{Radiance, Rgb};
 
 /// The largest coordinate, length and factor. Products of four of them, as the edge functions of
 /// triangles have, still fit an f64 with room to spare.
 const LARGEST: f64 = 1e30;
-
-/// The most pairs of a light and a material where light is carried spectrally: each is an integral of 0.7 µs,
-/// so that these take about 20 s of a processor, and 1.6 GB.
-const MOST_PRODUCTS: u64 = 1 << 25;
 
 /// Validates a whole scene.
 pub(super) fn validate(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
@@ -162,7 +158,7 @@ impl<'a> Validator<'a> {
         self.entry = Some(Entry::Image);
         let background = &self.scene.image.background;
         self.note_spectra([&background.value], || "the background".to_owned());
-        let background = self.emission("background", background);
+        let background = self.emission("background", background, color::Spread::EVERYWHERE);
         let mut reflectances = Vec::new();
         let mut materials = Vec::new();
         self.each(
@@ -245,18 +241,6 @@ impl<'a> Validator<'a> {
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
             let materials = world.used_materials();
-            let pairs = world.lights.len() as u64 * materials.len() as u64;
-            if pairs > MOST_PRODUCTS {
-                let conflict = format!(
-                    "light is carried spectrally, and {} and {} are {pairs} pairs, expected at most \
-                     {MOST_PRODUCTS}; use fewer of them, or `transport = \"rgb\"` in `[image]`, which \
-                     has no limit",
-                    counted(world.lights.len(), "light", "lights"),
-                    counted(materials.len(), "material", "materials"),
-                );
-                self.report(self.scene.image.transport.span, Problem::Conflict(conflict));
-                return world;
-            }
             let mut used = vec![false; world.materials.len()];
             for &material in &materials {
                 used[material] = true;
@@ -268,7 +252,7 @@ impl<'a> Validator<'a> {
                 used,
                 background: background.spectrum.expect("spectral light has a spectrum"),
             };
-            match Products::new(&spectra, &world.lights) {
+            match Products::new(&spectra) {
                 Ok(products) => world.products = Some(products),
                 Err(error) => {
                     let what = format!(
@@ -449,26 +433,6 @@ impl<'a> Validator<'a> {
         self.number(key, written, legal, "a length above 0, in scene units")
     }
 
-    fn light(&mut self, entry: &scene::Entry<scene::Light>) -> (PointLight, Option<Spectrum>) {
-        match &entry.value {
-            scene::Light::Point {
-                position,
-                intensity,
-            } => {
-                let name = || format!("light `{}`", entry.name);
-                self.note_spectra([&intensity.value], name);
-                let emission = self.emission("intensity", intensity);
-                let light = PointLight {
-                    position: self
-                        .position("position", *position)
-                        .unwrap_or(Point(DVec3::ZERO)),
-                    intensity: Intensity(Rgb(emission.rgb)),
-                };
-                (light, emission.spectrum)
-            }
-        }
-    }
-
     /// Remembers what is spectral of an entry, and which of its curves leave out light.
     fn note_spectra<const N: usize>(&mut self, values: [&Value; N], name: impl Fn() -> String) {
         if values.iter().any(|value| value.is_spectral()) {
@@ -507,9 +471,9 @@ fn is_spectral(scene: &Scene) -> bool {
                     &entry.value;
                 lobes.diffuse.value.is_spectral() || lobes.specular.value.is_spectral()
             });
-            let lights = scene.lights.iter().any(|entry| match &entry.value {
-                scene::Light::Point { intensity, .. } => intensity.value.is_spectral(),
-            });
+            let lights = scene.lights.iter();
+            let mut lights = lights.map(|entry| &entry.value.intensity().value);
+            let lights = lights.any(Value::is_spectral);
             materials || lights || scene.image.background.value.is_spectral()
         }
     }

@@ -129,9 +129,9 @@ pub(in crate::visibility) struct LeafBlock {
     pub(in crate::visibility) first: [Row; 3],
     pub(in crate::visibility) to_second: [Row; 3],
     pub(in crate::visibility) to_third: [Row; 3],
-    middle: DVec3,
+    pub(super) middle: DVec3,
     /// No corner is further from the middle.
-    size: f64,
+    pub(super) size: f64,
     pub(in crate::visibility) over_size: f64,
     /// How many triangles come before in the order of all: beside the middle, which is read in any case.
     pub(in crate::visibility) number: u32,

@@ -1,0 +1,334 @@
+//! Rays that share nothing: candela's rays a second beside Embree's on the same random bundle, one thread each.
+
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::Instant;
+
+use candela::bench::Tracer;
+use candela::math::DVec3;
+use candela::simd::SimdLevel;
+use candela::world::World;
+
+use super::Result;
+use super::compare::Spread;
+use super::scenes::Scene;
+use super::yardstick::compile_from;
+
+const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/rays/yardstick.cpp");
+
+/// Rays and segments of each bundle.
+const COUNT: usize = 1 << 20;
+
+/// Of a bundle, rays that may meet something else than Embree's, whose f32 sees another edge here and there.
+const DIFFERENT: f64 = 1e-3;
+
+/// A ray o + t ω, or a segment from t = 0 to 1. All numbers are f32.
+type Ray = [DVec3; 2];
+
+/// Numbers without order (xorshift*), the same in every run.
+struct Numbers(u64);
+
+impl Numbers {
+    /// From 0 to below 1.
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next())
+    }
+
+    /// Any direction, all alike.
+    fn direction(&mut self) -> DVec3 {
+        loop {
+            let vector = self.vector() * 2.0 - 1.0;
+            let square = vector.length_squared();
+            if square > 1e-6 && square <= 1.0 {
+                return vector / square.sqrt();
+            }
+        }
+    }
+}
+
+/// A bundle of rays, and one of segments.
+struct Bundle {
+    name: &'static str,
+    rays: Vec<Ray>,
+    segments: Vec<Ray>,
+}
+
+fn single(vector: DVec3) -> DVec3 {
+    vector.as_vec3().as_dvec3()
+}
+
+/// The box around all triangles and spheres but a floor that is much larger than they are.
+fn bounds(world: &World) -> [DVec3; 2] {
+    let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let mut add = |least: DVec3, most: DVec3| {
+        if (most - least).max_element() < 10.0 {
+            bounds = [bounds[0].min(least), bounds[1].max(most)];
+        }
+    };
+    for triangle in 0..world.triangles().len() as u32 {
+        let [a, b, c] = world.triangles().vertices(triangle);
+        add(a.min(b).min(c), a.max(b).max(c));
+    }
+    for sphere in world.spheres() {
+        add(
+            sphere.center.0 - sphere.radius,
+            sphere.center.0 + sphere.radius,
+        );
+    }
+    bounds
+}
+
+/// A point a little above a surface, and the normal there.
+fn above_surface(world: &World, numbers: &mut Numbers, size: f64) -> [DVec3; 2] {
+    let (triangles, spheres) = (world.triangles().len(), world.spheres().len());
+    let index = (numbers.next() * (triangles + spheres) as f64) as usize;
+    let (position, normal) = if index < triangles {
+        let [a, b, c] = world.triangles().vertices(index as u32);
+        let (mut u, mut v) = (numbers.next(), numbers.next());
+        if u + v > 1.0 {
+            (u, v) = (1.0 - u, 1.0 - v);
+        }
+        let normal = (b - a).cross(c - a).normalize();
+        (a + (b - a) * u + (c - a) * v, normal)
+    } else {
+        let sphere = &world.spheres()[index - triangles];
+        let normal = numbers.direction();
+        (sphere.center.0 + normal * sphere.radius, normal)
+    };
+    [position + normal * (size * 1e-4), normal]
+}
+
+/// Rays from anywhere to anywhere, and rays that leave a surface as diffuse light does; segments between any two
+/// points, and from surfaces to a square of light above all.
+fn bundles(world: &World) -> [Bundle; 2] {
+    let [least, most] = bounds(world);
+    let extent = most - least;
+    let mut numbers = Numbers(0x9e37_79b9_7f4a_7c15);
+    let mut scattered = Bundle {
+        name: "scattered",
+        rays: Vec::with_capacity(COUNT),
+        segments: Vec::with_capacity(COUNT),
+    };
+    let mut bounced = Bundle {
+        name: "bounced",
+        rays: Vec::with_capacity(COUNT),
+        segments: Vec::with_capacity(COUNT),
+    };
+    for _ in 0..COUNT {
+        let start = single(least + extent * numbers.vector());
+        scattered.rays.push([start, single(numbers.direction())]);
+        let end = single(least + extent * numbers.vector());
+        scattered.segments.push([start, single(end - start)]);
+        let [start, normal] = above_surface(world, &mut numbers, extent.max_element());
+        let start = single(start);
+        // By the cosine: a point on the unit sphere around the tip of the normal.
+        let direction = normal + numbers.direction();
+        bounced.rays.push([start, single(direction)]);
+        let light = DVec3::new(numbers.next() - 0.5, 0.0, numbers.next() - 0.5);
+        let light = most.with_x(0.0).with_z(0.0) + (light + DVec3::Y) * extent.max_element();
+        bounced.segments.push([start, single(light - start)]);
+    }
+    [scattered, bounced]
+}
+
+fn write_bundle(world: &World, bundle: &Bundle, path: &Path) -> Result<()> {
+    let mut file = BufWriter::new(File::create(path)?);
+    let mut vectors = |count: usize, vectors: &mut dyn Iterator<Item = DVec3>, more: &[f64]| {
+        file.write_all(&(count as u32).to_ne_bytes())?;
+        for (place, vector) in vectors.enumerate() {
+            for number in vector.to_array() {
+                file.write_all(&(number as f32).to_ne_bytes())?;
+            }
+            if let Some(&number) = more.get(place) {
+                file.write_all(&(number as f32).to_ne_bytes())?;
+            }
+        }
+        Ok::<(), std::io::Error>(())
+    };
+    let triangles = world.triangles();
+    let corners = (0..triangles.len() as u32).flat_map(|triangle| triangles.vertices(triangle));
+    vectors(triangles.len(), &mut corners.into_iter(), &[])?;
+    let radii: Vec<f64> = world.spheres().iter().map(|sphere| sphere.radius).collect();
+    let centers = world.spheres().iter().map(|sphere| sphere.center.0);
+    vectors(radii.len(), &mut centers.into_iter(), &radii)?;
+    for rays in [&bundle.rays, &bundle.segments] {
+        vectors(rays.len(), &mut rays.iter().flatten().copied(), &[])?;
+    }
+    Ok(file.flush()?)
+}
+
+/// The yardstick with a bundle.
+struct Yardstick {
+    process: Child,
+    commands: ChildStdin,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Yardstick {
+    fn start(program: &Path, bundle: &Path) -> Result<(Self, String)> {
+        let mut process = Command::new(program)
+            .arg(bundle)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()?;
+        let commands = process.stdin.take().ok_or("no input to the yardstick")?;
+        let answers = process.stdout.take().ok_or("no output of the yardstick")?;
+        let mut yardstick = Self {
+            process,
+            commands,
+            answers: BufReader::new(answers),
+        };
+        let ready = yardstick.answer()?;
+        let version = ready.strip_prefix("ready ").ok_or("not ready")?.to_owned();
+        Ok((yardstick, version))
+    }
+
+    fn answer(&mut self) -> Result<String> {
+        let mut line = String::new();
+        if self.answers.read_line(&mut line)? == 0 {
+            return Err(format!("the yardstick ended: {}", self.process.wait()?).into());
+        }
+        Ok(line.trim().to_owned())
+    }
+
+    fn ask(&mut self, command: &str) -> Result<String> {
+        writeln!(self.commands, "{command}")?;
+        self.answer()
+    }
+
+    fn seconds(&mut self, command: &str) -> Result<f64> {
+        Ok(self.ask(command)?.parse()?)
+    }
+
+    /// What it found: t of all rays, and 1 for each segment that is not free.
+    fn found(&mut self, folder: &Path) -> Result<Vec<f32>> {
+        let path = folder.join("rays.found");
+        self.ask(&format!("save {}", path.display()))?;
+        let bytes = fs::read(&path)?;
+        fs::remove_file(&path)?;
+        let (numbers, _) = bytes.as_chunks::<4>();
+        Ok(numbers.iter().copied().map(f32::from_ne_bytes).collect())
+    }
+}
+
+impl Drop for Yardstick {
+    fn drop(&mut self) {
+        // It is ours and has nothing to lose; that it may have ended already is no matter.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// Measures all scenes; a table in Markdown.
+pub(crate) fn measure(folder: &Path, scenes: &[&Scene], runs: u32) -> Result<String> {
+    let program = compile_from(SOURCE, &folder.join("ray-yardstick"));
+    if let Err(error) = &program {
+        eprintln!("The yardstick of rays cannot be compiled: {error}\ncandela is measured alone.");
+    }
+    let program = program.ok();
+    let mut table = String::from(
+        "Million rays a second, one thread; how many times as fast candela is: the median of the runs, \
+         with the least and the most.\n\n\
+         | scene | bundle | question | candela | Embree | ratio | different |\n\
+         | --- | --- | --- | ---: | ---: | --- | ---: |\n",
+    );
+    for scene in scenes {
+        let world = World::load(&scene.path)?.world;
+        for bundle in bundles(&world) {
+            eprintln!("{}: {} …", scene.name, bundle.name);
+            let path = folder.join(format!("{}-{}.rays", scene.name, bundle.name));
+            write_bundle(&world, &bundle, &path)?;
+            let yardstick = program
+                .as_deref()
+                .map(|program| Yardstick::start(program, &path));
+            let (yardstick, _) = yardstick.transpose()?.unzip();
+            table += &measure_bundle(folder, &scene.name, &world, &bundle, yardstick, runs)?;
+            fs::remove_file(path)?;
+        }
+    }
+    Ok(table)
+}
+
+fn measure_bundle(
+    folder: &Path,
+    scene: &str,
+    world: &World,
+    bundle: &Bundle,
+    mut yardstick: Option<Yardstick>,
+    runs: u32,
+) -> Result<String> {
+    let mut tracer = Tracer::new(world, SimdLevel::default());
+    let (mut t, mut free) = (Vec::with_capacity(COUNT), Vec::with_capacity(COUNT));
+    let (mut ours, mut theirs) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
+    // In turn, and the first run of each warms up.
+    for run in 0..=runs {
+        for question in 0..2 {
+            let start = Instant::now();
+            if question == 0 {
+                tracer.nearest(&bundle.rays, &mut t);
+            } else {
+                tracer.free(&bundle.segments, &mut free);
+            }
+            let seconds = start.elapsed().as_secs_f64();
+            let command = ["nearest", "occluded"][question];
+            let other = yardstick
+                .as_mut()
+                .map(|yardstick| yardstick.seconds(command));
+            if run > 0 {
+                ours[question].push(seconds);
+                theirs[question].extend(other.transpose()?);
+            }
+        }
+    }
+    let mut different = [None; 2];
+    if let Some(yardstick) = &mut yardstick {
+        let found = yardstick.found(folder)?;
+        let (their_t, their_dark) = found.split_at(t.len());
+        let is_near = |ours: f64, theirs: f64| {
+            ours == theirs || (ours - theirs).abs() <= 1e-3 * ours.abs().max(1e-2)
+        };
+        let count = |differ: usize| Some(differ as f64 / COUNT as f64);
+        let pairs = t.iter().zip(their_t);
+        different[0] = count(pairs.filter(|&(&a, &b)| !is_near(a, f64::from(b))).count());
+        let pairs = free.iter().zip(their_dark);
+        different[1] = count(pairs.filter(|&(&free, &dark)| free == (dark > 0.5)).count());
+    }
+    let mut rows = String::new();
+    for (question, name) in ["nearest", "free"].into_iter().enumerate() {
+        let rate = |seconds: &[f64]| COUNT as f64 / Spread::of(seconds.to_vec()).median / 1e6;
+        let (ours, theirs) = (&ours[question], &theirs[question]);
+        write!(
+            rows,
+            "| {scene} | {} | {name} | {:.2} |",
+            bundle.name,
+            rate(ours)
+        )?;
+        if theirs.is_empty() {
+            writeln!(rows, " | | |")?;
+            continue;
+        }
+        let ratios: Vec<f64> = theirs.iter().zip(ours).map(|(b, a)| b / a).collect();
+        let ratio = Spread::of(ratios);
+        let differ = different[question].unwrap_or_default();
+        let mark = if differ > DIFFERENT { " (!)" } else { "" };
+        writeln!(
+            rows,
+            " {:.2} | {:.2} ({:.2}–{:.2}) | {differ:.1e}{mark} |",
+            rate(theirs),
+            ratio.median,
+            ratio.min,
+            ratio.max,
+        )?;
+    }
+    Ok(rows)
+}

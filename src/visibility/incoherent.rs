@@ -1,0 +1,616 @@
+//! Rays and segments that share nothing: each on its own way down the trees.
+//!
+//! A ray goes through the nodes alone, eight boxes at a time, and sixteen shapes of a leaf are put to it side
+//! by side: spheres in f64, triangles in f32 with bounds ([`SingleRay`]). What f32 cannot rule out is a
+//! candidate, what it is sure of says how far to look. In the end the candidates of all rays of the batch are
+//! put to f64, sixteen pairs of a ray and a triangle at a time, by the formulas of the packets. So a ray meets what it
+//! meets in a packet, at the same t to the bit, and ties go by the order of the scene.
+
+use fearless_simd::Simd;
+
+use super::Visibility;
+use super::batch::{BATCH, Column, PACKETS, columns, first_lanes};
+use super::primitive::Primitive;
+use super::question::{End, NearestHit, SegmentEnds};
+use super::rays::{Rays, ShearedRays};
+use super::shape::{SingleRay, TrianglePerRay, plane, side_by_side};
+use super::shapes::Shapes;
+use super::tree::{EMPTY_STACK, Stack};
+use crate::math::{DVec3, all_three};
+use crate::simd::{DVec3x16, F64x16, LANES, U64x16, ones};
+
+/// Rays, each with a start and a direction of its own: r(t) = o + t ω, ω of any length but zero.
+#[derive(Clone, Debug)]
+pub(crate) struct RayBatch {
+    pub(crate) origin: [Column; 3],
+    pub(crate) direction: [Column; 3],
+    pub(crate) count: usize,
+}
+
+/// What rays meet first.
+#[derive(Clone, Debug)]
+pub(crate) struct Hits {
+    /// Where, at t above 0; infinite where there is nothing.
+    pub(crate) t: Column,
+    /// The object, and of a mesh the triangle, in the order of the scene; `u64::MAX` where there is nothing.
+    pub(crate) primitive: [u64; BATCH],
+}
+
+/// Ends of segments.
+#[derive(Clone, Debug)]
+pub(crate) struct EndBatch {
+    pub(crate) position: [Column; 3],
+    /// A bound on the rounding error of each, 0 for a point that is where it is by definition, such as a light.
+    pub(crate) error: Column,
+    /// What each is on, `u64::MAX` for nothing: a flat shape does not hide its own points, a sphere only those
+    /// of its far side.
+    pub(crate) primitive: [u64; BATCH],
+}
+
+/// Segments, each with ends of its own.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SegmentBatch {
+    pub(crate) start: EndBatch,
+    pub(crate) end: EndBatch,
+    pub(crate) count: usize,
+}
+
+/// What a thread needs for batches, to be used again and again.
+#[derive(Debug)]
+pub(crate) struct Candidates {
+    stack: Box<Stack>,
+    pairs: Vec<Pair>,
+}
+
+/// A ray of a batch, and the number of a triangle that it may meet.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    ray: u32,
+    triangle: u32,
+}
+
+/// The candidates of one ray.
+#[derive(Debug)]
+struct Shortlist {
+    /// The least t at which each is met, if it is.
+    least: [f64; LANES],
+    triangles: [u32; LANES],
+    len: usize,
+}
+
+impl Default for RayBatch {
+    fn default() -> Self {
+        Self {
+            origin: [Column::ZERO; 3],
+            direction: [Column::ZERO; 3],
+            count: 0,
+        }
+    }
+}
+
+impl Default for Hits {
+    fn default() -> Self {
+        Self {
+            t: Column([f64::INFINITY; BATCH]),
+            primitive: [u64::MAX; BATCH],
+        }
+    }
+}
+
+impl Default for EndBatch {
+    fn default() -> Self {
+        Self {
+            position: [Column::ZERO; 3],
+            error: Column::ZERO,
+            primitive: [u64::MAX; BATCH],
+        }
+    }
+}
+
+impl Default for Candidates {
+    fn default() -> Self {
+        Self {
+            stack: Box::new(EMPTY_STACK),
+            pairs: Vec::with_capacity(2 * BATCH),
+        }
+    }
+}
+
+/// The vector of one ray in three columns.
+#[inline(always)]
+fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {
+    let [x, y, z] = columns;
+    DVec3::new(x[ray], y[ray], z[ray])
+}
+
+/// The vectors of some rays in three columns.
+#[inline(always)]
+fn gathered<S: Simd>(simd: S, columns: &[Column; 3], pairs: &[Pair]) -> DVec3x16<S> {
+    let gathered = all_three(
+        [0, 1, 2],
+        #[inline(always)]
+        |axis: usize| {
+            let mut numbers = [0.0; LANES];
+            for (number, pair) in numbers.iter_mut().zip(pairs) {
+                *number = columns[axis][pair.ray as usize];
+            }
+            numbers
+        },
+    );
+    let [x, y, z] = &gathered;
+    DVec3x16::load(simd, [x, y, z])
+}
+
+impl RayBatch {
+    /// Puts a ray to the others; there are at most [`BATCH`].
+    pub(crate) fn push(&mut self, origin: DVec3, direction: DVec3) {
+        for axis in 0..3 {
+            self.origin[axis][self.count] = origin[axis];
+            self.direction[axis][self.count] = direction[axis];
+        }
+        self.count += 1;
+    }
+}
+
+impl EndBatch {
+    #[inline(always)]
+    fn end(&self, segment: usize) -> End {
+        End {
+            position: vector(&self.position, segment),
+            error: self.error[segment],
+            primitive: Primitive(self.primitive[segment]),
+        }
+    }
+
+    #[inline(always)]
+    fn packet<S: Simd>(&self, simd: S, packet: usize) -> SegmentEnds<S> {
+        let first = packet * LANES;
+        SegmentEnds {
+            position: DVec3x16::load(simd, columns(&self.position, packet)),
+            error: F64x16::load(simd, &self.error[first..]),
+            primitive: U64x16::load(simd, &self.primitive[first..]),
+        }
+    }
+
+    #[inline(always)]
+    fn gathered<S: Simd>(&self, simd: S, pairs: &[Pair]) -> SegmentEnds<S> {
+        let (mut error, mut primitive) = ([0.0; LANES], [0; LANES]);
+        for (lane, pair) in pairs.iter().enumerate() {
+            error[lane] = self.error[pair.ray as usize];
+            primitive[lane] = self.primitive[pair.ray as usize];
+        }
+        SegmentEnds {
+            position: gathered(simd, &self.position, pairs),
+            error: F64x16::load(simd, &error),
+            primitive: U64x16::load(simd, &primitive),
+        }
+    }
+
+    /// Sets one end.
+    pub(crate) fn set(&mut self, segment: usize, position: DVec3, error: f64, primitive: u64) {
+        for axis in 0..3 {
+            self.position[axis][segment] = position[axis];
+        }
+        self.error[segment] = error;
+        self.primitive[segment] = primitive;
+    }
+}
+
+impl Shortlist {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            least: [0.0; LANES],
+            triangles: [0; LANES],
+            len: 0,
+        }
+    }
+
+    /// Puts one more on it; there is room.
+    #[inline(always)]
+    fn push(&mut self, least: f64, triangle: u32) {
+        self.least[self.len] = least;
+        self.triangles[self.len] = triangle;
+        self.len += 1;
+    }
+
+    /// Drops those that are certainly met after t of `limit`.
+    #[inline]
+    fn keep_up_to(&mut self, limit: f64) {
+        let mut kept = 0;
+        for place in 0..self.len {
+            if self.least[place] <= limit {
+                self.least[kept] = self.least[place];
+                self.triangles[kept] = self.triangles[place];
+                kept += 1;
+            }
+        }
+        self.len = kept;
+    }
+
+    /// As pairs with a ray.
+    fn pairs(&self, ray: usize) -> impl Iterator<Item = Pair> {
+        let triangles = self.triangles.iter().take(self.len);
+        triangles.map(move |&triangle| Pair {
+            ray: ray as u32,
+            triangle,
+        })
+    }
+
+    /// The same, for all at once.
+    fn to_array(&self, ray: usize) -> [Pair; LANES] {
+        let mut pairs = [Pair {
+            ray: ray as u32,
+            triangle: 0,
+        }; LANES];
+        for (pair, listed) in pairs.iter_mut().zip(self.pairs(ray)) {
+            *pair = listed;
+        }
+        pairs
+    }
+}
+
+impl Hits {
+    /// Takes a hit if it is nearer; at the same distance what is written first in the scene.
+    #[inline(always)]
+    fn offer(&mut self, ray: usize, t: f64, primitive: Primitive) {
+        let known = self.t[ray];
+        if t < known || t == known && primitive.0 < self.primitive[ray] {
+            self.t[ray] = t;
+            self.primitive[ray] = primitive.0;
+        }
+    }
+}
+
+impl Visibility<'_> {
+    /// L2: what each ray of a batch meets first, whatever they share.
+    #[inline(never)]
+    pub(crate) fn nearest<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayBatch,
+        space: &mut Candidates,
+        hits: &mut Hits,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.shapes.nearest_all(simd, rays, space, hits),
+        );
+    }
+
+    /// L4: one bit for each segment of a batch, packet by packet, that no shape stands strictly between the ends
+    /// of, whatever they share.
+    #[inline(never)]
+    pub(crate) fn free<S: Simd>(
+        &self,
+        simd: S,
+        segments: &SegmentBatch,
+        space: &mut Candidates,
+    ) -> [u32; PACKETS] {
+        simd.vectorize(
+            #[inline(always)]
+            || self.shapes.free_all(simd, segments, space),
+        )
+    }
+}
+
+impl Shapes<'_> {
+    #[inline(always)]
+    fn nearest_all<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayBatch,
+        space: &mut Candidates,
+        hits: &mut Hits,
+    ) {
+        self.meet_planes(simd, rays, hits);
+        let Candidates { stack, pairs } = space;
+        pairs.clear();
+        if !self.spheres.is_empty() {
+            self.meet_spheres(simd, rays, stack, hits);
+        }
+        if !self.triangles.is_empty() {
+            self.meet_triangles(simd, rays, stack, pairs, hits);
+            for pairs in pairs.chunks(LANES) {
+                self.meet_pairs(simd, rays, pairs, hits);
+            }
+        }
+    }
+
+    /// Begins with the planes.
+    #[inline(always)]
+    fn meet_planes<S: Simd>(&self, simd: S, rays: &RayBatch, hits: &mut Hits) {
+        for packet in 0..rays.count.div_ceil(LANES) {
+            let lanes = packet * LANES..(packet + 1) * LANES;
+            let packet_of_rays = Rays::new(
+                DVec3x16::load(simd, columns(&rays.origin, packet)),
+                DVec3x16::load(simd, columns(&rays.direction, packet)),
+                None,
+            );
+            let mut nearest = NearestHit::new(simd, first_lanes(rays.count, packet));
+            for plane in self.world.planes() {
+                plane::intersect(simd, plane, &packet_of_rays, &mut nearest);
+            }
+            nearest.t.store(&mut hits.t[lanes.clone()]);
+            hits.primitive[lanes].copy_from_slice(&nearest.primitive.to_array());
+        }
+    }
+
+    #[inline(always)]
+    fn meet_spheres<S: Simd>(&self, simd: S, rays: &RayBatch, stack: &mut Stack, hits: &mut Hits) {
+        for ray in 0..rays.count {
+            let (origin, direction) = (vector(&rays.origin, ray), vector(&rays.direction, ray));
+            let lanes = Rays::new(
+                DVec3x16::splat(simd, origin),
+                DVec3x16::splat(simd, direction),
+                None,
+            );
+            self.spheres.along::<S, true>(
+                simd,
+                [origin, direction],
+                0.0,
+                hits.t[ray],
+                stack,
+                #[inline(always)]
+                |block, bits| {
+                    if let Some((found, t)) = block.first_met(simd, &lanes, bits) {
+                        let t = t.to_array();
+                        for place in ones(found.to_bits()) {
+                            hits.offer(ray, t[place], block.primitive(place));
+                        }
+                    }
+                    Some(hits.t[ray])
+                },
+            );
+        }
+    }
+
+    /// Finds the triangles that rays may meet first.
+    #[inline(always)]
+    fn meet_triangles<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayBatch,
+        stack: &mut Stack,
+        pairs: &mut Vec<Pair>,
+        hits: &mut Hits,
+    ) {
+        for ray in 0..rays.count {
+            let (origin, direction) = (vector(&rays.origin, ray), vector(&rays.direction, ray));
+            let single = SingleRay::new(origin, direction);
+            let mut list = Shortlist::new();
+            let mut limit = hits.t[ray];
+            self.triangles.along::<S, true>(
+                simd,
+                [origin, direction],
+                0.0,
+                limit,
+                stack,
+                #[inline(always)]
+                |block, bits| {
+                    let Some(met) = block.meet(simd, &single, bits) else {
+                        return Some(limit);
+                    };
+                    let reach = met.reach();
+                    for place in ones(met.maybe) {
+                        let [least, most] = reach.of(place);
+                        if most < 0.0 || least > limit {
+                            continue;
+                        }
+                        if list.len == LANES {
+                            list.keep_up_to(limit);
+                        }
+                        if list.len == LANES {
+                            self.meet_pairs(simd, rays, &list.to_array(ray), hits);
+                            list.len = 0;
+                            limit = limit.min(hits.t[ray]);
+                        }
+                        list.push(least, block.number(place));
+                        if met.surely >> place & 1 == 1 && least > 0.0 && most < limit {
+                            limit = most;
+                        }
+                    }
+                    Some(limit)
+                },
+            );
+            list.keep_up_to(limit);
+            pairs.extend(list.pairs(ray));
+        }
+    }
+
+    /// Puts at most sixteen pairs to f64.
+    #[inline(never)]
+    fn meet_pairs<S: Simd>(&self, simd: S, rays: &RayBatch, pairs: &[Pair], hits: &mut Hits) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let origin = gathered(simd, &rays.origin, pairs);
+                let direction = gathered(simd, &rays.direction, pairs);
+                let packet = ShearedRays::new(Rays::new(origin, direction, None));
+                let (facets, primitives) = self.facets(simd, pairs);
+                let (found, t) = facets.intersect(simd, &packet);
+                let t = t.to_array();
+                for lane in ones(found.to_bits()) {
+                    let ray = pairs[lane].ray as usize;
+                    hits.offer(ray, t[lane], Primitive(primitives[lane]));
+                }
+            },
+        );
+    }
+
+    /// The triangles of at most sixteen pairs.
+    #[inline(always)]
+    fn facets<S: Simd>(&self, simd: S, pairs: &[Pair]) -> (TrianglePerRay<S>, [u64; LANES]) {
+        let asked = first_lanes(pairs.len(), 0);
+        let mut primitives = [u64::MAX; LANES];
+        for (primitive, pair) in primitives.iter_mut().zip(pairs) {
+            *primitive = self.triangles.get(pair.triangle).primitive().0;
+        }
+        let corners = side_by_side(
+            simd,
+            asked,
+            #[inline(always)]
+            |lane| self.triangles.get(pairs[lane].triangle).vertices(),
+        );
+        let facets = TrianglePerRay {
+            corners,
+            primitive: U64x16::load(simd, &primitives),
+            asked,
+        };
+        (facets, primitives)
+    }
+
+    #[inline(always)]
+    fn free_all<S: Simd>(
+        &self,
+        simd: S,
+        segments: &SegmentBatch,
+        space: &mut Candidates,
+    ) -> [u32; PACKETS] {
+        let Candidates { stack, pairs } = space;
+        pairs.clear();
+        let mut free = self.free_of_planes(simd, segments);
+        for packet in 0..segments.count.div_ceil(LANES) {
+            for lane in ones(free[packet]) {
+                let segment = packet * LANES + lane;
+                let ends = [segments.start.end(segment), segments.end.end(segment)];
+                let is_hidden = !self.spheres.is_empty()
+                    && self.hidden_by_sphere(simd, &ends, stack)
+                    || !self.triangles.is_empty()
+                        && self.hidden_by_triangle(simd, segments, segment, &ends, stack, pairs);
+                free[packet] &= !(u32::from(is_hidden) << lane);
+            }
+        }
+        for pairs in pairs.chunks(LANES) {
+            for lane in ones(self.hidden_pairs(simd, segments, pairs)) {
+                let segment = pairs[lane].ray as usize;
+                free[segment / LANES] &= !(1 << (segment % LANES));
+            }
+        }
+        free
+    }
+
+    #[inline(always)]
+    fn free_of_planes<S: Simd>(&self, simd: S, segments: &SegmentBatch) -> [u32; PACKETS] {
+        let mut free = [0; PACKETS];
+        for packet in 0..segments.count.div_ceil(LANES) {
+            free[packet] = first_lanes(segments.count, packet);
+            if self.world.planes().is_empty() {
+                continue;
+            }
+            let (start, end) = (
+                segments.start.packet(simd, packet),
+                segments.end.packet(simd, packet),
+            );
+            for plane in self.world.planes() {
+                free[packet] &= !plane::is_between(simd, plane, &start, &end).to_bits();
+            }
+        }
+        free
+    }
+
+    #[inline(always)]
+    fn hidden_by_sphere<S: Simd>(&self, simd: S, ends: &[End; 2], stack: &mut Stack) -> bool {
+        let [start, end] = ends;
+        let direction = end.position - start.position;
+        let rays = Rays::new(
+            DVec3x16::splat(simd, start.position),
+            DVec3x16::splat(simd, direction),
+            None,
+        );
+        let mut is_hidden = false;
+        self.spheres.along::<S, false>(
+            simd,
+            [start.position, direction],
+            start.error.max(end.error),
+            1.0,
+            stack,
+            #[inline(always)]
+            |block, bits| {
+                is_hidden = block.hides(simd, &rays, [start, end], bits);
+                (!is_hidden).then_some(1.0)
+            },
+        );
+        is_hidden
+    }
+
+    /// Whether a triangle certainly stands in the way; if it is not certain, those that may are put to the pairs.
+    #[inline(always)]
+    fn hidden_by_triangle<S: Simd>(
+        &self,
+        simd: S,
+        segments: &SegmentBatch,
+        segment: usize,
+        ends: &[End; 2],
+        stack: &mut Stack,
+        pairs: &mut Vec<Pair>,
+    ) -> bool {
+        let [start, end] = ends;
+        let direction = end.position - start.position;
+        let single = SingleRay::new(start.position, direction);
+        let mut list = Shortlist::new();
+        let mut is_hidden = false;
+        self.triangles.along::<S, false>(
+            simd,
+            [start.position, direction],
+            0.0,
+            1.0,
+            stack,
+            #[inline(always)]
+            |block, bits| {
+                let Some(met) = block.meet(simd, &single, bits) else {
+                    return Some(1.0);
+                };
+                let between = if met.surely != 0 {
+                    met.between(simd, &single, [start.error, end.error])
+                } else {
+                    0
+                };
+                let reach = met.reach();
+                for place in ones(met.maybe) {
+                    let own = block.primitive(place);
+                    if own == start.primitive || own == end.primitive {
+                        continue;
+                    }
+                    if between >> place & 1 == 1 {
+                        is_hidden = true;
+                        return None;
+                    }
+                    let [least, most] = reach.of(place);
+                    if most < 0.0 || least > 1.0 {
+                        continue;
+                    }
+                    if list.len == LANES {
+                        is_hidden = self.hidden_pairs(simd, segments, &list.to_array(segment)) != 0;
+                        list.len = 0;
+                        if is_hidden {
+                            return None;
+                        }
+                    }
+                    list.push(least, block.number(place));
+                }
+                Some(1.0)
+            },
+        );
+        if !is_hidden {
+            pairs.extend(list.pairs(segment));
+        }
+        is_hidden
+    }
+
+    /// Puts at most sixteen pairs to f64; one bit for each whose triangle stands in the way.
+    #[inline(never)]
+    fn hidden_pairs<S: Simd>(&self, simd: S, segments: &SegmentBatch, pairs: &[Pair]) -> u32 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let start = segments.start.gathered(simd, pairs);
+                let end = segments.end.gathered(simd, pairs);
+                let direction = end.position - start.position;
+                let packet = ShearedRays::new(Rays::new(start.position, direction, None));
+                let (facets, _) = self.facets(simd, pairs);
+                facets.occlude(simd, &packet, &start, &end).to_bits()
+            },
+        )
+    }
+}
