@@ -29,6 +29,7 @@ mod projection;
 mod question;
 mod rays;
 mod search;
+mod shaft;
 mod shape;
 mod shapes;
 mod tree;

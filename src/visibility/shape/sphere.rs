@@ -81,6 +81,10 @@ impl Sphere {
         Primitive::whole(self.object)
     }
 
+    pub(in crate::visibility) fn center_and_radius(&self) -> (DVec3, f64) {
+        (self.center.0, self.radius)
+    }
+
     /// L2 with the whole lines; `None` if none of the rays in `asked` meets the sphere.
     #[inline(always)]
     fn crossings<S: Simd>(
