@@ -2,12 +2,13 @@
 //! with the first error.
 
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use candela::Camera;
-use candela::exr::{Compression, ExrOptions, ExrReport, Precision, Preserve};
+use candela::exr::{Compression, ExrOptions, ExrReport, Precision, Preserve, read};
 use candela::image::Window;
-use candela::render::{Counts, Job, Layers, Options, Renderer};
+use candela::render::{Counts, Job, Layers, Options, RenderError, RenderedTile, Renderer, Sink};
 use candela::scene::{Scene, Transport};
 use candela::world::{Wavelengths, World};
 
@@ -199,6 +200,111 @@ fn a_full_disk_ends_rendering() {
             assert_eq!(error.kind(), io::ErrorKind::StorageFull);
             assert!(rendered <= most, "{rendered} pixels with {free} bytes");
         }
+    }
+}
+
+/// What is kept of a file that is written is what is read from it, to the bit.
+#[test]
+fn the_image_that_is_preserved_is_what_the_file_shows() {
+    let (world, camera) = world(RESOLUTION, Transport::Auto);
+    let renderer = Renderer::new(&world).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("written.exr");
+    let layers = Layers {
+        lights: true,
+        depth: true,
+        normal: true,
+        spectral: None,
+    };
+    for compression in Compression::ALL {
+        for precision in [Precision::Float, Precision::Half] {
+            for (window, layers) in [(None, Layers::default()), (Some(CROP), layers)] {
+                let options = Options {
+                    window,
+                    layers,
+                    ..Options::default()
+                };
+                let exr = ExrOptions {
+                    compression,
+                    precision,
+                    chromaticities: false,
+                };
+                let mut file = Cursor::new(Vec::new());
+                let rendered = renderer.exr(
+                    &camera,
+                    &options,
+                    &exr,
+                    Preserve::Image,
+                    &Job::new(),
+                    &mut file,
+                );
+                let preserved = rendered.unwrap().image.unwrap();
+                std::fs::write(&path, file.into_inner()).unwrap();
+                let shown = read(&path).unwrap();
+                let case = format!("{options:?} {exr:?}");
+                assert_eq!(preserved.resolution, shown.resolution, "{case}");
+                assert_eq!(preserved.window, shown.window, "{case}");
+                assert_eq!(preserved.has_alpha, shown.has_alpha, "{case}");
+                assert_eq!(preserved.color, shown.color, "{case}");
+                assert!(preserved.pixels == shown.pixels, "{case}");
+            }
+        }
+    }
+}
+
+/// Counts tiles, and ends the render at one of them.
+struct Ending<'j> {
+    tiles: AtomicU64,
+    at: u64,
+    /// To be canceled; without, the sink breaks.
+    job: Option<&'j Job<'j>>,
+}
+
+impl Sink for Ending<'_> {
+    fn take(&self, tile: &RenderedTile) -> ControlFlow<()> {
+        assert_eq!(tile.pixels().len() as u64, tile.window().count());
+        let is_last = self.tiles.fetch_add(1, Ordering::Relaxed) + 1 == self.at;
+        match self.job {
+            Some(job) if is_last => job.cancel(),
+            None if is_last => return ControlFlow::Break(()),
+            Some(_) | None => {}
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+#[test]
+fn a_job_ends_where_it_is_canceled_or_its_sink_breaks() {
+    let (world, camera) = world([320, 160], Transport::Auto);
+    let renderer = Renderer::new(&world).unwrap();
+    let options = Options::default();
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        let job = Job::new();
+        for is_canceled in [false, true] {
+            let sink = Ending {
+                tiles: AtomicU64::new(0),
+                at: 7,
+                job: is_canceled.then_some(&job),
+            };
+            let done = pool.install(|| renderer.tiles(&camera, &options, &job, &sink));
+            assert_eq!(matches!(done, Err(RenderError::Canceled)), is_canceled);
+            // Those that were begun beside the last one are there as well.
+            let tiles = sink.tiles.into_inner();
+            assert!((7..7 + threads as u64).contains(&tiles), "{tiles}");
+        }
+        assert!(renderer.film(&camera, &options, &job).is_err());
+        let mut file = Cursor::new(Vec::new());
+        let exr = renderer.exr(
+            &camera,
+            &options,
+            &ExrOptions::default(),
+            Preserve::Nothing,
+            &job,
+            &mut file,
+        );
+        assert!(matches!(exr, Err(RenderError::Canceled)));
     }
 }
 
