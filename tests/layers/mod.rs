@@ -240,10 +240,11 @@ fn samples_are_averaged_but_for_depth() {
     assert_eq!(background, 0.25 * 0.25);
 }
 
-/// Generated scenes, some of each kind, and the lecture's.
+/// Generated scenes, some of each kind, some under spots, and the lecture's.
 fn scenes(folder: &tempfile::TempDir, count: usize) -> Vec<(String, Scene)> {
     let mut scenes = generate::scenes(folder.path());
     scenes.truncate(count);
+    scenes.extend(generate::spots(count as u64 / 4, folder.path()));
     scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 64)));
     scenes
 }
