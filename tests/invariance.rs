@@ -37,6 +37,10 @@ const PLACE: f64 = 1.30e-6;
 const TRIPLED: f64 = 8.94e-8;
 const SUM: f64 = 1.12e-7;
 
+/// How many times as large a scene is made, and how many units it is moved by.
+pub(crate) const SCALES: [f64; 4] = [1e-6, 1e-3, 1e3, 1e6];
+pub(crate) const FAR: f64 = 1e6;
+
 /// Pixel centers, and a pattern with the box filter.
 const SAMPLES: [u32; 2] = [1, 4];
 
@@ -241,7 +245,7 @@ fn size() {
     for (name, scene) in scenes(&folder) {
         for samples in SAMPLES {
             let expected = film_of(&scene, samples);
-            for scale in [1e-6, 1e-3, 1e3, 1e6] {
+            for scale in SCALES {
                 let scaled = moved(&scene, scale, |p| p.map(|x| x * scale), |n| n);
                 let actual = film_of(&scaled, samples);
                 same.see(
@@ -261,7 +265,6 @@ fn size() {
 /// surface are left out: 1e-10 is a part of their height.
 #[test]
 fn place() {
-    const FAR: f64 = 1e6;
     let folder = tempfile::tempdir().unwrap();
     let mut same = Same::of(Measured::new("place", PLACE));
     let scenes = without(scenes(&folder), &["near lights", "far and tiny", "grazing"]);

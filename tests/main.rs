@@ -32,6 +32,7 @@ mod reading;
 mod scenes_in_code;
 mod schema;
 mod spectral_image;
+mod stated;
 mod streaming;
 mod terminator;
 mod usage;

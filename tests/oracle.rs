@@ -21,12 +21,12 @@ use crate::openimageio::{idiff_agrees, idiff_agrees_within};
 
 /// The promise: relative error of a pixel, for any scene. A condition number may be so large (a light just
 /// above a surface) that the last bits of p show; of the scenes below none comes near to it.
-const TOLERANCE: f64 = 1e-5;
+pub(crate) const TOLERANCE: f64 = 1e-5;
 
 /// The worst of the generated scenes, with shadow rays that start on the triangles and off them, and of
 /// `scenes/`: half the last bit of an f32. All before the film is f64, and no light is so near to a surface that
 /// the last bits of p show.
-const WORST: f64 = HALF_LAST_BIT;
+pub(crate) const WORST: f64 = HALF_LAST_BIT;
 
 /// Below this part of the image's median lit radiance, errors are relative to that instead of the
 /// pixel: it is 20 stops below what the picture shows.
@@ -35,7 +35,7 @@ const FLOOR: f64 = 1e-6;
 /// The part of the pixels of all scenes whose ray may pass so closely by an edge that rounding decides its side;
 /// one pixel of each is allowed. Of 880 000 pixels here, and of 12 million of generated scenes, none is such. Off
 /// an edge none may be.
-const FLIPS: f64 = 2e-6;
+pub(crate) const FLIPS: f64 = 2e-6;
 
 /// Pixels away at which decisions are asked again, to find edges: far above what rounding moves a
 /// ray by, far below what a viewer sees.
