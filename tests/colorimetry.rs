@@ -237,7 +237,7 @@ fn check_says_by_how_much_rgb_misses_the_published_colors() {
                 let text = text
                     .replace("illuminant = \"D65\"", &format!("illuminant = \"{light}\""))
                     .replace("[960, 810]", &image);
-                World::new(&Scene::parse(&text, path).unwrap()).unwrap()
+                World::new(&Scene::parse(&text, path).unwrap()).unwrap().0
             };
             let found = differences(&world("spectral"), &world("rgb"));
             assert_eq!((found.len(), found[0].materials), (1, 26));
@@ -519,7 +519,7 @@ fn curves_of_one_material_are_judged_by_wavelength() {
         .is_ok()
     );
     // The claim is one: in a channel they are more.
-    let world = load("rgb", long, "0.1").unwrap();
+    let (world, _) = load("rgb", long, "0.1").unwrap();
     let albedo = albedo_at_normal_incidence(&world.materials()[0].value);
     assert!(albedo[0] > 1.0, "{albedo:?}");
 }

@@ -386,7 +386,7 @@ fn linear_in_the_light() {
 
 /// Whether a reflectance is the smooth one of a color: that of half the color is not its half.
 fn has_upsampled_reflectances(scene: &Scene) -> bool {
-    let is_spectral = World::new(scene).unwrap().spectra().is_some();
+    let is_spectral = World::new(scene).unwrap().0.spectra().is_some();
     let mut materials = scene.materials.iter();
     is_spectral
         && materials.any(|material| {
@@ -436,7 +436,7 @@ fn lights_add_up() {
     for (name, mut scene) in scenes(&folder) {
         scene.image.background.value = Value::ZERO;
         // Also where the only spectrum is that of a light which is not there.
-        scene.image.transport.value = match World::new(&scene).unwrap().spectra() {
+        scene.image.transport.value = match World::new(&scene).unwrap().0.spectra() {
             Some(_) => Transport::Spectral,
             None => Transport::Rgb,
         };
@@ -557,7 +557,7 @@ fn trees_and_lists() {
             with_hidden.objects.extend(copies);
         }
         let plan = |scene: &Scene| {
-            let plan = Plan::new(&World::new(scene).unwrap());
+            let plan = Plan::new(&World::new(scene).unwrap().0);
             [plan.spheres(), plan.triangles()]
         };
         for (before, with_hidden) in plan(&scene).into_iter().zip(plan(&with_hidden)) {

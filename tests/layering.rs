@@ -13,10 +13,11 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 18] = [
+const MAY_USE: [(&str, &[&str]); 19] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
+    ("camera", &["math", "simd"]),
     ("color", &[]),
     ("printable", &[]),
     ("memory", &[]),
@@ -29,14 +30,14 @@ const MAY_USE: [(&str, &[&str]); 18] = [
             "scene",
             "units",
             "math",
-            "simd",
+            "camera",
             "color",
             "spectrum",
             "printable",
             "memory",
         ],
     ),
-    ("visibility", &["world", "math", "simd", "memory"]),
+    ("visibility", &["world", "camera", "math", "simd", "memory"]),
     ("shading", &["world", "visibility", "math", "simd"]),
     ("turns", &[]),
     ("image", &["scene"]),
@@ -57,6 +58,7 @@ const MAY_USE: [(&str, &[&str]); 18] = [
         "render",
         &[
             "world",
+            "camera",
             "visibility",
             "shading",
             "image",

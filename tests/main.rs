@@ -5,6 +5,7 @@
 mod allocation;
 mod bad_scenes;
 mod blessed;
+mod cameras;
 mod cli;
 mod closed_form;
 mod colorimetry;

@@ -46,7 +46,7 @@ fn folder(scene: &str, file: (&str, &[u8])) -> TempDir {
 }
 
 fn load(folder: &TempDir) -> Result<World, Diagnostics> {
-    World::load(folder.path().join("scene.toml")).map(|(_, world)| world)
+    World::load(folder.path().join("scene.toml")).map(|loaded| loaded.world)
 }
 
 /// How many triangles the world has that is made of a mesh file, and what `check` and `render` say

@@ -209,13 +209,13 @@ fn with_shares(scene: &Scene) -> Film {
         lights: true,
         ..Layers::default()
     };
-    let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples: 1,
         layers,
         ..Options::default()
     };
-    render(&world, &options).unwrap()
+    render(&world, &camera, &options).unwrap()
 }
 
 /// Compares all scenes; what is wrong with any of them.
@@ -373,7 +373,7 @@ fn spectra_of_lights_agree() {
                  [materials.m.phong]\n\
                  [objects.o.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 9]\nradius = 1\n"
             ));
-            let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+            let (world, _) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
             let actual = world.spectra().unwrap().light(0).values();
             let expected = Oracle::new(&scene).spectral_radiance(0.5, 0.5).unwrap();
             let peak = expected.iter().copied().fold(0.0, f64::max);
@@ -516,14 +516,14 @@ fn any_instruction_set_gives_the_same_bits() {
     scenes.truncate(20);
     scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 200)));
     for (name, scene) in scenes {
-        let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
         let rendered = |simd| {
             let options = Options {
                 samples: 3,
                 simd,
                 ..Options::default()
             };
-            bits(&render(&world, &options).unwrap())
+            bits(&render(&world, &camera, &options).unwrap())
         };
         let widest = rendered(SimdLevel::default());
         for (instructions, simd) in SimdLevel::available() {

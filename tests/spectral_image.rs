@@ -39,8 +39,8 @@ fn bands_of(scene: &Scene, samples: u32, wavelengths: Wavelengths) -> Film {
 fn film_of(scene: &Scene, options: &Options) -> Film {
     let mut scene = scene.clone();
     scene.image.transport.value = Transport::Spectral;
-    let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-    render::render(&world, options).unwrap()
+    let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+    render::render(&world, &camera, options).unwrap()
 }
 
 /// The bits of all bands of all pixels.
@@ -177,7 +177,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
         .replace("position = [0, 2, 0]", "position = [0, 1e-9, 0]");
     let mut scene = parse(&text);
     scene.image.transport.value = Transport::Spectral;
-    let world = World::new(&scene).unwrap();
+    let (world, camera) = World::new(&scene).unwrap();
     let renderer = Renderer::new(&world).unwrap();
     let options = Options {
         layers: Layers {
@@ -186,7 +186,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
         },
         ..Options::default()
     };
-    let (film, counts) = renderer.film(&options, &Job::new()).unwrap();
+    let (film, counts) = renderer.film(&camera, &options, &Job::new()).unwrap();
     assert!(film.values(9 * 4 + 4).iter().all(|&band| band == f32::MAX));
     assert_eq!(counts.clamped, 3 + 41);
 }

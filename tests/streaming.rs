@@ -4,6 +4,7 @@
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use candela::Camera;
 use candela::exr::{Compression, ExrOptions, ExrReport, Precision, Preserve};
 use candela::image::Window;
 use candela::render::{Counts, Job, Layers, Options, Renderer};
@@ -23,7 +24,7 @@ const CROP: Window = Window {
     height: 290,
 };
 
-fn world(resolution: [u32; 2], transport: Transport) -> World {
+fn world(resolution: [u32; 2], transport: Transport) -> (World, Camera) {
     let mut scene = Scene::builtin();
     scene.image.resolution.value = resolution;
     scene.image.transport.value = transport;
@@ -31,7 +32,7 @@ fn world(resolution: [u32; 2], transport: Transport) -> World {
 }
 
 fn stream(
-    world: &World,
+    (world, camera): &(World, Camera),
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
     exr: &ExrOptions,
@@ -39,15 +40,16 @@ fn stream(
 ) -> io::Result<(Counts, ExrReport)> {
     let renderer = Renderer::new(world).unwrap();
     let job = Job::watched(progress);
-    let rendered = renderer.exr(options, exr, Preserve::Nothing, &job, sink)?;
+    let rendered = renderer.exr(camera, options, exr, Preserve::Nothing, &job, sink)?;
     Ok((rendered.counts, rendered.report))
 }
 
 /// Renders and writes, together and one after the other, on any number of threads: one file, one
 /// report.
-fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
+fn assert_same(viewed: &(World, Camera), options: &Options, exr: &ExrOptions) {
+    let (world, camera) = viewed;
     let renderer = Renderer::new(world).unwrap();
-    let (film, counts) = renderer.film(options, &Job::new()).unwrap();
+    let (film, counts) = renderer.film(camera, options, &Job::new()).unwrap();
     let mut file = Cursor::new(Vec::new());
     let report = film.write_exr_to(&mut file, exr).unwrap();
     for threads in [1, 2, 5] {
@@ -58,7 +60,7 @@ fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
         let told = |pixels| {
             progress.fetch_add(pixels, Ordering::Relaxed);
         };
-        let done = pool.install(|| stream(world, options, &told, exr, &mut streamed));
+        let done = pool.install(|| stream(viewed, options, &told, exr, &mut streamed));
         let case = format!("{options:?} {exr:?} {threads}");
         assert_eq!(done.unwrap(), (counts, report), "{case}");
         assert!(streamed.get_ref() == file.get_ref(), "{case}");
@@ -206,7 +208,7 @@ fn a_full_disk_ends_rendering() {
 fn the_film_is_never_there_as_a_whole() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
     let pool = pool.build().unwrap();
-    let world = world([1024, 1024], Transport::Auto);
+    let (world, camera) = world([1024, 1024], Transport::Auto);
     let mut disk = Disk {
         free: usize::MAX,
         written: 0,
@@ -215,7 +217,14 @@ fn the_film_is_never_there_as_a_whole() {
     let (result, most) = pool.install(|| {
         peak(|| {
             let (options, exr) = (Options::default(), ExrOptions::default());
-            renderer.exr(&options, &exr, Preserve::Nothing, &Job::new(), &mut disk)
+            renderer.exr(
+                &camera,
+                &options,
+                &exr,
+                Preserve::Nothing,
+                &Job::new(),
+                &mut disk,
+            )
         })
     });
     result.unwrap();

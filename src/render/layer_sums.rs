@@ -9,6 +9,7 @@ use super::bands::{self, Further, Geometry, Place};
 use super::batch::NumberedSamples;
 use super::layers::{Layers, has_background_share};
 use super::sums::narrowed;
+use crate::camera::Camera;
 use crate::image::BACKGROUND_DEPTH;
 use crate::math::DVec3;
 use crate::shading::{Term, Terms};
@@ -19,6 +20,7 @@ use crate::world::{Bands, World};
 #[derive(Clone, Copy)]
 pub(super) struct RequestedLayers<'w> {
     world: &'w World,
+    camera: &'w Camera,
     layers: Layers,
     bands: Option<&'w Bands<'w>>,
 }
@@ -27,11 +29,13 @@ impl<'w> RequestedLayers<'w> {
     /// `None` where no layer is asked for. `bands` are those of [`Layers::spectral`].
     pub(super) fn new(
         world: &'w World,
+        camera: &'w Camera,
         layers: Layers,
         bands: Option<&'w Bands<'w>>,
     ) -> Option<Self> {
         let requested = Self {
             world,
+            camera,
             layers,
             bands,
         };
@@ -42,12 +46,13 @@ impl<'w> RequestedLayers<'w> {
     pub(super) fn sums(self, pixels: usize) -> LayerSums<'w> {
         let Self {
             world,
+            camera,
             layers,
             bands,
         } = self;
         LayerSums {
             lights: layers.lights.then(|| LightSums::new(world, pixels)),
-            depths: layers.depth.then(|| Depths::new(world, pixels)),
+            depths: layers.depth.then(|| Depths::new(camera, pixels)),
             normals: layers.normal.then(|| vec![DVec3::ZERO; pixels]),
             spectral: bands.map(|bands| SpectralSums::new(bands, pixels)),
         }
@@ -246,8 +251,7 @@ struct Depths {
 }
 
 impl Depths {
-    fn new(world: &World, pixels: usize) -> Self {
-        let camera = world.camera();
+    fn new(camera: &Camera, pixels: usize) -> Self {
         Self {
             eye: camera.eye().0,
             forward: camera.forward().get(),

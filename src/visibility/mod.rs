@@ -29,6 +29,7 @@ mod projection;
 mod question;
 mod rays;
 mod search;
+mod shaft;
 mod shape;
 mod shapes;
 mod tree;
@@ -44,16 +45,17 @@ pub(crate) use incoherent::{Candidates, Hits, RayBatch, SegmentBatch};
 pub(crate) use points::Facing;
 pub use points::Points;
 
+use crate::camera::{Camera, Projection};
 use crate::math::{DVec3, Point, both};
 use crate::memory::{self, OutOfMemory};
 use crate::simd::{DVec3x16, F64x16, LANES};
-use crate::world::{Camera, Plan, Projection, World};
+use crate::world::{Plan, World};
 use batch::{first_lanes, longest, offsets, ranges};
 use points::{Known, Only};
 use projection::{BatchProjection, NearestHitTest, OcclusionTest, State};
 use question::NearestHit;
 use rays::{ROUNDING, Rays};
-use shapes::{Segments, Setups, Shapes};
+use shapes::{Parts, Segments, Setups, Shapes};
 use tree::{EMPTY_STACK, Stack};
 
 /// Rays whose directions differ by more than this part of their length do not share a projection: at a
@@ -72,7 +74,7 @@ const BYTES_OF_SPHERE: u64 = 130;
 /// Fewer rays than this are not worth a projection.
 const FEW: u32 = 8;
 
-/// The shapes of a world, arranged for tracing.
+/// A world and its shapes, as rays ask them.
 #[derive(Debug)]
 pub struct Visibility<'w> {
     shapes: Shapes<'w>,
@@ -87,9 +89,10 @@ pub struct Visibility<'w> {
     uses_projection: bool,
 }
 
-/// Points of the image whose primary rays are traced together, in pixels.
+/// Points of the image of a camera whose primary rays are traced together, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Samples<'s> {
+    pub(crate) camera: &'s Camera,
     /// x and y of each.
     pub(crate) places: [&'s Column; 2],
     pub(crate) count: usize,
@@ -101,11 +104,12 @@ impl Samples<'_> {
     /// What differs among the primary rays of a packet: their directions, of an orthographic camera where they
     /// start.
     #[inline(always)]
-    fn varying<S: Simd>(&self, simd: S, camera: &Camera, packet: usize) -> DVec3x16<S> {
+    fn varying<S: Simd>(&self, simd: S, packet: usize) -> DVec3x16<S> {
         let [x, y] = self.places;
         let first = packet * LANES;
         let x = F64x16::load(simd, &x[first..]);
-        camera.varying(simd, x, F64x16::load(simd, &y[first..]))
+        self.camera
+            .varying(simd, x, F64x16::load(simd, &y[first..]))
     }
 
     /// Projects the primary rays of the packets' samples with a bit; `somewhere` is amid the
@@ -114,11 +118,11 @@ impl Samples<'_> {
     fn project<S: Simd>(
         &self,
         simd: S,
-        camera: &Camera,
         somewhere: DVec3,
         asked: &[u32; PACKETS],
         projection: &mut BatchProjection,
     ) {
+        let camera = self.camera;
         match camera.projection() {
             Projection::Perspective { .. } => {
                 let [x, y] = both(self.places, |places| places[self.count / 2]);
@@ -128,7 +132,7 @@ impl Samples<'_> {
                     camera.ray(x, y).direction,
                     asked,
                     #[inline(always)]
-                    |packet| self.varying(simd, camera, packet),
+                    |packet| self.varying(simd, packet),
                 );
             }
             Projection::Orthographic { .. } => {
@@ -139,14 +143,15 @@ impl Samples<'_> {
                     somewhere,
                     asked,
                     #[inline(always)]
-                    |packet| self.varying(simd, camera, packet),
+                    |packet| self.varying(simd, packet),
                 );
             }
         }
     }
 
     /// The directions of the primary rays around all of them.
-    fn corners(&self, camera: &Camera) -> [DVec3; 4] {
+    fn corners(&self) -> [DVec3; 4] {
+        let camera = self.camera;
         let [[left, right], [top, bottom]] = self.window;
         let direction = |x, y| camera.ray(x, y).direction;
         [
@@ -182,7 +187,12 @@ impl Default for Workspace {
 impl<'w> Visibility<'w> {
     /// Arranges the shapes of a world as its plan says; builds the trees.
     pub fn new(world: &'w World, plan: &Plan) -> Self {
-        let shapes = Shapes::new(world, plan);
+        Self::of(world, Parts::new(world, plan))
+    }
+
+    /// A world and the parts that were built of it.
+    fn of(world: &'w World, parts: Parts) -> Self {
+        let shapes = Shapes::of(world, parts);
         let meshes = world.triangles().meshes();
         let count = world.triangles().len() + world.spheres().len();
         Self {
@@ -239,8 +249,7 @@ impl<'w> Visibility<'w> {
         space: &mut Workspace,
         points: &mut Points,
     ) {
-        let count = samples.count;
-        let camera = self.shapes.world.camera();
+        let Samples { camera, count, .. } = samples;
         let Workspace {
             projection,
             setups,
@@ -260,7 +269,7 @@ impl<'w> Visibility<'w> {
             let may_resolve_whole = self.are_few || points.only != Only::Many;
             let is_bounded = is_perspective
                 && may_resolve_whole
-                && projection.bound_between(eye.0, samples.corners(camera));
+                && projection.bound_between(eye.0, samples.corners());
             if is_bounded {
                 self.shapes
                     .rasterize(simd, projection, setups, stack, NearestHitTest);
@@ -268,7 +277,7 @@ impl<'w> Visibility<'w> {
             if is_bounded && projection.state == State::Bounded {
                 projection.resolve_whole();
             } else {
-                samples.project(simd, camera, self.somewhere, &asked, projection);
+                samples.project(simd, self.somewhere, &asked, projection);
                 if projection.state == State::Projected {
                     self.shapes
                         .rasterize(simd, projection, setups, stack, NearestHitTest);
@@ -293,7 +302,7 @@ impl<'w> Visibility<'w> {
                 points.hit[packet] = 0;
                 continue;
             }
-            let varying = samples.varying(simd, camera, packet);
+            let varying = samples.varying(simd, packet);
             let rays = if is_perspective {
                 Rays::from_point(simd, eye, varying)
             } else {
@@ -371,6 +380,11 @@ impl<'w> Visibility<'w> {
         if facing.iter().all(|&bits| bits == 0) {
             return lit;
         }
+        let mut within = 0;
+        for (bits, seen_within) in facing.iter().zip(points.within) {
+            within |= bits & seen_within;
+        }
+        projection.has_points_within = within != 0;
         groups.clear();
         groups.push(facing);
         // All points of the batch will often do.
@@ -422,6 +436,7 @@ impl<'w> Visibility<'w> {
                 starts: starts.position,
                 primitives: &points.primitive,
                 only: points.only.one(),
+                within: &points.within,
                 asked: &group,
             };
             projection.error = starts.largest_error + light.0.length() * (2.0 * ROUNDING);

@@ -56,6 +56,8 @@ pub struct Points {
     /// For each packet one bit for each point of a sphere that is seen so nearly edge-on that rounding may have
     /// turned its normal to the wrong side.
     pub(super) edge_on: [u32; PACKETS],
+    /// For each packet one bit for each other point of a sphere that is seen from within.
+    pub(super) within: [u32; PACKETS],
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
     /// What all of them are on.
@@ -85,6 +87,7 @@ impl Default for Points {
             shading_normal: [NONE; 3],
             cos_viewer: NONE,
             edge_on: [0; PACKETS],
+            within: [0; PACKETS],
             primitive: [0; BATCH],
             only: Only::Nothing,
             largest_error: 0.0,
@@ -321,8 +324,10 @@ impl Points {
         let is_turned = normal.dot(to_viewer).lt(F64x16::splat(simd, 0.0));
         let geometric = is_turned.select_vectors(-normal, normal);
         let cos_viewer = geometric.dot(to_viewer);
-        let is_edge_on = is_turned & cos_viewer.lt(F64x16::splat(simd, EDGE_ON));
-        self.edge_on[packet] = is_edge_on.to_bits() & curved;
+        let turned = is_turned.to_bits() & curved;
+        let edge_on = cos_viewer.lt(F64x16::splat(simd, EDGE_ON)).to_bits();
+        self.edge_on[packet] = turned & edge_on;
+        self.within[packet] = turned & !edge_on;
         let tangent = is_curved.select_vectors(position, tangent);
 
         let first_lane = packet * LANES;

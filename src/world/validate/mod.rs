@@ -1,5 +1,6 @@
 //! The one door from a scene as written to a legal world.
 
+mod camera;
 mod color;
 mod light;
 mod material;
@@ -11,17 +12,19 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+pub(super) use camera::place;
+
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
 use super::spectra::{Products, Spectra};
-use super::{Camera, Named, Object, Projection, World};
+use super::{Loaded, Named, Object, World};
+use crate::camera::Camera;
 use crate::math::{Normal, Point};
 use crate::memory::{self, OutOfMemory};
 use crate::printable::{counted, printable};
 use crate::scene::diagnostic::MOST_COLLECTED;
 use crate::scene::{
-    self, Broken, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene, Span, Spanned,
-    Transport, Value,
+    self, Broken, Diagnostic, Diagnostics, Problem, Reading, Scene, Span, Spanned, Transport, Value,
 };
 use crate::units::{Radiance, Rgb};
 
@@ -30,16 +33,18 @@ use crate::units::{Radiance, Rgb};
 const LARGEST: f64 = 1e30;
 
 /// Validates a whole scene.
-pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
-    let (world, diagnostics) = Validator::run(scene, &Broken::default());
+pub(super) fn validate(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
+    let (made, diagnostics) = Validator::run(scene, &Broken::default());
     match Diagnostics::new(Arc::clone(&scene.source), diagnostics) {
         Some(diagnostics) => Err(diagnostics),
-        None => Ok(world),
+        None => Ok(made.expect(CAMERA_IS_MADE)),
     }
 }
 
+const CAMERA_IS_MADE: &str = "what no diagnostic is about is made";
+
 /// Validates what could be read of a scene; what is wrong with its form is reported as well.
-pub(super) fn validate_reading(reading: Reading) -> Result<(Scene, World), Diagnostics> {
+pub(super) fn validate_reading(reading: Reading) -> Result<Loaded, Diagnostics> {
     let Reading {
         source,
         scene,
@@ -47,14 +52,20 @@ pub(super) fn validate_reading(reading: Reading) -> Result<(Scene, World), Diagn
         broken,
     } = reading;
     let validated = scene.map(|scene| {
-        let (world, found) = Validator::run(&scene, &broken);
+        let (made, found) = Validator::run(&scene, &broken);
         diagnostics.extend(found);
-        (scene, world)
+        (scene, made)
     });
-    match Diagnostics::new(source, diagnostics) {
-        Some(diagnostics) => Err(diagnostics),
-        None => Ok(validated.expect("a scene that cannot be read has a diagnostic")),
+    if let Some(diagnostics) = Diagnostics::new(source, diagnostics) {
+        return Err(diagnostics);
     }
+    let (scene, made) = validated.expect("a scene that cannot be read has a diagnostic");
+    let (world, camera) = made.expect(CAMERA_IS_MADE);
+    Ok(Loaded {
+        scene,
+        world,
+        camera,
+    })
 }
 
 /// Values in f64, checked as far as they go; what is wrong with them is in `diagnostics`, and then
@@ -106,16 +117,26 @@ impl Entry<'_> {
 struct Reported;
 
 impl<'a> Validator<'a> {
-    fn run(scene: &'a Scene, broken: &'a Broken) -> (World, Vec<Diagnostic>) {
+    /// Of a whole scene; no camera where it is in error.
+    fn run(scene: &'a Scene, broken: &'a Broken) -> (Option<(World, Camera)>, Vec<Diagnostic>) {
         let look_at = DVec3::from_array(scene.camera.value.view().look_at.value);
-        let mut validator = Validator {
+        let anchor = if look_at.is_finite() {
+            look_at
+        } else {
+            DVec3::ZERO
+        };
+        let mut validator = Self::new(scene, broken, anchor);
+        let camera = validator.camera();
+        let world = validator.world();
+        let made = camera.ok().map(|camera| (world, camera));
+        (made, validator.diagnostics)
+    }
+
+    fn new(scene: &'a Scene, broken: &'a Broken, anchor: DVec3) -> Self {
+        Self {
             scene,
             broken,
-            anchor: if look_at.is_finite() {
-                look_at
-            } else {
-                DVec3::ZERO
-            },
+            anchor,
             diagnostics: Vec::new(),
             entry: None,
             is_out_of_memory: false,
@@ -130,19 +151,14 @@ impl<'a> Validator<'a> {
             reflectances: color::KnownReflectances::default(),
             spectral_values: Vec::new(),
             gaps: Vec::new(),
-        };
-        let world = validator.world();
-        (world, validator.diagnostics)
+        }
     }
 
     fn world(&mut self) -> World {
         self.entry = Some(Entry::Image);
-        let resolution = self.resolution();
         let background = &self.scene.image.background;
         self.note_spectra([&background.value], || "the background".to_owned());
         let background = self.emission("background", background, color::Spread::EVERYWHERE);
-        self.entry = Some(Entry::Camera);
-        let camera = self.camera(resolution);
         let mut reflectances = Vec::new();
         let mut materials = Vec::new();
         self.each(
@@ -181,12 +197,9 @@ impl<'a> Validator<'a> {
         let mut world = World {
             scene_hash: self.scene.hash().to_string(),
             inputs_hash: self.scene.inputs_hash().to_string(),
-            resolution,
             color_space: self.scene.image.color_space.value,
             background: Radiance(Rgb(background.rgb)),
             anchor: self.anchor,
-            // A camera that cannot be made is an error, after which the world is dropped.
-            camera: camera.unwrap_or_else(|Reported| placeholder_camera()),
             materials,
             lights,
             objects: Vec::new(),
@@ -361,19 +374,6 @@ impl<'a> Validator<'a> {
         );
     }
 
-    fn resolution(&mut self) -> [u32; 2] {
-        let Spanned { value, span } = self.scene.image.resolution;
-        if value
-            .iter()
-            .any(|side| !(1..=MAX_RESOLUTION).contains(side))
-        {
-            let expected = format!("a width and a height from 1 to {MAX_RESOLUTION} pixels");
-            self.out_of_range("resolution", span, format!("{value:?}"), &expected);
-            return [1, 1];
-        }
-        value
-    }
-
     /// A number that fulfills `legal`, or an error that says what is `expected`.
     fn number(
         &mut self,
@@ -424,45 +424,6 @@ impl<'a> Validator<'a> {
         Normal::new(vector).ok_or_else(|| {
             let value = listed(&written.value);
             self.out_of_range(key, written.span, value, "a direction, so not all zero");
-            Reported
-        })
-    }
-
-    fn camera(&mut self, resolution: [u32; 2]) -> Result<Camera, Reported> {
-        let view = self.scene.camera.value.view();
-        let projection = match &self.scene.camera.value {
-            scene::Camera::Perspective { vertical_fov, .. } => self
-                .number(
-                    "vertical_fov",
-                    *vertical_fov,
-                    |degrees| degrees > 0.0 && degrees < 180.0,
-                    "an angle above 0 and below 180 degrees",
-                )
-                .map(|degrees| Projection::Perspective {
-                    // libm's own tan is the same on every machine.
-                    half_height: libm::tan((degrees / 2.0).to_radians()),
-                }),
-            scene::Camera::Orthographic { height, .. } => {
-                self.length("height", *height)
-                    .map(|height| Projection::Orthographic {
-                        half_height: height / 2.0,
-                    })
-            }
-        };
-        let eye = self.position("eye", view.eye);
-        let look_at = self.position("look_at", view.look_at);
-        let up = self.direction("up", view.up);
-        let (projection, eye, look_at, up) = (projection?, eye?, look_at?, up?);
-        let forward = look_at.from(eye);
-        if Normal::new(forward).is_none() {
-            let conflict = "`look_at` is the same point as `eye`, expected a point to look at";
-            self.report(view.look_at.span, Problem::Conflict(conflict.to_owned()));
-            return Err(Reported);
-        }
-        Camera::new(eye, forward, up.get(), projection, resolution).ok_or_else(|| {
-            let conflict = "`up` is along the view from `eye` to `look_at`, expected a direction \
-                            across it, such as [0, 0, 1] for a view along y";
-            self.report(view.up.span, Problem::Conflict(conflict.to_owned()));
             Reported
         })
     }
@@ -539,11 +500,4 @@ fn as_written(value: f64) -> String {
 fn listed(values: &[f64]) -> String {
     let values: Vec<String> = values.iter().copied().map(as_written).collect();
     format!("[{}]", values.join(", "))
-}
-
-/// Stands in after an error, in a world that is dropped.
-fn placeholder_camera() -> Camera {
-    let projection = Projection::Perspective { half_height: 1.0 };
-    Camera::new(Point(DVec3::ZERO), DVec3::Z, DVec3::Y, projection, [1, 1])
-        .expect("z and y make a frame")
 }

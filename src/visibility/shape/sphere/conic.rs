@@ -77,8 +77,6 @@ impl Default for ProjectedConics {
 pub(in crate::visibility) struct SphereLanes<S: Simd> {
     pub(in crate::visibility) center: DVec3x16<S>,
     pub(in crate::visibility) radius: F64x16<S>,
-    /// One bit for each that no viewer sees from within.
-    pub(in crate::visibility) shows_outside: u32,
 }
 
 impl<S: Simd> SphereLanes<S> {
@@ -185,9 +183,12 @@ impl ProjectedConics {
             & radius.gt(distance * NEGLIGIBLE + room)
             & size.is_within(simd, 1.0 / RECIPROCAL_DEPTH_LIMIT..RECIPROCAL_DEPTH_LIMIT);
         self.untold = !(is_told.to_bits() & fits);
-        // Seen from outside, a sphere does not hide points of its own that face the light.
-        let is_inside = power.lt(F64x16::splat(simd, 0.0)).to_bits();
-        self.hides_own = self.untold | !(spheres.shows_outside | is_inside);
+        // Points that are seen from outside and face the light are not hidden by the sphere that they are
+        // on. Those seen from within are, unless the light is inside as well.
+        self.hides_own = self.untold;
+        if projection.has_points_within {
+            self.hides_own |= !power.lt(F64x16::splat(simd, 0.0)).to_bits();
+        }
         self.extents.covers = 0;
         if projection.state == State::Bounded {
             let [c, cx, cy, cxx, cxy, cyy] = coefficients;
@@ -299,7 +300,7 @@ impl ProjectedConics {
         let edge_error = root_scale * F32x16::splat(simd, (2.0 * SURELY).sqrt());
         for packet in ones(packets) {
             if hides_own {
-                depth_test.leave_own_unresolved(simd, projection, packet, id);
+                depth_test.leave_own_unresolved(simd, projection, packet, id, is_untold);
             }
             if is_untold {
                 depth_test.leave_unresolved(simd, projection, packet, id);
