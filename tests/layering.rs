@@ -13,7 +13,7 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 19] = [
+const MAY_USE: [(&str, &[&str]); 21] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
@@ -23,11 +23,17 @@ const MAY_USE: [(&str, &[&str]); 19] = [
     ("memory", &[]),
     ("output", &["printable"]),
     ("spectrum", &["printable"]),
-    ("scene", &["spectrum", "printable", "memory"]),
+    ("input", &[]),
+    ("mesh", &["input", "printable", "memory"]),
+    (
+        "scene",
+        &["spectrum", "mesh", "input", "printable", "memory"],
+    ),
     (
         "world",
         &[
             "scene",
+            "mesh",
             "units",
             "math",
             "camera",
@@ -47,6 +53,7 @@ const MAY_USE: [(&str, &[&str]); 19] = [
             "image",
             "world",
             "scene",
+            "input",
             "color",
             "output",
             "printable",
@@ -70,7 +77,7 @@ const MAY_USE: [(&str, &[&str]); 19] = [
         ],
     ),
     ("display", &["image", "exr", "color", "memory", "output"]),
-    ("oracle", &["scene", "spectrum"]),
+    ("oracle", &["scene", "mesh", "spectrum"]),
 ];
 
 /// Arrows that are only to some items: who, to whom, to what there.

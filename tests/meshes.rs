@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use candela::scene::mesh::MeshError;
+use candela::mesh::MeshError;
 use candela::scene::{Diagnostics, MeshFile, Problem, Reading};
 use candela::world::World;
 use candela::world::physics::warnings;

@@ -8,8 +8,8 @@ use std::process::Command;
 use std::sync::Arc;
 
 use candela::exr::ExrOptions;
+use candela::mesh::{MeshGroup, MeshNormals};
 use candela::output::Unfinished;
-use candela::scene::mesh::{MeshGroup, MeshNormals};
 use candela::scene::{
     Camera, Entry, Image, Light, Lobes, Material, MeshFile, Object, Scene, Source, Span, Spanned,
     Transport, Value, View,

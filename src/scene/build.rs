@@ -7,11 +7,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::mesh::MeshFile;
 use super::{
     Aim, Camera, ColorSpace, Entry, Falloff, Image, Light, Lobes, Material, Object, Scene,
     ShadowTerminator, Source, Span, Transport, Unit, Value, View,
 };
+use crate::mesh::MeshFile;
 use crate::spectrum::{Curve, Illuminant, Lines, Observer};
 
 impl Scene {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::*;
-use crate::scene::mesh::{MeshFile, MeshNormals};
+use crate::mesh::{MeshFile, MeshNormals};
 use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
 use crate::simd::{Kernel, SimdLevel};
 

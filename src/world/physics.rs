@@ -75,7 +75,7 @@ pub enum Warning {
         triangles: usize,
     },
     /// A mesh file is not taken as written in places: one of its
-    /// [remarks](crate::scene::mesh::MeshRemarks::list).
+    /// [remarks](crate::mesh::MeshRemarks::list).
     Mended {
         /// The mesh's name.
         object: String,

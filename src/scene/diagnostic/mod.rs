@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 use super::Source;
 use super::curve::CurveError;
-use super::mesh::MeshError;
-use super::opening::is_transient;
+use crate::input::is_transient;
 use crate::memory::OutOfMemory;
+use crate::mesh::MeshError;
 use crate::printable::{printable, printable_path};
 
 /// A range of bytes in the scene file; empty at 0 for what has no place in it.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{LARGEST, Reported, Validator, listed};
 use crate::math::{Normal, all_three};
-use crate::scene::mesh::{MeshError, MeshRemarks};
+use crate::mesh::{MeshError, MeshRemarks};
 use crate::scene::{self, MeshFile, Problem, ShadowTerminator, Spanned};
 use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
 use crate::world::{Shape, World};

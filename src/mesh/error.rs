@@ -4,9 +4,8 @@ use std::collections::TryReserveError;
 use std::fmt;
 
 use super::MeshRemarks;
+use crate::input::{Foreign, NotAFile, is_transient};
 use crate::printable::printable;
-use crate::scene::encoding::Foreign;
-use crate::scene::opening::{NotAFile, is_transient};
 
 /// Why a mesh file cannot be used. The message says where in the file and what was expected.
 #[derive(Debug, thiserror::Error)]
