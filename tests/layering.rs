@@ -24,7 +24,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("output", &["printable"]),
     ("spectrum", &["printable"]),
     ("input", &[]),
-    ("mesh", &["input", "printable", "memory"]),
+    ("mesh", &["input", "printable"]),
     (
         "scene",
         &["spectrum", "mesh", "input", "printable", "memory"],

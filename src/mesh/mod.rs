@@ -9,6 +9,7 @@
 //! the file says; a usual mesh takes what it keeps and no more.
 
 mod error;
+mod limits;
 mod memory;
 mod normals;
 mod obj;

@@ -5,9 +5,9 @@ use std::fmt;
 use std::io::{self, Read};
 use std::path::Path;
 
-use super::diagnostic::shortened;
 use crate::input::Hash;
 use crate::input::{self, Foreign, NotAFile};
+use crate::printable::shortened;
 use crate::spectrum::{Curve, CurveProblem};
 
 /// The largest curve file in bytes; a million points fit. Reading one takes at most six times its

@@ -1,6 +1,6 @@
 //! What is legal: a scene resolved and validated, ready to render.
 //!
-//! [`World::new`] is the only door. Behind it nothing is missing, out of range or a name to look
+//! [`World::new`] is the only way in. Behind it nothing is missing, out of range or a name to look
 //! up: materials are indices, values are linear RGB in the working space, meshes are transformed
 //! triangles. Positions are kept in f64 relative to an [anchor](World::anchor), the point that the
 //! scene's camera looks at, so that a scene far from the origin renders like one at the origin.
@@ -9,6 +9,7 @@
 //! The anchor is the scene's, whatever camera looks: a camera that is moved in a world shows
 //! the bits that it shows in a world that was made anew.
 
+mod build;
 pub mod colorimetry;
 mod containment;
 pub mod difference;
@@ -18,7 +19,6 @@ pub mod material;
 pub mod physics;
 pub mod plan;
 pub mod spectra;
-mod validate;
 
 use std::path::Path;
 
@@ -120,7 +120,7 @@ impl World {
     /// Every value that is out of range, every name that is not there, and a scene without
     /// objects, each with its place.
     pub fn new(scene: &Scene) -> Result<(Self, Camera), Diagnostics> {
-        validate::validate(scene)
+        build::world(scene)
     }
 
     /// Another camera in this world, with the width and height of its image in pixels. Nothing is
@@ -146,7 +146,7 @@ impl World {
         camera: &scene::Camera,
         resolution: [u32; 2],
     ) -> Result<Camera, Diagnostics> {
-        validate::place(camera, resolution, self.anchor)
+        build::place(camera, resolution, self.anchor)
     }
 
     /// Reads a scene file and validates it; what is wrong with its form and with its values is
@@ -181,7 +181,7 @@ impl World {
         if let Some(scene) = &mut reading.scene {
             change(scene);
         }
-        validate::validate_reading(reading)
+        build::world_of_reading(reading)
     }
 
     /// SHA-256 of the scene file's text, in hexadecimal digits, as `sha256sum` prints it; of a scene

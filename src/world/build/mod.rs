@@ -1,4 +1,4 @@
-//! The one door from a scene as written to a legal world.
+//! A legal world, built from a scene as written.
 
 mod camera;
 mod color;
@@ -32,9 +32,9 @@ use crate::units::{Radiance, Rgb};
 /// triangles have, still fit an f64 with room to spare.
 const LARGEST: f64 = 1e30;
 
-/// Validates a whole scene.
-pub(super) fn validate(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
-    let (made, diagnostics) = Validator::run(scene, &Broken::default());
+/// Builds the world of a whole scene, or says all that is wrong with it.
+pub(super) fn world(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
+    let (made, diagnostics) = Builder::run(scene, &Broken::default());
     match Diagnostics::new(Arc::clone(&scene.source), diagnostics) {
         Some(diagnostics) => Err(diagnostics),
         None => Ok(made.expect(CAMERA_IS_MADE)),
@@ -44,7 +44,7 @@ pub(super) fn validate(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
 const CAMERA_IS_MADE: &str = "what no diagnostic is about is made";
 
 /// Validates what could be read of a scene; what is wrong with its form is reported as well.
-pub(super) fn validate_reading(reading: Reading) -> Result<Loaded, Diagnostics> {
+pub(super) fn world_of_reading(reading: Reading) -> Result<Loaded, Diagnostics> {
     let Reading {
         source,
         scene,
@@ -52,7 +52,7 @@ pub(super) fn validate_reading(reading: Reading) -> Result<Loaded, Diagnostics> 
         broken,
     } = reading;
     let validated = scene.map(|scene| {
-        let (made, found) = Validator::run(&scene, &broken);
+        let (made, found) = Builder::run(&scene, &broken);
         diagnostics.extend(found);
         (scene, made)
     });
@@ -70,7 +70,7 @@ pub(super) fn validate_reading(reading: Reading) -> Result<Loaded, Diagnostics> 
 
 /// Values in f64, checked as far as they go; what is wrong with them is in `diagnostics`, and then
 /// the result is not used.
-struct Validator<'a> {
+struct Builder<'a> {
     scene: &'a Scene,
     /// What stands in the file, but was left out of the scene because of other errors.
     broken: &'a Broken,
@@ -116,7 +116,7 @@ impl Entry<'_> {
 #[derive(Clone, Copy)]
 struct Reported;
 
-impl<'a> Validator<'a> {
+impl<'a> Builder<'a> {
     /// Of a whole scene; no camera where it is in error.
     fn run(scene: &'a Scene, broken: &'a Broken) -> (Option<(World, Camera)>, Vec<Diagnostic>) {
         let look_at = DVec3::from_array(scene.camera.value.view().look_at.value);
@@ -125,11 +125,11 @@ impl<'a> Validator<'a> {
         } else {
             DVec3::ZERO
         };
-        let mut validator = Self::new(scene, broken, anchor);
-        let camera = validator.camera();
-        let world = validator.world();
+        let mut builder = Self::new(scene, broken, anchor);
+        let camera = builder.camera();
+        let world = builder.world();
         let made = camera.ok().map(|camera| (world, camera));
-        (made, validator.diagnostics)
+        (made, builder.diagnostics)
     }
 
     fn new(scene: &'a Scene, broken: &'a Broken, anchor: DVec3) -> Self {
@@ -165,30 +165,25 @@ impl<'a> Validator<'a> {
             "material",
             "a material",
             &self.scene.materials,
-            |validator, entry| {
-                let (material, lobes) = validator.material(entry);
-                validator.reserve(&mut materials, 1)?;
+            |builder, entry| {
+                let (material, lobes) = builder.material(entry);
+                builder.reserve(&mut materials, 1)?;
                 materials.push(named(entry, material));
-                validator.reserve(&mut reflectances, 1)?;
+                builder.reserve(&mut reflectances, 1)?;
                 reflectances.extend(lobes);
                 Ok(())
             },
         );
         let mut spectra = Vec::new();
         let mut lights = Vec::new();
-        self.each(
-            "light",
-            "a light",
-            &self.scene.lights,
-            |validator, entry| {
-                let (light, spectrum) = validator.light(entry);
-                validator.reserve(&mut lights, 1)?;
-                lights.push(named(entry, light));
-                validator.reserve(&mut spectra, 1)?;
-                spectra.extend(spectrum);
-                Ok(())
-            },
-        );
+        self.each("light", "a light", &self.scene.lights, |builder, entry| {
+            let (light, spectrum) = builder.light(entry);
+            builder.reserve(&mut lights, 1)?;
+            lights.push(named(entry, light));
+            builder.reserve(&mut spectra, 1)?;
+            spectra.extend(spectrum);
+            Ok(())
+        });
         let names = self.scene.materials.iter().map(|entry| entry.name.as_str());
         match memory::reserve_names(&mut self.materials, names.len()) {
             Ok(()) => self.materials.extend(names.zip(0..materials.len())),
@@ -216,9 +211,9 @@ impl<'a> Validator<'a> {
             "object",
             "an object",
             &self.scene.objects,
-            |validator, entry| {
-                validator.reserve(&mut world.objects, 1)?;
-                let (material, shape) = validator.object(entry, &mut world)?;
+            |builder, entry| {
+                builder.reserve(&mut world.objects, 1)?;
+                let (material, shape) = builder.object(entry, &mut world)?;
                 world.objects.push(Object {
                     name: entry.name.clone(),
                     material,

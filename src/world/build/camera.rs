@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{CAMERA_IS_MADE, Entry, Reported, Validator};
+use super::{Builder, CAMERA_IS_MADE, Entry, Reported};
 use crate::camera::{Camera, Projection};
 use crate::math::Normal;
 use crate::scene::{self, Broken, Diagnostics, MAX_RESOLUTION, Problem, Scene, Spanned};
@@ -17,15 +17,15 @@ pub(in crate::world) fn place(
 ) -> Result<Camera, Diagnostics> {
     let scene = Scene::new(scene::Image::new(width, height), camera.clone());
     let broken = Broken::default();
-    let mut validator = Validator::new(&scene, &broken, anchor);
-    let camera = validator.camera();
-    match Diagnostics::new(Arc::clone(&scene.source), validator.diagnostics) {
+    let mut builder = Builder::new(&scene, &broken, anchor);
+    let camera = builder.camera();
+    match Diagnostics::new(Arc::clone(&scene.source), builder.diagnostics) {
         Some(diagnostics) => Err(diagnostics),
         None => Ok(camera.ok().expect(CAMERA_IS_MADE)),
     }
 }
 
-impl Validator<'_> {
+impl Builder<'_> {
     /// The scene's camera, with the image that it makes.
     pub(super) fn camera(&mut self) -> Result<Camera, Reported> {
         self.entry = Some(Entry::Image);
