@@ -13,7 +13,7 @@
 //!   rays, that is at a corner: seen from there the reciprocal depth at which rays enter a convex set is a
 //!   concave function of the window (projective maps keep sets convex), and for parallel rays the depth a convex
 //!   one;
-//! - it is all beyond the plane of the shape;
+//! - it is all beyond the plane of the shape, or it is flat and the shape is all before its plane;
 //! - it is flat, and its plane is met later at each corner: its reciprocal depth is affine in the window, and
 //!   an affine function less a concave one is largest at a corner.
 
@@ -105,7 +105,6 @@ struct Hull {
     sides: usize,
     /// The middle, a unit vector.
     along: DVec3,
-    /// The depth of the eye of perspective rays, or of what parallel rays start from.
     kind: Kind,
     /// The largest coordinate of all corners.
     size: f64,
@@ -151,7 +150,7 @@ impl Hull {
                 depths: [near, far],
             } => {
                 let starts = directions.map(|direction| eye + direction * near);
-                hull.set_window(forward, Kind::Point(eye), [near, far]);
+                (hull.along, hull.kind) = (forward, Kind::Point(eye));
                 hull.add_window(starts, directions, far - near);
                 hull.add_sides(eye, directions);
                 hull.add_depths(eye.dot(forward), [near, far]);
@@ -162,7 +161,7 @@ impl Hull {
                 depths: [near, far],
             } => {
                 let [a, b, _, d] = starts;
-                hull.set_window(forward, Kind::Parallel, [near, far]);
+                (hull.along, hull.kind) = (forward, Kind::Parallel);
                 let at_near = starts.map(|start| start + forward * near);
                 hull.add_window(at_near, [forward; 4], far - near);
                 let (across, down) = (b - a, d - a);
@@ -187,10 +186,6 @@ impl Hull {
             hull.size = hull.size.max(eye.abs().max_element());
         }
         hull
-    }
-
-    fn set_window(&mut self, forward: DVec3, kind: Kind, _: [f64; 2]) {
-        (self.along, self.kind) = (forward, kind);
     }
 
     fn add_window(&mut self, starts: [DVec3; 4], directions: [DVec3; 4], length: f64) {
@@ -350,6 +345,7 @@ impl Hull {
     fn is_before(&self, front: &Met, back: &Met) -> bool {
         front.cover.is_some_and(|cover| back.nearest > cover)
             || front.solid.is_before(&back.solid, self.corners())
+            || back.solid.is_beyond(&front.solid, self.corners())
             || self.is_before_at_corners(&front.solid, &back.solid)
     }
 
@@ -361,15 +357,14 @@ impl Hull {
             match self.kind {
                 Kind::Boxes => false,
                 Kind::Parallel => {
-                    let room = solid::MARGIN * (1.0 + at.abs()) * 4.0;
                     let crosses = back.crosses(corner.start, corner.way);
-                    crosses.is_some_and(|crosses| crosses > at + room)
+                    crosses.is_some_and(|crosses| crosses > at)
                 }
                 Kind::Point(eye) => {
                     // From the eye, to where the front is entered.
                     let way = corner.start + corner.way * at - eye;
                     let crosses = back.crosses(eye, way);
-                    crosses.is_some_and(|crosses| 1.0 / crosses < 1.0 - 16.0 * solid::MARGIN)
+                    crosses.is_some_and(|crosses| crosses < 0.0 || crosses > 1.0)
                 }
             }
         })

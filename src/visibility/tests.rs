@@ -8,7 +8,9 @@ use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
 use crate::simd::{Kernel, SimdLevel};
 
 mod contacts;
+mod incoherent;
 mod lifted;
+mod shafts;
 
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];

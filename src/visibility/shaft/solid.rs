@@ -178,8 +178,28 @@ impl Solid {
         most < from.dot(point) - room
     }
 
-    /// Of a flat shape, where a corner ray comes through its plane as a part of the way from `origin`, negative
-    /// behind it; infinite where it does not, `None` where that is not clear.
+    /// Whether it is flat, and all of `front` is on the side of its plane that the shaft comes from.
+    pub(super) fn is_beyond(&self, front: &Self, corners: &[CornerRay]) -> bool {
+        let (Some(flat), Some(corner)) = (self.flat(), corners.first()) else {
+            return false;
+        };
+        let [point, normal] = flat;
+        let side = self.side(flat, corner.start);
+        let from = match side {
+            Side::Above => normal,
+            Side::Below => -normal,
+            Side::Unclear => return false,
+        };
+        let [least, _] = front.reach(from);
+        let room = (self.size() + front.size()) * MARGIN * from.abs().element_sum();
+        least > from.dot(point) + room
+            && corners
+                .iter()
+                .all(|corner| self.side(flat, corner.start) == side)
+    }
+
+    /// Of a flat shape, where a corner ray comes through its plane as a part of the way from `origin`, at least:
+    /// negative behind it. `None` where that is not clear.
     pub(super) fn crosses(&self, origin: DVec3, way: DVec3) -> Option<f64> {
         let flat = self.flat()?;
         let [point, normal] = flat;
@@ -187,7 +207,16 @@ impl Solid {
         let room = room * normal.abs().element_sum();
         let (height, speed) = (normal.dot(point - origin), normal.dot(way));
         let is_clear = height.abs() > room && speed.abs() > room;
-        is_clear.then(|| height / speed)
+        is_clear.then(|| {
+            let at = height / speed;
+            let least = at - (room / speed).abs() * (1.0 + at.abs());
+            // Whether it is before the origin or behind is clear from the signs.
+            if at > 0.0 {
+                least.max(0.0)
+            } else {
+                at.min(-0.0)
+            }
+        })
     }
 }
 

@@ -39,6 +39,8 @@ impl TreeVolume {
         along: DVec3,
         error: f64,
     ) -> Self {
+        // The middle of the frame takes digits as well.
+        let error = error + tree.center.abs().max_element() * (16.0 * f64::EPSILON);
         let side = |HalfSpace { normal, offset }: HalfSpace| {
             let in_frame = (offset - normal.dot(tree.center)) * tree.scale;
             Side::new(normal, in_frame, 0.0, error * tree.scale)
