@@ -16,7 +16,7 @@ use candela::output::Unfinished;
 use candela::scene::ColorSpace;
 use candela::spectrum::tables;
 use candela::world::World;
-use candela::world::colorimetry::{converted, primaries};
+use candela::world::colorimetry::converted;
 use candela::world::difference::differences;
 use candela::world::physics::albedo_at_normal_incidence;
 
@@ -361,7 +361,7 @@ fn lux(intensity: &str, image: &str) -> f64 {
     let film = render(&white_floor(intensity, image), 1);
     let [r, g, b, _] = pixel(&film, 0, 0);
     let space = film.metadata().color_space;
-    let weights = primaries(space).luminance_weights();
+    let weights = space.primaries().luminance_weights();
     weights[0] * f64::from(r) + weights[1] * f64::from(g) + weights[2] * f64::from(b)
 }
 

@@ -27,7 +27,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("mesh", &["input", "printable"]),
     (
         "scene",
-        &["spectrum", "mesh", "input", "printable", "memory"],
+        &["color", "spectrum", "mesh", "input", "printable", "memory"],
     ),
     (
         "world",
@@ -46,13 +46,11 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("visibility", &["world", "camera", "math", "simd", "memory"]),
     ("shading", &["world", "visibility", "math", "simd"]),
     ("turns", &[]),
-    ("image", &["scene"]),
+    ("image", &["color"]),
     (
         "exr",
         &[
             "image",
-            "world",
-            "scene",
             "input",
             "color",
             "output",
@@ -81,9 +79,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
 ];
 
 /// Arrows that are only to some items: who, to whom, to what there.
-const ONLY_TO: [(&str, &str, &[&str]); 2] = [
-    // The spaces' primaries, which the header of a file has.
-    ("exr", "world", &["colorimetry"]),
+const ONLY_TO: [(&str, &str, &[&str]); 1] = [
     // What was published and what was written, not what the renderer makes of it.
     (
         "oracle",
@@ -93,7 +89,9 @@ const ONLY_TO: [(&str, &str, &[&str]); 2] = [
 ];
 
 /// Methods by which those items give away what the oracle computes itself.
-const NOT_CALLED_IN_ORACLE: [&str; 6] = [
+const NOT_CALLED_IN_ORACLE: [&str; 8] = [
+    ".primaries(",
+    "::primaries(",
     ".spectrum(",
     "::spectrum(",
     ".color_matching(",

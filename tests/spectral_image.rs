@@ -14,7 +14,6 @@ use candela::output::Unfinished;
 use candela::render::{self, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport};
 use candela::spectrum::{Illuminant, Observer, SAMPLES};
-use candela::world::colorimetry::primaries;
 use candela::world::{Wavelengths, World};
 use glam::{DMat3, DVec3};
 
@@ -287,7 +286,7 @@ fn rgb_of(bands: &[f32], wavelengths: Wavelengths) -> DVec3 {
 }
 
 fn to_rgb() -> DMat3 {
-    let primaries = primaries(candela::scene::ColorSpace::Rec709);
+    let primaries = candela::scene::ColorSpace::Rec709.primaries();
     let d65 = d65_of_one_candela();
     let matching = Observer::Cie1931.color_matching();
     let white = matching.map(|m| 683.0 * m.iter().zip(d65).map(|(m, s)| m * s).sum::<f64>());
@@ -390,7 +389,7 @@ const TABLE: f64 = 0.006;
 #[test]
 fn quadrature_errors_are_those_of_the_docs() {
     let (patches, white) = patches();
-    let to_xyz = primaries(candela::scene::ColorSpace::Rec709).to_xyz();
+    let to_xyz = candela::scene::ColorSpace::Rec709.primaries().to_xyz();
     let mut wrong = String::new();
     for (step, row) in QUADRATURE {
         let wavelengths = Wavelengths::new(380, 780, step).unwrap();

@@ -22,8 +22,9 @@ pub use inputs::Input;
 pub(crate) use read::name_objection;
 pub use read::{Broken, Reading};
 pub use schema::schema;
-pub use value::{ColorSpace, Falloff, ShadowTerminator, Transport, Unit, Value};
+pub use value::{Falloff, ShadowTerminator, Transport, Unit, Value};
 
+pub use crate::color::ColorSpace;
 pub use crate::input::{Foreign, Hash, NotAFile};
 pub use crate::mesh::MeshFile;
 use crate::spectrum::Observer;
