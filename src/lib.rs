@@ -39,6 +39,7 @@
 //! | [`output`] | files that appear whole or not at all |
 //! | [`printable`] | text from files and command lines as it may be shown on a terminal |
 //! | [`spectrum`] | functions of wavelength: the CIE's tables, curves, illuminants, smooth spectra of colors |
+//! | [`camera`] | pixels to rays (L1) |
 //! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
 //! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the [`Plan`](world::Plan) |
 //! | [`visibility`] | what a camera ray sees (L1, L2) and what a light reaches (L4) |
@@ -94,8 +95,8 @@
 //!     normal = [0, 1, 0]
 //! "#;
 //! let scene = Scene::parse(text, "floor.toml")?; // what was written
-//! let world = World::new(&scene)?; // what is legal
-//! let film = render(&world, &Options::default())?;
+//! let (world, camera) = World::new(&scene)?; // what is legal, and who looks at it
+//! let film = render(&world, &camera, &Options::default())?;
 //!
 //! // One pixel is one metre; column 4 is x = 0, column 7 is x = 3.
 //! let pixel = |x: usize, y: usize| film.pixels()[9 * y + x];
@@ -117,12 +118,15 @@
 
 #[doc(hidden)]
 pub mod bench;
+pub mod camera;
 pub mod color;
 pub mod display;
 pub mod exr;
 pub mod image;
+pub mod input;
 pub mod math;
 pub mod memory;
+pub mod mesh;
 pub mod oracle;
 pub mod output;
 pub mod printable;
@@ -141,7 +145,8 @@ pub mod world;
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
 
+pub use camera::Camera;
 pub use image::Film;
-pub use render::{Options, render};
+pub use render::{Options, Renderer, render};
 pub use scene::Scene;
 pub use world::World;

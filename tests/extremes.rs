@@ -247,7 +247,7 @@ fn any_scale_gives_the_same_image() {
         (1e-25, intensity * 1e-50),
     ] {
         let scene = parse(&crowd(scale, scaled_intensity));
-        let plan = Plan::new(&World::new(&scene).unwrap());
+        let plan = Plan::new(&World::new(&scene).unwrap().0);
         assert_eq!(
             [plan.spheres(), plan.triangles()],
             [Acceleration::Tree; 2],
@@ -357,7 +357,7 @@ fn still_life(spheres: usize) -> String {
 fn a_tree_finds_what_a_list_finds() {
     let listed = still_life(12);
     let expected = render(&listed, 4);
-    let plan = |scene: &Scene| Plan::new(&World::new(scene).unwrap()).spheres();
+    let plan = |scene: &Scene| Plan::new(&World::new(scene).unwrap().0).spheres();
     assert_eq!(plan(&parse(&listed)), Acceleration::List);
     for far in [20.0, 1e4, 1e7, 1e12] {
         let mut random = Random::new(8);

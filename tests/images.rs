@@ -35,12 +35,12 @@ pub(crate) fn parse(text: &str) -> Scene {
 
 /// The image of a scene with `samples` samples a pixel.
 pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
-    let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples,
         ..Options::default()
     };
-    candela::render(&world, &options).unwrap()
+    candela::render(&world, &camera, &options).unwrap()
 }
 
 /// The image of a scene given as text.
@@ -56,13 +56,13 @@ pub(crate) fn pixel(film: &Film, x: u32, y: u32) -> [f32; 4] {
 
 /// [`render`], and what it took.
 pub(crate) fn render_counted(text: &str, samples: u32) -> (Film, Counts) {
-    let world = World::new(&parse(text)).unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(&parse(text)).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples,
         ..Options::default()
     };
     let renderer = Renderer::new(&world).unwrap();
-    renderer.film(&options, &Job::new()).unwrap()
+    renderer.film(&camera, &options, &Job::new()).unwrap()
 }
 
 /// The same view in at most `width` columns.

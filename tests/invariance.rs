@@ -37,6 +37,10 @@ const PLACE: f64 = 1.30e-6;
 const TRIPLED: f64 = 8.94e-8;
 const SUM: f64 = 1.12e-7;
 
+/// How many times as large a scene is made, and how many units it is moved by.
+pub(crate) const SCALES: [f64; 4] = [1e-6, 1e-3, 1e3, 1e6];
+pub(crate) const FAR: f64 = 1e6;
+
 /// Pixel centers, and a pattern with the box filter.
 const SAMPLES: [u32; 2] = [1, 4];
 
@@ -241,7 +245,7 @@ fn size() {
     for (name, scene) in scenes(&folder) {
         for samples in SAMPLES {
             let expected = film_of(&scene, samples);
-            for scale in [1e-6, 1e-3, 1e3, 1e6] {
+            for scale in SCALES {
                 let scaled = moved(&scene, scale, |p| p.map(|x| x * scale), |n| n);
                 let actual = film_of(&scaled, samples);
                 same.see(
@@ -261,7 +265,6 @@ fn size() {
 /// surface are left out: 1e-10 is a part of their height.
 #[test]
 fn place() {
-    const FAR: f64 = 1e6;
     let folder = tempfile::tempdir().unwrap();
     let mut same = Same::of(Measured::new("place", PLACE));
     let scenes = without(scenes(&folder), &["near lights", "far and tiny", "grazing"]);
@@ -386,7 +389,7 @@ fn linear_in_the_light() {
 
 /// Whether a reflectance is the smooth one of a color: that of half the color is not its half.
 fn has_upsampled_reflectances(scene: &Scene) -> bool {
-    let is_spectral = World::new(scene).unwrap().spectra().is_some();
+    let is_spectral = World::new(scene).unwrap().0.spectra().is_some();
     let mut materials = scene.materials.iter();
     is_spectral
         && materials.any(|material| {
@@ -436,7 +439,7 @@ fn lights_add_up() {
     for (name, mut scene) in scenes(&folder) {
         scene.image.background.value = Value::ZERO;
         // Also where the only spectrum is that of a light which is not there.
-        scene.image.transport.value = match World::new(&scene).unwrap().spectra() {
+        scene.image.transport.value = match World::new(&scene).unwrap().0.spectra() {
             Some(_) => Transport::Spectral,
             None => Transport::Rgb,
         };
@@ -557,7 +560,7 @@ fn trees_and_lists() {
             with_hidden.objects.extend(copies);
         }
         let plan = |scene: &Scene| {
-            let plan = Plan::new(&World::new(scene).unwrap());
+            let plan = Plan::new(&World::new(scene).unwrap().0);
             [plan.spheres(), plan.triangles()]
         };
         for (before, with_hidden) in plan(&scene).into_iter().zip(plan(&with_hidden)) {

@@ -13,39 +13,45 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 18] = [
+const MAY_USE: [(&str, &[&str]); 21] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
+    ("camera", &["math", "simd"]),
     ("color", &[]),
     ("printable", &[]),
     ("memory", &[]),
     ("output", &["printable"]),
     ("spectrum", &["printable"]),
-    ("scene", &["spectrum", "printable", "memory"]),
+    ("input", &[]),
+    ("mesh", &["input", "printable"]),
+    (
+        "scene",
+        &["color", "spectrum", "mesh", "input", "printable", "memory"],
+    ),
     (
         "world",
         &[
             "scene",
+            "mesh",
             "units",
             "math",
-            "simd",
+            "camera",
             "color",
             "spectrum",
             "printable",
             "memory",
         ],
     ),
-    ("visibility", &["world", "math", "simd", "memory"]),
+    ("visibility", &["world", "camera", "math", "simd", "memory"]),
     ("shading", &["world", "visibility", "math", "simd"]),
     ("turns", &[]),
-    ("image", &["scene"]),
+    ("image", &["color"]),
     (
         "exr",
         &[
             "image",
-            "world",
-            "scene",
+            "input",
             "color",
             "output",
             "printable",
@@ -57,6 +63,7 @@ const MAY_USE: [(&str, &[&str]); 18] = [
         "render",
         &[
             "world",
+            "camera",
             "visibility",
             "shading",
             "image",
@@ -68,13 +75,11 @@ const MAY_USE: [(&str, &[&str]); 18] = [
         ],
     ),
     ("display", &["image", "exr", "color", "memory", "output"]),
-    ("oracle", &["scene", "spectrum"]),
+    ("oracle", &["scene", "mesh", "spectrum"]),
 ];
 
 /// Arrows that are only to some items: who, to whom, to what there.
-const ONLY_TO: [(&str, &str, &[&str]); 2] = [
-    // The spaces' primaries, which the header of a file has.
-    ("exr", "world", &["colorimetry"]),
+const ONLY_TO: [(&str, &str, &[&str]); 1] = [
     // What was published and what was written, not what the renderer makes of it.
     (
         "oracle",
@@ -84,7 +89,9 @@ const ONLY_TO: [(&str, &str, &[&str]); 2] = [
 ];
 
 /// Methods by which those items give away what the oracle computes itself.
-const NOT_CALLED_IN_ORACLE: [&str; 6] = [
+const NOT_CALLED_IN_ORACLE: [&str; 8] = [
+    ".primaries(",
+    "::primaries(",
     ".spectrum(",
     "::spectrum(",
     ".color_matching(",

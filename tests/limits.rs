@@ -56,7 +56,7 @@ fn repeated(count: usize, part: impl Fn(usize) -> String) -> String {
 fn read(bytes: &[u8]) -> Result<World, candela::scene::Diagnostics> {
     let text = String::from_utf8_lossy(bytes).into_owned();
     let scene = Reading::of_text(text, Path::new("tests/bad_scenes/many.toml")).complete()?;
-    World::new(&scene)
+    World::new(&scene).map(|(world, _)| world)
 }
 
 /// The limits of time and memory of all fuzzers hold: both are in proportion to the file's size.
@@ -134,7 +134,7 @@ fn unused_materials_take_nothing() {
         + &repeated(4000, material)
         + &sphere(0, 3999);
     let scene = Scene::parse(&text, "many.toml").unwrap();
-    let world = World::new(&scene).unwrap();
+    let (world, _) = World::new(&scene).unwrap();
     assert_eq!(world.used_materials(), [3999]);
     assert_eq!(world.products_memory(), Some(4000 * 56));
     // And the product is the one of that material.
@@ -142,7 +142,7 @@ fn unused_materials_take_nothing() {
         + &light(0)
         + &material(3999)
         + &sphere(0, 3999);
-    let alone = World::new(&Scene::parse(&alone, "one.toml").unwrap()).unwrap();
+    let (alone, _) = World::new(&Scene::parse(&alone, "one.toml").unwrap()).unwrap();
     assert_eq!(world.reflected(0, 3999), alone.reflected(0, 0));
     assert_eq!(world.reflected(3999, 3999), alone.reflected(0, 0));
 }
@@ -161,9 +161,9 @@ fn spectral_pairs_have_no_limit() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let (film, most) = pool.unwrap().install(|| {
         peak(|| {
-            let world = World::new(&scene).unwrap();
+            let (world, camera) = World::new(&scene).unwrap();
             assert_eq!(world.products_memory(), Some(0));
-            render(&world, &Options::default()).unwrap()
+            render(&world, &camera, &Options::default()).unwrap()
         })
     });
     assert!(film.pixels().iter().any(|pixel| pixel[0] > 0.0));
@@ -209,8 +209,8 @@ fn many_lights_on_many_materials_are_rendered() {
         + &repeated(300, material)
         + &repeated(300, |n| sphere(n, n));
     let scene = Scene::parse(&text, "many.toml").unwrap();
-    let world = World::new(&scene).unwrap();
-    let film = render(&world, &Options::default()).unwrap();
+    let (world, camera) = World::new(&scene).unwrap();
+    let film = render(&world, &camera, &Options::default()).unwrap();
     let oracle = Oracle::new(&scene);
     for (place, pixel) in film.pixels().iter().enumerate() {
         let (x, y) = (place % 2, place / 2);
@@ -237,7 +237,7 @@ fn many_lights_on_many_materials_are_rendered() {
 fn many_layers_are_written() {
     let lights = 2000;
     let text = HEAD.to_owned() + &repeated(lights, light) + &material(0) + &sphere(0, 0);
-    let world = World::new(&Scene::parse(&text, "many.toml").unwrap()).unwrap();
+    let (world, camera) = World::new(&Scene::parse(&text, "many.toml").unwrap()).unwrap();
     let layers = Layers {
         lights: true,
         ..Layers::default()
@@ -246,7 +246,7 @@ fn many_layers_are_written() {
         layers,
         ..Options::default()
     };
-    let film = render(&world, &options).unwrap();
+    let film = render(&world, &camera, &options).unwrap();
     let mut bytes = std::io::Cursor::new(Vec::new());
     film.write_exr_to(&mut bytes, &ExrOptions::default())
         .unwrap();
@@ -280,7 +280,7 @@ fn lights_are_found_inside_of_many_objects() {
         })
         + "[objects.dome.sphere]\nmaterial = \"material0\"\ncenter = [0, 0, 0]\nradius = 1e6\n"
         + "[objects.beside.sphere]\nmaterial = \"material0\"\ncenter = [0.5, 0, 0]\nradius = 0.5\n";
-    let world = World::new(&Scene::parse(&text, "many.toml").unwrap()).unwrap();
+    let (world, _) = World::new(&Scene::parse(&text, "many.toml").unwrap()).unwrap();
     let inside: Vec<(String, usize, String)> = physics::warnings(&world)
         .into_iter()
         .filter_map(|warning| match warning {

@@ -5,6 +5,7 @@
 mod allocation;
 mod bad_scenes;
 mod blessed;
+mod cameras;
 mod cli;
 mod closed_form;
 mod colorimetry;
@@ -31,6 +32,7 @@ mod reading;
 mod scenes_in_code;
 mod schema;
 mod spectral_image;
+mod stated;
 mod streaming;
 mod terminator;
 mod usage;

@@ -21,12 +21,12 @@ use crate::openimageio::{idiff_agrees, idiff_agrees_within};
 
 /// The promise: relative error of a pixel, for any scene. A condition number may be so large (a light just
 /// above a surface) that the last bits of p show; of the scenes below none comes near to it.
-const TOLERANCE: f64 = 1e-5;
+pub(crate) const TOLERANCE: f64 = 1e-5;
 
 /// The worst of the generated scenes, with shadow rays that start on the triangles and off them, and of
 /// `scenes/`: half the last bit of an f32. All before the film is f64, and no light is so near to a surface that
 /// the last bits of p show.
-const WORST: f64 = HALF_LAST_BIT;
+pub(crate) const WORST: f64 = HALF_LAST_BIT;
 
 /// Below this part of the image's median lit radiance, errors are relative to that instead of the
 /// pixel: it is 20 stops below what the picture shows.
@@ -35,7 +35,7 @@ const FLOOR: f64 = 1e-6;
 /// The part of the pixels of all scenes whose ray may pass so closely by an edge that rounding decides its side;
 /// one pixel of each is allowed. Of 880 000 pixels here, and of 12 million of generated scenes, none is such. Off
 /// an edge none may be.
-const FLIPS: f64 = 2e-6;
+pub(crate) const FLIPS: f64 = 2e-6;
 
 /// Pixels away at which decisions are asked again, to find edges: far above what rounding moves a
 /// ray by, far below what a viewer sees.
@@ -209,13 +209,13 @@ fn with_shares(scene: &Scene) -> Film {
         lights: true,
         ..Layers::default()
     };
-    let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples: 1,
         layers,
         ..Options::default()
     };
-    render(&world, &options).unwrap()
+    render(&world, &camera, &options).unwrap()
 }
 
 /// Compares all scenes; what is wrong with any of them.
@@ -373,7 +373,7 @@ fn spectra_of_lights_agree() {
                  [materials.m.phong]\n\
                  [objects.o.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 9]\nradius = 1\n"
             ));
-            let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+            let (world, _) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
             let actual = world.spectra().unwrap().light(0).values();
             let expected = Oracle::new(&scene).spectral_radiance(0.5, 0.5).unwrap();
             let peak = expected.iter().copied().fold(0.0, f64::max);
@@ -516,14 +516,14 @@ fn any_instruction_set_gives_the_same_bits() {
     scenes.truncate(20);
     scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 200)));
     for (name, scene) in scenes {
-        let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
         let rendered = |simd| {
             let options = Options {
                 samples: 3,
                 simd,
                 ..Options::default()
             };
-            bits(&render(&world, &options).unwrap())
+            bits(&render(&world, &camera, &options).unwrap())
         };
         let widest = rendered(SimdLevel::default());
         for (instructions, simd) in SimdLevel::available() {

@@ -5,6 +5,7 @@ use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use candela::Camera;
 use candela::exr::{Compression, ExrOptions, ExrReport, Precision, Preserve, read};
 use candela::image::Window;
 use candela::render::{Counts, Job, Layers, Options, RenderError, RenderedTile, Renderer, Sink};
@@ -24,7 +25,7 @@ const CROP: Window = Window {
     height: 290,
 };
 
-fn world(resolution: [u32; 2], transport: Transport) -> World {
+fn world(resolution: [u32; 2], transport: Transport) -> (World, Camera) {
     let mut scene = Scene::builtin();
     scene.image.resolution.value = resolution;
     scene.image.transport.value = transport;
@@ -32,7 +33,7 @@ fn world(resolution: [u32; 2], transport: Transport) -> World {
 }
 
 fn stream(
-    world: &World,
+    (world, camera): &(World, Camera),
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
     exr: &ExrOptions,
@@ -40,15 +41,16 @@ fn stream(
 ) -> io::Result<(Counts, ExrReport)> {
     let renderer = Renderer::new(world).unwrap();
     let job = Job::watched(progress);
-    let rendered = renderer.exr(options, exr, Preserve::Nothing, &job, sink)?;
+    let rendered = renderer.exr(camera, options, exr, Preserve::Nothing, &job, sink)?;
     Ok((rendered.counts, rendered.report))
 }
 
 /// Renders and writes, together and one after the other, on any number of threads: one file, one
 /// report.
-fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
+fn assert_same(viewed: &(World, Camera), options: &Options, exr: &ExrOptions) {
+    let (world, camera) = viewed;
     let renderer = Renderer::new(world).unwrap();
-    let (film, counts) = renderer.film(options, &Job::new()).unwrap();
+    let (film, counts) = renderer.film(camera, options, &Job::new()).unwrap();
     let mut file = Cursor::new(Vec::new());
     let report = film.write_exr_to(&mut file, exr).unwrap();
     for threads in [1, 2, 5] {
@@ -59,7 +61,7 @@ fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
         let told = |pixels| {
             progress.fetch_add(pixels, Ordering::Relaxed);
         };
-        let done = pool.install(|| stream(world, options, &told, exr, &mut streamed));
+        let done = pool.install(|| stream(viewed, options, &told, exr, &mut streamed));
         let case = format!("{options:?} {exr:?} {threads}");
         assert_eq!(done.unwrap(), (counts, report), "{case}");
         assert!(streamed.get_ref() == file.get_ref(), "{case}");
@@ -204,7 +206,7 @@ fn a_full_disk_ends_rendering() {
 /// What is kept of a file that is written is what is read from it, to the bit.
 #[test]
 fn the_image_that_is_preserved_is_what_the_file_shows() {
-    let world = world(RESOLUTION, Transport::Auto);
+    let (world, camera) = world(RESOLUTION, Transport::Auto);
     let renderer = Renderer::new(&world).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("written.exr");
@@ -228,8 +230,14 @@ fn the_image_that_is_preserved_is_what_the_file_shows() {
                     chromaticities: false,
                 };
                 let mut file = Cursor::new(Vec::new());
-                let rendered =
-                    renderer.exr(&options, &exr, Preserve::Image, &Job::new(), &mut file);
+                let rendered = renderer.exr(
+                    &camera,
+                    &options,
+                    &exr,
+                    Preserve::Image,
+                    &Job::new(),
+                    &mut file,
+                );
                 let preserved = rendered.unwrap().image.unwrap();
                 std::fs::write(&path, file.into_inner()).unwrap();
                 let shown = read(&path).unwrap();
@@ -267,7 +275,7 @@ impl Sink for Ending<'_> {
 
 #[test]
 fn a_job_ends_where_it_is_canceled_or_its_sink_breaks() {
-    let world = world([320, 160], Transport::Auto);
+    let (world, camera) = world([320, 160], Transport::Auto);
     let renderer = Renderer::new(&world).unwrap();
     let options = Options::default();
     for threads in [1, 3] {
@@ -280,15 +288,16 @@ fn a_job_ends_where_it_is_canceled_or_its_sink_breaks() {
                 at: 7,
                 job: is_canceled.then_some(&job),
             };
-            let done = pool.install(|| renderer.tiles(&options, &job, &sink));
+            let done = pool.install(|| renderer.tiles(&camera, &options, &job, &sink));
             assert_eq!(matches!(done, Err(RenderError::Canceled)), is_canceled);
             // Those that were begun beside the last one are there as well.
             let tiles = sink.tiles.into_inner();
             assert!((7..7 + threads as u64).contains(&tiles), "{tiles}");
         }
-        assert!(renderer.film(&options, &job).is_err());
+        assert!(renderer.film(&camera, &options, &job).is_err());
         let mut file = Cursor::new(Vec::new());
         let exr = renderer.exr(
+            &camera,
             &options,
             &ExrOptions::default(),
             Preserve::Nothing,
@@ -305,7 +314,7 @@ fn a_job_ends_where_it_is_canceled_or_its_sink_breaks() {
 fn the_film_is_never_there_as_a_whole() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
     let pool = pool.build().unwrap();
-    let world = world([1024, 1024], Transport::Auto);
+    let (world, camera) = world([1024, 1024], Transport::Auto);
     let mut disk = Disk {
         free: usize::MAX,
         written: 0,
@@ -314,7 +323,14 @@ fn the_film_is_never_there_as_a_whole() {
     let (result, most) = pool.install(|| {
         peak(|| {
             let (options, exr) = (Options::default(), ExrOptions::default());
-            renderer.exr(&options, &exr, Preserve::Nothing, &Job::new(), &mut disk)
+            renderer.exr(
+                &camera,
+                &options,
+                &exr,
+                Preserve::Nothing,
+                &Job::new(),
+                &mut disk,
+            )
         })
     });
     result.unwrap();

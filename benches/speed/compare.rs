@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::time::Instant;
 
+use candela::Camera;
 use candela::exr::ExrOptions;
 use candela::image::Film;
 use candela::output::Unfinished;
 use candela::render::{Counts, Job, Options, RenderError, Renderer};
-use candela::world::World;
+use candela::world::{Loaded, World};
 use rayon::ThreadPool;
 use serde::Serialize;
 
@@ -103,12 +104,14 @@ pub(crate) fn pool(threads: usize) -> Result<ThreadPool> {
         .build()?)
 }
 
-/// A world, and the seconds that it takes to read the scene and validate it.
-pub(crate) fn load(path: &Path, change: impl FnOnce(&mut candela::Scene)) -> Result<(World, f64)> {
+/// A world, its camera, and the seconds that it takes to read the scene and validate it.
+pub(crate) fn load(
+    path: &Path,
+    change: impl FnOnce(&mut candela::Scene),
+) -> Result<(World, Camera, f64)> {
     let start = Instant::now();
-    let (scene, world) = World::load_with(path, change)?;
-    drop(scene);
-    Ok((world, start.elapsed().as_secs_f64()))
+    let Loaded { world, camera, .. } = World::load_with(path, change)?;
+    Ok((world, camera, start.elapsed().as_secs_f64()))
 }
 
 impl Bench<'_> {
@@ -123,7 +126,7 @@ impl Bench<'_> {
         let pool = pool(self.threads)?;
         let mut rows = Vec::new();
         for &lights in lights {
-            let (world, load) =
+            let (world, camera, load) =
                 pool.install(|| load(&scene.path, |scene| scene.lights.truncate(lights)))?;
             let (renderer, build) = timed(|| pool.install(|| Renderer::new(&world)));
             let renderer = renderer?;
@@ -132,7 +135,7 @@ impl Bench<'_> {
                     samples,
                     ..Options::default()
                 };
-                let render = || renderer.film(&options, &Job::new());
+                let render = || renderer.film(&camera, &options, &Job::new());
                 timed(|| pool.install(render))
             };
             // The first renders of both are not measured.
@@ -197,9 +200,9 @@ impl Bench<'_> {
         let Some(program) = self.program else {
             return Ok(None);
         };
-        let (world, ..) = load(&scene.path, |_| {})?;
+        let (world, camera, _) = load(&scene.path, |_| {})?;
         let path = self.folder.join(format!("{}.bin", scene.name));
-        yardstick::write_scene(&world, &path)?;
+        yardstick::write_scene(&world, &camera, &path)?;
         drop(world);
         Ok(Some(Yardstick::start(program, &path, self.threads)?))
     }

@@ -86,7 +86,7 @@ struct Sweep {
 pub(crate) fn measure_here(point: &str) -> Result<()> {
     let point: Point = serde_json::from_str(point)?;
     let cost = pool(point.threads)?.install(|| -> Result<Cost> {
-        let (world, load) = load(&point.scene, |scene| {
+        let (world, camera, load) = load(&point.scene, |scene| {
             scene.image.resolution.value = point.resolution;
         })?;
         let (renderer, build) = timed(|| Renderer::new(&world));
@@ -95,7 +95,7 @@ pub(crate) fn measure_here(point: &str) -> Result<()> {
             samples: point.samples,
             ..Options::default()
         };
-        let (rendered, render) = timed(|| renderer.film(&options, &Job::new()));
+        let (rendered, render) = timed(|| renderer.film(&camera, &options, &Job::new()));
         let (film, _) = rendered?;
         let exr = point.scene.with_extension("exr");
         let (written, write) =

@@ -9,7 +9,7 @@ use candela::visibility::Visibility;
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
-use candela::world::{Light, Plan, Shape, World, physics};
+use candela::world::{Light, Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
 use super::source::SceneArguments;
@@ -31,11 +31,15 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), Failure> {
-    let (scene, world) = arguments.scene.load(|_| {})?;
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = arguments.scene.load(|_| {})?;
     let plan = Plan::new(&world);
     let visibility = Visibility::try_new(&world, &plan)?;
 
-    let [width, height] = world.resolution();
+    let [width, height] = camera.resolution();
     writeln!(
         output,
         "{} is legal",
@@ -212,7 +216,7 @@ fn print_differences(
     scene.image.transport.value = other;
     writeln!(output, "\ncolors     {what}")?;
     let other = match World::new(&scene) {
-        Ok(other) => other,
+        Ok((other, _)) => other,
         Err(errors) => {
             let why = errors.list().first().map(|error| error.problem.to_string());
             let why = why.unwrap_or_default();

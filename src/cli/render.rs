@@ -12,13 +12,14 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use candela::Camera;
 use candela::display::{self, Alpha, Frame};
 use candela::exr::{Compression, ExrImage};
 use candela::output::{self, Unfinished};
 use candela::render::{Job, MAX_SAMPLES, Renderer};
 use candela::scene::Scene;
 use candela::simd::SimdLevel;
-use candela::world::{World, physics};
+use candela::world::{Loaded, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::develop::DevelopArguments;
@@ -153,8 +154,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let mut seconds = Seconds::default();
     let outputs = Outputs::new(arguments);
 
-    let (inputs, world) = load(arguments)?;
-    let request = Request::new(arguments, &world)?;
+    let (inputs, world, camera) = load(arguments)?;
+    let request = Request::new(arguments, &world, &camera)?;
     // Found out now rather than after an hour of rendering.
     outputs.check(&inputs)?;
     request.check(&world)?;
@@ -168,6 +169,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     let job = Job::watched(|pixels| progress.advance(pixels));
     let written = output::write(&outputs.exr, unfinished, |mut sink| {
         let rendered = renderer.exr(
+            &camera,
             &request.options,
             &request.exr,
             request.preserve,
@@ -183,7 +185,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
 
     if let Some(path) = &outputs.statistics {
-        let statistics = Statistics::new(&renderer, &request, &rendered, &seconds);
+        let statistics = Statistics::new(&renderer, &camera, &request, &rendered, &seconds);
         let json = serde_json::to_string_pretty(&statistics)?;
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
     }
@@ -191,7 +193,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         let summary = Summary {
             arguments,
             output: &outputs.exr,
-            resolution: world.resolution(),
+            resolution: camera.resolution(),
             window: request.window,
             has_lights: !world.lights().is_empty(),
             warnings: physics::warnings(&world),
@@ -206,19 +208,27 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     Ok(())
 }
 
-/// The world, and the files that it was read from.
-fn load(arguments: &Arguments) -> Result<(Vec<PathBuf>, World), Failure> {
+/// The world with its camera, and the files that it was read from.
+fn load(arguments: &Arguments) -> Result<(Vec<PathBuf>, World, Camera), Failure> {
     let change = |scene: &mut Scene| arguments.layers.apply(scene);
-    let (scene, world) = match &arguments.scene {
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = match &arguments.scene {
         Some(path) => arguments.base.load(path, change)?,
         None => {
             let mut scene = Scene::builtin();
             change(&mut scene);
-            let world = World::new(&scene)?;
-            (scene, world)
+            let (world, camera) = World::new(&scene)?;
+            Loaded {
+                scene,
+                world,
+                camera,
+            }
         }
     };
-    Ok((scene.files(), world))
+    Ok((scene.files(), world, camera))
 }
 
 /// Makes the preview of what was rendered, where one is asked for.

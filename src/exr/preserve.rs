@@ -7,7 +7,7 @@ use half::f16;
 
 use super::read::{ColorTag, ExrImage};
 use super::store::FileChannel;
-use super::{ExrOptions, Precision, color_interop_id};
+use super::{ExrOptions, Precision};
 use crate::image::{ImageSpec, Window};
 use crate::memory;
 
@@ -53,7 +53,7 @@ impl Preserved {
         Ok(Self {
             resolution: spec.resolution,
             window,
-            interop_id: color_interop_id(spec.metadata.color_space),
+            interop_id: spec.metadata.color_space.interop_id(),
             is_lossless: options.compression.is_lossless(options.precision),
             precision: options.precision,
             line,

@@ -56,7 +56,7 @@ mod vector;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::scene::mesh::MeshGroup;
+use crate::mesh::MeshGroup;
 use crate::scene::{Light, Object, Scene};
 
 use camera::{Camera, Ray};

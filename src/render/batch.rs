@@ -5,6 +5,7 @@ use std::ops::Range;
 use fearless_simd::Simd;
 
 use super::sampling::Sampler;
+use crate::camera::Camera;
 use crate::image::Window;
 use crate::math::both;
 use crate::simd::{LANES, U32x16};
@@ -260,8 +261,8 @@ impl Batch {
         self.len
     }
 
-    /// Where in the image the samples are.
-    pub(super) fn samples(&self) -> Samples<'_> {
+    /// Where in the image of a camera the samples are.
+    pub(super) fn samples<'s>(&'s self, camera: &'s Camera) -> Samples<'s> {
         let pixels = self.range().pixel(0)..=self.range().last_pixel();
         let [x, y] = &self.pixels.in_image;
         let window = both([x, y], |places| {
@@ -272,6 +273,7 @@ impl Batch {
             [f64::from(least), f64::from(most) + 1.0]
         });
         Samples {
+            camera,
             places: [&self.positions[0], &self.positions[1]],
             count: self.len,
             window,

@@ -11,18 +11,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// use candela::render::{Job, Renderer};
 /// use candela::{Options, Scene, World};
 ///
-/// let world = World::new(&Scene::builtin())?;
+/// let (world, camera) = World::new(&Scene::builtin())?;
 /// let renderer = Renderer::new(&world)?;
 /// let pixels = AtomicU64::new(0);
 /// let job = Job::watched(|more| {
 ///     pixels.fetch_add(more, Ordering::Relaxed);
 /// });
-/// let (film, _) = renderer.film(&Options::default(), &job)?;
+/// let (film, _) = renderer.film(&camera, &Options::default(), &job)?;
 /// assert_eq!(pixels.into_inner(), film.pixels().len() as u64);
 ///
 /// let job = Job::new();
 /// job.cancel(); // most often by another thread
-/// assert!(renderer.film(&Options::default(), &job).is_err());
+/// assert!(renderer.film(&camera, &Options::default(), &job).is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Default)]

@@ -1,6 +1,7 @@
 //! How to render.
 
 use super::layers::Layers;
+use crate::camera::Camera;
 use crate::image::Window;
 use crate::simd::SimdLevel;
 use crate::world::World;
@@ -34,7 +35,7 @@ impl Default for Options {
     }
 }
 
-/// Options that a world cannot be rendered with.
+/// Options that a world cannot be rendered with, or a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptionsError {
@@ -58,21 +59,29 @@ pub enum OptionsError {
          set the image's `transport` to \"spectral\""
     )]
     Bands,
+    /// The camera is [placed](World::place) in a world with another anchor.
+    #[error(
+        "the camera is of another world, whose positions have another anchor; place it in this one"
+    )]
+    Camera,
 }
 
 impl Options {
-    /// What of the image is rendered.
+    /// What of the camera's image is rendered.
     ///
     /// # Errors
-    /// If the world cannot be rendered with these options.
-    pub fn check(&self, world: &World) -> Result<Window, OptionsError> {
+    /// If the world cannot be rendered with these options, or through this camera.
+    pub fn check(&self, world: &World, camera: &Camera) -> Result<Window, OptionsError> {
         if !(1..=MAX_SAMPLES).contains(&self.samples) {
             return Err(OptionsError::Samples(self.samples));
         }
         if self.layers.spectral.is_some() && world.spectra().is_none() {
             return Err(OptionsError::Bands);
         }
-        let resolution @ [width, height] = world.resolution();
+        if camera.anchor() != world.anchor() {
+            return Err(OptionsError::Camera);
+        }
+        let resolution @ [width, height] = camera.resolution();
         let window = self.window.unwrap_or(Window::whole(resolution));
         let ends_in = |first: u32, count: u32, end| {
             count > 0 && first.checked_add(count).is_some_and(|last| last <= end)

@@ -12,24 +12,45 @@ use super::sampling::Sampler;
 use super::scheduler::render_tiles;
 use super::sink::Sink;
 use super::tile::{Kept, Setup};
+use crate::camera::Camera;
 use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve};
 use crate::image::{Film, ImageSpec, Metadata, Window};
 use crate::memory::OutOfMemory;
 use crate::visibility::Visibility;
 use crate::world::{Bands, Plan, World};
 
-/// Renders a world: plans, builds what the plan needs, and renders with the threads of the
-/// current rayon pool. The same world and options give the same bits on any number of threads.
+/// Renders a world as a camera sees it: plans, builds what the plan needs, and renders with the threads
+/// of the current rayon pool. The same world, camera and options give the same bits on any number of
+/// threads. Where more than one picture is made of a world, a [`Renderer`] builds once.
 ///
 /// # Errors
-/// If the world cannot be rendered with these options, or there is not enough memory.
-pub fn render(world: &World, options: &Options) -> Result<Film, RenderError> {
+/// If the world cannot be rendered with these options or through this camera, or there is not enough
+/// memory.
+pub fn render(world: &World, camera: &Camera, options: &Options) -> Result<Film, RenderError> {
     let renderer = Renderer::new(world)?;
-    let (film, _) = renderer.film(options, &Job::new())?;
+    let (film, _) = renderer.film(camera, options, &Job::new())?;
     Ok(film)
 }
 
-/// A world with all that is built to render it.
+/// A world with all that is built to render it: once, for any number of cameras.
+///
+/// ```
+/// use candela::render::Job;
+/// use candela::scene::Camera;
+/// use candela::{Options, Renderer, Scene, World};
+///
+/// let (world, camera) = World::new(&Scene::builtin())?;
+/// let renderer = Renderer::new(&world)?;
+/// let (film, _) = renderer.film(&camera, &Options::default(), &Job::new())?;
+/// // A camera that moves builds nothing.
+/// for step in 0..3 {
+///     let eye = [0.1 * f64::from(step), 1.0, 4.0];
+///     let moved = Camera::perspective(eye, [0.0, 0.5, 0.0], 40.0);
+///     let moved = world.place(&moved, [64, 36])?;
+///     renderer.film(&moved, &Options::default(), &Job::new())?;
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Renderer<'w> {
     world: &'w World,
@@ -103,14 +124,20 @@ impl<'w> Renderer<'w> {
         &self.plan
     }
 
-    /// Renders a film, and tells what that took.
+    /// Renders a film of what a camera sees, and tells what that took. Its bits do not depend on what was
+    /// rendered before.
     ///
     /// # Errors
-    /// If the options are not for this world, or the job is canceled.
-    pub fn film(&self, options: &Options, job: &Job<'_>) -> Result<(Film, Counts), RenderError> {
-        let spec = self.spec(options)?;
+    /// If the camera or the options are not for this world, or the job is canceled.
+    pub fn film(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        job: &Job<'_>,
+    ) -> Result<(Film, Counts), RenderError> {
+        let spec = self.spec(camera, options)?;
         let mut film = Film::black(spec);
-        let counts = self.tiles(options, job, &FilmSink::new(&mut film))?;
+        let counts = self.tiles(camera, options, job, &FilmSink::new(&mut film))?;
         Ok((film, counts))
     }
 
@@ -122,17 +149,18 @@ impl<'w> Renderer<'w> {
     /// As [`Renderer::film`] and [`Film::write_exr_to`]; rendering ends with the first.
     pub fn exr(
         &self,
+        camera: &Camera,
         options: &Options,
         exr: &ExrOptions,
         preserve: Preserve,
         job: &Job<'_>,
         sink: &mut (impl Write + Seek + Send),
     ) -> Result<RenderedExr, RenderError> {
-        let spec = self.spec(options)?;
+        let spec = self.spec(camera, options)?;
         let file = ExrFile::begin(&spec, exr, preserve, sink)?;
         let counts = {
             let strips = ExrSink::new(spec.window, &spec.channels, &file);
-            self.tiles(options, job, &strips)?
+            self.tiles(camera, options, job, &strips)?
         };
         let (report, image) = file.finish()?;
         Ok(RenderedExr {
@@ -145,14 +173,15 @@ impl<'w> Renderer<'w> {
     /// Renders, and hands each tile to `sink`.
     ///
     /// # Errors
-    /// If the options are not for this world, or the job is canceled.
+    /// If the camera or the options are not for this world, or the job is canceled.
     pub fn tiles(
         &self,
+        camera: &Camera,
         options: &Options,
         job: &Job<'_>,
         sink: &dyn Sink,
     ) -> Result<Counts, RenderError> {
-        let counts = self.set_up(options, Kept::Sums, |setup, window| {
+        let counts = self.set_up(camera, options, Kept::Sums, |setup, window| {
             let channels = options.layers.channels(self.world).list.len();
             render_tiles(setup, window, channels, job, sink)
         })?;
@@ -165,36 +194,38 @@ impl<'w> Renderer<'w> {
     /// Makes what all tiles have in common, and works with it on a window.
     pub(super) fn set_up<T>(
         &self,
+        camera: &Camera,
         options: &Options,
         sums: Kept,
         work: impl FnOnce(&Setup<'_>, Window) -> T,
     ) -> Result<T, OptionsError> {
-        let window = options.check(self.world)?;
+        let window = options.check(self.world, camera)?;
         let spectra = self.world.spectra().zip(options.layers.spectral);
         let bands = spectra.map(|(spectra, wavelengths)| Bands::new(spectra, wavelengths));
         let sampler = Sampler::new(options.samples);
         let setup = Setup {
             world: self.world,
+            camera,
             visibility: &self.visibility,
             simd: options.simd,
             sampler: &sampler,
-            layers: RequestedLayers::new(self.world, options.layers, bands.as_ref()),
+            layers: RequestedLayers::new(self.world, camera, options.layers, bands.as_ref()),
             sums,
         };
         Ok(work(&setup, window))
     }
 
     /// All of an image that is known before its first pixel.
-    fn spec(&self, options: &Options) -> Result<ImageSpec, OptionsError> {
+    fn spec(&self, camera: &Camera, options: &Options) -> Result<ImageSpec, OptionsError> {
         Ok(ImageSpec {
-            resolution: self.world.resolution(),
-            window: options.check(self.world)?,
+            resolution: camera.resolution(),
+            window: options.check(self.world, camera)?,
             channels: options.layers.channels(self.world),
-            metadata: self.metadata(options),
+            metadata: self.metadata(camera, options),
         })
     }
 
-    fn metadata(&self, options: &Options) -> Metadata {
+    fn metadata(&self, camera: &Camera, options: &Options) -> Metadata {
         let world = self.world;
         let plan = serde_json::to_string(&self.plan).expect("a plan is plain data");
         let layers = options.layers.names();
@@ -207,8 +238,8 @@ impl<'w> Renderer<'w> {
         ];
         Metadata {
             color_space: world.color_space(),
-            world_to_camera: world.camera().world_to_camera(world.anchor()),
-            world_to_ndc: world.camera().world_to_ndc(world.anchor()),
+            world_to_camera: camera.world_to_camera(),
+            world_to_ndc: camera.world_to_ndc(),
             provenance: std::iter::once(inputs)
                 .chain(layers)
                 .chain(others)

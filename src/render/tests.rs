@@ -7,6 +7,7 @@ use super::scheduler::windows;
 use super::sink::RenderedTile;
 use super::tile::{Kept, Setup, Space, Tile};
 use super::{Layers, Options, OptionsError, Renderer};
+use crate::camera::Camera;
 use crate::image::Window;
 use crate::scene::{Scene, Transport};
 use crate::world::{Wavelengths, World};
@@ -22,7 +23,7 @@ const ALL: Layers = Layers {
 };
 
 /// The lecture's scene, small, with a background that has a share of its own.
-fn world(transport: Transport) -> World {
+fn world(transport: Transport) -> (World, Camera) {
     let mut scene = Scene::builtin();
     scene.image.resolution.value = RESOLUTION;
     scene.image.transport.value = transport;
@@ -33,7 +34,7 @@ fn world(transport: Transport) -> World {
 /// Works on every tile of an image with every kind of layer, RGB and spectral.
 fn for_each_tile(samples: u32, kept: Kept, work: impl Fn(&Setup<'_>, Window)) {
     for transport in [Transport::Rgb, Transport::Spectral] {
-        let world = world(transport);
+        let (world, camera) = world(transport);
         let is_spectral = transport == Transport::Spectral;
         let options = Options {
             samples,
@@ -45,7 +46,7 @@ fn for_each_tile(samples: u32, kept: Kept, work: impl Fn(&Setup<'_>, Window)) {
         };
         let renderer = Renderer::new(&world).unwrap();
         let each = |setup: &Setup<'_>, window| windows(window).for_each(|tile| work(setup, tile));
-        renderer.set_up(&options, kept, each).unwrap();
+        renderer.set_up(&camera, &options, kept, each).unwrap();
     }
 }
 
@@ -260,8 +261,8 @@ fn means_lie_between_the_least_and_the_most() {
 
 #[test]
 fn options_that_do_not_fit_are_refused() {
-    let world = world(Transport::Rgb);
-    let check = |options: Options| options.check(&world).unwrap_err();
+    let (world, camera) = world(Transport::Rgb);
+    let check = |options: Options| options.check(&world, &camera).unwrap_err();
     for samples in [0, super::MAX_SAMPLES + 1] {
         let options = Options {
             samples,
@@ -298,5 +299,5 @@ fn options_that_do_not_fit_are_refused() {
         ..Options::default()
     };
     assert_eq!(check(options), OptionsError::Bands);
-    assert!(super::render(&world, &options).is_err());
+    assert!(super::render(&world, &camera, &options).is_err());
 }

@@ -12,6 +12,7 @@ use super::sampling::Sampler;
 use super::sink::RenderedTile;
 use super::statistics::Statistics;
 use super::sums::PixelSums;
+use crate::camera::Camera;
 use crate::image::Window;
 use crate::shading::{self, Shaded};
 use crate::simd::{Kernel, LANES, SimdLevel};
@@ -22,6 +23,7 @@ use crate::world::World;
 #[derive(Clone, Copy)]
 pub(super) struct Setup<'w> {
     pub(super) world: &'w World,
+    pub(super) camera: &'w Camera,
     pub(super) visibility: &'w Visibility<'w>,
     pub(super) simd: SimdLevel,
     /// Where all samples of a pixel are, of which a pass takes a range.
@@ -234,7 +236,10 @@ impl Kernel for Pass<'_, '_> {
 #[inline(always)]
 fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
     let Setup {
-        world, visibility, ..
+        world,
+        camera,
+        visibility,
+        ..
     } = *setup;
     let Space {
         batch,
@@ -243,7 +248,7 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
         shaded,
         ..
     } = space;
-    visibility.see(simd, batch.samples(), tracing, points);
+    visibility.see(simd, batch.samples(camera), tracing, points);
     if let Some(layers) = &mut tile.layers {
         layers.see(batch.numbered(), points);
     }

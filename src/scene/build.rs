@@ -7,11 +7,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::mesh::MeshFile;
 use super::{
     Aim, Camera, ColorSpace, Entry, Falloff, Image, Light, Lobes, Material, Object, Scene,
     ShadowTerminator, Source, Span, Transport, Unit, Value, View,
 };
+use crate::mesh::MeshFile;
 use crate::spectrum::{Curve, Illuminant, Lines, Observer};
 
 impl Scene {
@@ -30,9 +30,10 @@ impl Scene {
     /// .light("lamp", Light::point([0.0, 2.0, 0.0], 10.0))
     /// .object("floor", Object::plane("chalk", [0.0; 3], [0.0, 1.0, 0.0]));
     ///
-    /// let film = render(&World::new(&scene)?, &Options::default());
+    /// let (world, camera) = World::new(&scene)?;
+    /// let film = render(&world, &camera, &Options::default())?;
     /// assert!((film.pixels()[9 * 4 + 4][0] - 1.25).abs() < 1e-6);
-    /// # Ok::<(), candela::scene::Diagnostics>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(image: Image, camera: Camera) -> Self {
         let source = Source {

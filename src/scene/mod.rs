@@ -7,10 +7,7 @@
 mod build;
 mod curve;
 pub mod diagnostic;
-mod encoding;
 mod inputs;
-pub mod mesh;
-mod opening;
 mod read;
 mod schema;
 mod value;
@@ -21,16 +18,15 @@ use std::sync::Arc;
 pub use build::{NotAColor, Placement};
 pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
-pub use encoding::Foreign;
-pub use inputs::{Hash, Input};
-pub use mesh::MeshFile;
-pub use opening::NotAFile;
-pub(crate) use opening::is_transient;
+pub use inputs::Input;
 pub(crate) use read::name_objection;
 pub use read::{Broken, Reading};
 pub use schema::schema;
-pub use value::{ColorSpace, Falloff, ShadowTerminator, Transport, Unit, Value};
+pub use value::{Falloff, ShadowTerminator, Transport, Unit, Value};
 
+pub use crate::color::ColorSpace;
+pub use crate::input::{Foreign, Hash, NotAFile};
+pub use crate::mesh::MeshFile;
 use crate::spectrum::Observer;
 
 /// The text that a scene was read from, kept so that errors can show their line.

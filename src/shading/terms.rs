@@ -115,6 +115,7 @@ impl Terms {
     }
 
     /// All terms: light by light, point by point within.
+    #[inline]
     pub fn iter(&self) -> impl Iterator<Item = Term> {
         self.lights
             .iter()

@@ -55,7 +55,9 @@ fn world(transport: &str) -> World {
         radius = 1
         "
     );
-    World::new(&Scene::parse(&text, "hand-made.toml").unwrap()).unwrap()
+    World::new(&Scene::parse(&text, "hand-made.toml").unwrap())
+        .unwrap()
+        .0
 }
 
 /// A packet of points about the origin, all of which face all lights, of the materials one after the other.

@@ -13,9 +13,9 @@ use super::batch::{BATCH, Column, PACKETS, columns, first_lanes};
 use super::primitive::Primitive;
 use super::question::{End, NearestHit, SegmentEnds};
 use super::rays::{Rays, ShearedRays};
-use super::shape::{SingleRay, TrianglePerRay, plane, side_by_side};
+use super::search::{Along, DESCENTS, Descents, Way};
+use super::shape::{SingleRay, SphereBlock, TriangleBlock, TrianglePerRay, plane, side_by_side};
 use super::shapes::Shapes;
-use super::tree::{EMPTY_STACK, Stack};
 use crate::math::{DVec3, all_three};
 use crate::simd::{DVec3x16, F64x16, LANES, U64x16, ones};
 
@@ -58,7 +58,7 @@ pub(crate) struct SegmentBatch {
 /// What a thread needs for batches, to be used again and again.
 #[derive(Debug)]
 pub(crate) struct Candidates {
-    stack: Box<Stack>,
+    descents: Descents,
     pairs: Vec<Pair>,
 }
 
@@ -70,7 +70,7 @@ struct Pair {
 }
 
 /// The candidates of one ray.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Shortlist {
     /// The least t at which each is met, if it is.
     least: [f64; LANES],
@@ -110,7 +110,7 @@ impl Default for EndBatch {
 impl Default for Candidates {
     fn default() -> Self {
         Self {
-            stack: Box::new(EMPTY_STACK),
+            descents: Default::default(),
             pairs: Vec::with_capacity(2 * BATCH),
         }
     }
@@ -142,6 +142,16 @@ fn gathered<S: Simd>(simd: S, columns: &[Column; 3], pairs: &[Pair]) -> DVec3x16
 }
 
 impl RayBatch {
+    #[inline(always)]
+    fn way(&self, ray: usize, limit: f64) -> Way {
+        Way {
+            origin: vector(&self.origin, ray),
+            direction: vector(&self.direction, ray),
+            error: 0.0,
+            limit,
+        }
+    }
+
     /// Puts a ray to the others; there are at most [`BATCH`].
     pub(crate) fn push(&mut self, origin: DVec3, direction: DVec3) {
         for axis in 0..3 {
@@ -149,6 +159,31 @@ impl RayBatch {
             self.direction[axis][self.count] = direction[axis];
         }
         self.count += 1;
+    }
+}
+
+impl SegmentBatch {
+    #[inline(always)]
+    fn ends(&self, segment: usize) -> [End; 2] {
+        [self.start.end(segment), self.end.end(segment)]
+    }
+
+    /// The way of a segment that is still free.
+    #[inline(always)]
+    fn way(&self, segment: usize, free: &[u32; PACKETS]) -> Option<Way> {
+        let is_free = free[segment / LANES] >> (segment % LANES) & 1 == 1;
+        is_free.then(
+            #[inline(always)]
+            || {
+                let [start, end] = self.ends(segment);
+                Way {
+                    origin: start.position,
+                    direction: end.position - start.position,
+                    error: start.error.max(end.error),
+                    limit: 1.0,
+                }
+            },
+        )
     }
 }
 
@@ -197,15 +232,6 @@ impl EndBatch {
 }
 
 impl Shortlist {
-    #[inline(always)]
-    fn new() -> Self {
-        Self {
-            least: [0.0; LANES],
-            triangles: [0; LANES],
-            len: 0,
-        }
-    }
-
     /// Puts one more on it; there is room.
     #[inline(always)]
     fn push(&mut self, least: f64, triangle: u32) {
@@ -262,6 +288,240 @@ impl Hits {
     }
 }
 
+/// A segment is not free.
+#[inline(always)]
+fn hide(free: &mut [u32; PACKETS], segment: usize) {
+    free[segment / LANES] &= !(1 << (segment % LANES));
+}
+
+/// A ray on its way along triangles, and its candidates.
+#[derive(Clone, Copy, Debug)]
+struct CurrentRay {
+    ray: usize,
+    single: SingleRay,
+    limit: f64,
+    list: Shortlist,
+}
+
+impl CurrentRay {
+    const NONE: Self = Self {
+        ray: 0,
+        single: SingleRay::NONE,
+        limit: 0.0,
+        list: Shortlist {
+            least: [0.0; LANES],
+            triangles: [0; LANES],
+            len: 0,
+        },
+    };
+
+    #[inline(always)]
+    fn set(&mut self, ray: usize, way: &Way) {
+        self.ray = ray;
+        self.single = SingleRay::new(way.origin, way.direction);
+        self.limit = way.limit;
+        self.list.len = 0;
+    }
+}
+
+/// L2 for spheres.
+struct NearestSpheres<'b> {
+    rays: &'b RayBatch,
+    hits: &'b mut Hits,
+    current: [usize; DESCENTS],
+}
+
+impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
+    #[inline(always)]
+    fn begin(&mut self, place: usize, ray: usize) -> Option<Way> {
+        self.current[place] = ray;
+        Some(self.rays.way(ray, self.hits.t[ray]))
+    }
+
+    #[inline(always)]
+    fn show(&mut self, simd: S, place: usize, block: &SphereBlock, bits: u32) -> Option<f64> {
+        let ray = self.current[place];
+        let way = self.rays.way(ray, 0.0);
+        let lanes = Rays::new(
+            DVec3x16::splat(simd, way.origin),
+            DVec3x16::splat(simd, way.direction),
+            None,
+        );
+        if let Some((found, t)) = block.first_met(simd, &lanes, bits) {
+            let t = t.to_array();
+            for place in ones(found.to_bits()) {
+                self.hits.offer(ray, t[place], block.primitive(place));
+            }
+        }
+        Some(self.hits.t[ray])
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: usize) {}
+}
+
+/// L2 for triangles: their candidates.
+struct NearestTriangles<'b, 'w> {
+    shapes: &'b Shapes<'w>,
+    rays: &'b RayBatch,
+    hits: &'b mut Hits,
+    pairs: &'b mut Vec<Pair>,
+    current: [CurrentRay; DESCENTS],
+}
+
+impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
+    #[inline(always)]
+    fn begin(&mut self, place: usize, ray: usize) -> Option<Way> {
+        let way = self.rays.way(ray, self.hits.t[ray]);
+        self.current[place].set(ray, &way);
+        Some(way)
+    }
+
+    #[inline(always)]
+    fn show(&mut self, simd: S, place: usize, block: &TriangleBlock, bits: u32) -> Option<f64> {
+        let CurrentRay {
+            ray,
+            single,
+            limit,
+            list,
+        } = &mut self.current[place];
+        let Some(met) = block.meet(simd, single, bits) else {
+            return Some(*limit);
+        };
+        let reach = met.reach();
+        for place in ones(met.maybe) {
+            let [least, most] = reach.of(place);
+            if most < 0.0 || least > *limit {
+                continue;
+            }
+            if list.len == LANES {
+                list.keep_up_to(*limit);
+            }
+            if list.len == LANES {
+                let pairs = list.to_array(*ray);
+                self.shapes.meet_pairs(simd, self.rays, &pairs, self.hits);
+                list.len = 0;
+                *limit = limit.min(self.hits.t[*ray]);
+            }
+            list.push(least, block.number(place));
+            if met.surely >> place & 1 == 1 && least > 0.0 && most < *limit {
+                *limit = most;
+            }
+        }
+        Some(*limit)
+    }
+
+    #[inline(always)]
+    fn end(&mut self, place: usize) {
+        let CurrentRay {
+            ray, limit, list, ..
+        } = &mut self.current[place];
+        list.keep_up_to(*limit);
+        self.pairs.extend(list.pairs(*ray));
+    }
+}
+
+/// L4 for spheres.
+struct SegmentSpheres<'b> {
+    segments: &'b SegmentBatch,
+    free: &'b mut [u32; PACKETS],
+    current: [usize; DESCENTS],
+}
+
+impl<S: Simd> Along<S, SphereBlock> for SegmentSpheres<'_> {
+    #[inline(always)]
+    fn begin(&mut self, place: usize, segment: usize) -> Option<Way> {
+        self.current[place] = segment;
+        self.segments.way(segment, self.free)
+    }
+
+    #[inline(always)]
+    fn show(&mut self, simd: S, place: usize, block: &SphereBlock, bits: u32) -> Option<f64> {
+        let segment = self.current[place];
+        let [start, end] = self.segments.ends(segment);
+        let rays = Rays::new(
+            DVec3x16::splat(simd, start.position),
+            DVec3x16::splat(simd, end.position - start.position),
+            None,
+        );
+        if block.hides(simd, &rays, [&start, &end], bits) {
+            hide(self.free, segment);
+            return None;
+        }
+        Some(1.0)
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: usize) {}
+}
+
+/// L4 for triangles: what f32 is sure of, and the candidates.
+struct SegmentTriangles<'b, 'w> {
+    shapes: &'b Shapes<'w>,
+    segments: &'b SegmentBatch,
+    free: &'b mut [u32; PACKETS],
+    pairs: &'b mut Vec<Pair>,
+    current: [CurrentRay; DESCENTS],
+}
+
+impl<S: Simd> Along<S, TriangleBlock> for SegmentTriangles<'_, '_> {
+    #[inline(always)]
+    fn begin(&mut self, place: usize, segment: usize) -> Option<Way> {
+        let way = self.segments.way(segment, self.free)?;
+        self.current[place].set(segment, &way);
+        Some(way)
+    }
+
+    #[inline(always)]
+    fn show(&mut self, simd: S, place: usize, block: &TriangleBlock, bits: u32) -> Option<f64> {
+        let CurrentRay {
+            ray: segment,
+            single,
+            list,
+            ..
+        } = &mut self.current[place];
+        let Some(met) = block.meet(simd, single, bits) else {
+            return Some(1.0);
+        };
+        let [start, end] = self.segments.ends(*segment);
+        let between = if met.surely != 0 {
+            met.between(simd, single, [start.error, end.error])
+        } else {
+            0
+        };
+        let reach = met.reach();
+        for place in ones(met.maybe) {
+            let own = block.primitive(place);
+            if own == start.primitive || own == end.primitive {
+                continue;
+            }
+            let [least, most] = reach.of(place);
+            let mut is_hidden = between >> place & 1 == 1;
+            if !is_hidden && (most < 0.0 || least > 1.0) {
+                continue;
+            }
+            if !is_hidden && list.len == LANES {
+                let pairs = list.to_array(*segment);
+                is_hidden = self.shapes.hidden_pairs(simd, self.segments, &pairs) != 0;
+                list.len = 0;
+            }
+            if is_hidden {
+                hide(self.free, *segment);
+                list.len = 0;
+                return None;
+            }
+            list.push(least, block.number(place));
+        }
+        Some(1.0)
+    }
+
+    #[inline(always)]
+    fn end(&mut self, place: usize) {
+        let CurrentRay { ray, list, .. } = &self.current[place];
+        self.pairs.extend(list.pairs(*ray));
+    }
+}
+
 impl Visibility<'_> {
     /// L2: what each ray of a batch meets first, whatever they share.
     #[inline(never)]
@@ -304,13 +564,27 @@ impl Shapes<'_> {
         hits: &mut Hits,
     ) {
         self.meet_planes(simd, rays, hits);
-        let Candidates { stack, pairs } = space;
+        let Candidates { descents, pairs } = space;
         pairs.clear();
         if !self.spheres.is_empty() {
-            self.meet_spheres(simd, rays, stack, hits);
+            let mut asker = NearestSpheres {
+                rays,
+                hits,
+                current: [0; DESCENTS],
+            };
+            self.spheres
+                .along::<S, _, true>(simd, rays.count, &mut asker, descents);
         }
         if !self.triangles.is_empty() {
-            self.meet_triangles(simd, rays, stack, pairs, hits);
+            let mut asker = NearestTriangles {
+                shapes: self,
+                rays,
+                hits,
+                pairs,
+                current: [CurrentRay::NONE; DESCENTS],
+            };
+            self.triangles
+                .along::<S, _, true>(simd, rays.count, &mut asker, descents);
             for pairs in pairs.chunks(LANES) {
                 self.meet_pairs(simd, rays, pairs, hits);
             }
@@ -333,88 +607,6 @@ impl Shapes<'_> {
             }
             nearest.t.store(&mut hits.t[lanes.clone()]);
             hits.primitive[lanes].copy_from_slice(&nearest.primitive.to_array());
-        }
-    }
-
-    #[inline(always)]
-    fn meet_spheres<S: Simd>(&self, simd: S, rays: &RayBatch, stack: &mut Stack, hits: &mut Hits) {
-        for ray in 0..rays.count {
-            let (origin, direction) = (vector(&rays.origin, ray), vector(&rays.direction, ray));
-            let lanes = Rays::new(
-                DVec3x16::splat(simd, origin),
-                DVec3x16::splat(simd, direction),
-                None,
-            );
-            self.spheres.along::<S, true>(
-                simd,
-                [origin, direction],
-                0.0,
-                hits.t[ray],
-                stack,
-                #[inline(always)]
-                |block, bits| {
-                    if let Some((found, t)) = block.first_met(simd, &lanes, bits) {
-                        let t = t.to_array();
-                        for place in ones(found.to_bits()) {
-                            hits.offer(ray, t[place], block.primitive(place));
-                        }
-                    }
-                    Some(hits.t[ray])
-                },
-            );
-        }
-    }
-
-    /// Finds the triangles that rays may meet first.
-    #[inline(always)]
-    fn meet_triangles<S: Simd>(
-        &self,
-        simd: S,
-        rays: &RayBatch,
-        stack: &mut Stack,
-        pairs: &mut Vec<Pair>,
-        hits: &mut Hits,
-    ) {
-        for ray in 0..rays.count {
-            let (origin, direction) = (vector(&rays.origin, ray), vector(&rays.direction, ray));
-            let single = SingleRay::new(origin, direction);
-            let mut list = Shortlist::new();
-            let mut limit = hits.t[ray];
-            self.triangles.along::<S, true>(
-                simd,
-                [origin, direction],
-                0.0,
-                limit,
-                stack,
-                #[inline(always)]
-                |block, bits| {
-                    let Some(met) = block.meet(simd, &single, bits) else {
-                        return Some(limit);
-                    };
-                    let reach = met.reach();
-                    for place in ones(met.maybe) {
-                        let [least, most] = reach.of(place);
-                        if most < 0.0 || least > limit {
-                            continue;
-                        }
-                        if list.len == LANES {
-                            list.keep_up_to(limit);
-                        }
-                        if list.len == LANES {
-                            self.meet_pairs(simd, rays, &list.to_array(ray), hits);
-                            list.len = 0;
-                            limit = limit.min(hits.t[ray]);
-                        }
-                        list.push(least, block.number(place));
-                        if met.surely >> place & 1 == 1 && least > 0.0 && most < limit {
-                            limit = most;
-                        }
-                    }
-                    Some(limit)
-                },
-            );
-            list.keep_up_to(limit);
-            pairs.extend(list.pairs(ray));
         }
     }
 
@@ -467,24 +659,32 @@ impl Shapes<'_> {
         segments: &SegmentBatch,
         space: &mut Candidates,
     ) -> [u32; PACKETS] {
-        let Candidates { stack, pairs } = space;
+        let Candidates { descents, pairs } = space;
         pairs.clear();
         let mut free = self.free_of_planes(simd, segments);
-        for packet in 0..segments.count.div_ceil(LANES) {
-            for lane in ones(free[packet]) {
-                let segment = packet * LANES + lane;
-                let ends = [segments.start.end(segment), segments.end.end(segment)];
-                let is_hidden = !self.spheres.is_empty()
-                    && self.hidden_by_sphere(simd, &ends, stack)
-                    || !self.triangles.is_empty()
-                        && self.hidden_by_triangle(simd, segments, segment, &ends, stack, pairs);
-                free[packet] &= !(u32::from(is_hidden) << lane);
-            }
+        if !self.spheres.is_empty() {
+            let mut asker = SegmentSpheres {
+                segments,
+                free: &mut free,
+                current: [0; DESCENTS],
+            };
+            self.spheres
+                .along::<S, _, false>(simd, segments.count, &mut asker, descents);
         }
-        for pairs in pairs.chunks(LANES) {
-            for lane in ones(self.hidden_pairs(simd, segments, pairs)) {
-                let segment = pairs[lane].ray as usize;
-                free[segment / LANES] &= !(1 << (segment % LANES));
+        if !self.triangles.is_empty() {
+            let mut asker = SegmentTriangles {
+                shapes: self,
+                segments,
+                free: &mut free,
+                pairs,
+                current: [CurrentRay::NONE; DESCENTS],
+            };
+            self.triangles
+                .along::<S, _, false>(simd, segments.count, &mut asker, descents);
+            for pairs in pairs.chunks(LANES) {
+                for lane in ones(self.hidden_pairs(simd, segments, pairs)) {
+                    hide(&mut free, pairs[lane].ray as usize);
+                }
             }
         }
         free
@@ -507,95 +707,6 @@ impl Shapes<'_> {
             }
         }
         free
-    }
-
-    #[inline(always)]
-    fn hidden_by_sphere<S: Simd>(&self, simd: S, ends: &[End; 2], stack: &mut Stack) -> bool {
-        let [start, end] = ends;
-        let direction = end.position - start.position;
-        let rays = Rays::new(
-            DVec3x16::splat(simd, start.position),
-            DVec3x16::splat(simd, direction),
-            None,
-        );
-        let mut is_hidden = false;
-        self.spheres.along::<S, false>(
-            simd,
-            [start.position, direction],
-            start.error.max(end.error),
-            1.0,
-            stack,
-            #[inline(always)]
-            |block, bits| {
-                is_hidden = block.hides(simd, &rays, [start, end], bits);
-                (!is_hidden).then_some(1.0)
-            },
-        );
-        is_hidden
-    }
-
-    /// Whether a triangle certainly stands in the way; if it is not certain, those that may are put to the pairs.
-    #[inline(always)]
-    fn hidden_by_triangle<S: Simd>(
-        &self,
-        simd: S,
-        segments: &SegmentBatch,
-        segment: usize,
-        ends: &[End; 2],
-        stack: &mut Stack,
-        pairs: &mut Vec<Pair>,
-    ) -> bool {
-        let [start, end] = ends;
-        let direction = end.position - start.position;
-        let single = SingleRay::new(start.position, direction);
-        let mut list = Shortlist::new();
-        let mut is_hidden = false;
-        self.triangles.along::<S, false>(
-            simd,
-            [start.position, direction],
-            0.0,
-            1.0,
-            stack,
-            #[inline(always)]
-            |block, bits| {
-                let Some(met) = block.meet(simd, &single, bits) else {
-                    return Some(1.0);
-                };
-                let between = if met.surely != 0 {
-                    met.between(simd, &single, [start.error, end.error])
-                } else {
-                    0
-                };
-                let reach = met.reach();
-                for place in ones(met.maybe) {
-                    let own = block.primitive(place);
-                    if own == start.primitive || own == end.primitive {
-                        continue;
-                    }
-                    if between >> place & 1 == 1 {
-                        is_hidden = true;
-                        return None;
-                    }
-                    let [least, most] = reach.of(place);
-                    if most < 0.0 || least > 1.0 {
-                        continue;
-                    }
-                    if list.len == LANES {
-                        is_hidden = self.hidden_pairs(simd, segments, &list.to_array(segment)) != 0;
-                        list.len = 0;
-                        if is_hidden {
-                            return None;
-                        }
-                    }
-                    list.push(least, block.number(place));
-                }
-                Some(1.0)
-            },
-        );
-        if !is_hidden {
-            pairs.extend(list.pairs(segment));
-        }
-        is_hidden
     }
 
     /// Puts at most sixteen pairs to f64; one bit for each whose triangle stands in the way.

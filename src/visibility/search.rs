@@ -7,7 +7,10 @@ use super::packet::{Question, descend};
 use super::projection::{BatchProjection, DepthTest};
 use super::rays::ShearedRays;
 use super::shape::{Block, Shape};
-use super::tree::{Approach, BlockRange, Bounds, Stack, Tree, TreeRay, blocks_of};
+use super::tree::{
+    Approach, BlockRange, Bounds, Descent, HalfSpace, Stack, Step, Tree, TreeRay, TreeVolume,
+    blocks_of,
+};
 use crate::math::DVec3;
 use crate::simd::ones;
 use crate::world::plan::{Acceleration, LONGEST_LIST};
@@ -32,6 +35,35 @@ pub(super) struct Search<T: Shape> {
     /// How many are gone through one by one.
     listed: usize,
     tree: Option<Tree>,
+}
+
+/// Rays that are on their way at once.
+pub(super) const DESCENTS: usize = 8;
+
+/// Their ways.
+pub(super) type Descents = [Descent; DESCENTS];
+
+/// A ray as it sets out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    /// What is this far beside it counts as met.
+    pub(super) error: f64,
+    /// How far it goes, in t.
+    pub(super) limit: f64,
+}
+
+/// What rays ask on their way along blocks, [`DESCENTS`] at once.
+pub(super) trait Along<S: Simd, B> {
+    /// A ray of the batch takes a place, if it asks for anything.
+    fn begin(&mut self, place: usize, ray: usize) -> Option<Way>;
+
+    /// Asks the shapes of a block with a bit for the ray at a place; how far to go from then on, if at all.
+    fn show(&mut self, simd: S, place: usize, block: &B, bits: u32) -> Option<f64>;
+
+    /// The ray at a place has asked them all.
+    fn end(&mut self, place: usize);
 }
 
 impl<T: Shape> Search<T> {
@@ -223,55 +255,164 @@ impl<T: Shape> Search<T> {
         }
     }
 
-    /// Shows the blocks that a ray may meet up to t of `limit`, near ones first if it is `SORTED`, each with one
-    /// bit for each shape that it has. `show` says how far to go from then on, if at all. What is `error`
-    /// beside the ray counts as met.
+    /// Takes `count` rays along all blocks that they may meet, near ones first if it is `SORTED`. A few are on their
+    /// way at once and take turns: each step of one reads from memory what another step will wait for.
     #[inline(always)]
-    pub(super) fn along<S: Simd, const SORTED: bool>(
+    pub(super) fn along<S: Simd, A: Along<S, T::Block>, const SORTED: bool>(
         &self,
         simd: S,
-        [origin, direction]: [DVec3; 2],
-        error: f64,
-        mut limit: f64,
-        stack: &mut Stack,
-        mut show: impl FnMut(&T::Block, u32) -> Option<f64>,
+        count: usize,
+        asker: &mut A,
+        descents: &mut Descents,
     ) {
-        for (block, _, bits) in self.blocks(0, self.listed) {
-            let Some(next) = show(block, bits) else {
-                return;
-            };
-            limit = next;
+        let mut next = 0;
+        let mut waiting = 0_u32;
+        for (place, descent) in descents.iter_mut().enumerate() {
+            let is_on_its_way = self.set_out(simd, place, &mut next, count, asker, descent);
+            waiting |= u32::from(is_on_its_way) << place;
         }
         let Some(tree) = &self.tree else {
             return;
         };
-        let ray = match TreeRay::new(tree, origin, direction, error) {
-            Approach::Beside => return,
-            Approach::Towards(ray) => ray,
-            Approach::Untold => {
+        while waiting != 0 {
+            for place in ones(waiting) {
+                let descent = &mut descents[place];
+                let is_done = match descent.step::<S, SORTED>(simd, tree) {
+                    Step::Opened => false,
+                    Step::Leaf { block, count } => {
+                        let mut limit = Some(f64::INFINITY);
+                        for (block, _, bits) in self.blocks(block as usize, count as usize) {
+                            limit = asker.show(simd, place, block, bits);
+                            if limit.is_none() {
+                                break;
+                            }
+                        }
+                        if let Some(limit) = limit {
+                            descent.go_up_to(limit);
+                        }
+                        limit.is_none()
+                    }
+                    Step::Done => true,
+                };
+                if is_done {
+                    asker.end(place);
+                    let is_on_its_way = self.set_out(simd, place, &mut next, count, asker, descent);
+                    waiting &= !(u32::from(!is_on_its_way) << place);
+                }
+                if let Some(block) = descent.look_ahead(tree) {
+                    self.blocks[block as usize].touch();
+                }
+            }
+        }
+    }
+
+    /// Sets the next ray out that has more to ask than the listed shapes; whether there is one.
+    #[inline(always)]
+    fn set_out<S: Simd, A: Along<S, T::Block>>(
+        &self,
+        simd: S,
+        place: usize,
+        next: &mut usize,
+        count: usize,
+        asker: &mut A,
+        descent: &mut Descent,
+    ) -> bool {
+        while *next < count {
+            let ray = *next;
+            *next += 1;
+            let Some(way) = asker.begin(place, ray) else {
+                continue;
+            };
+            let mut limit = Some(way.limit);
+            for (block, _, bits) in self.blocks(0, self.listed) {
+                if limit.is_some() {
+                    limit = asker.show(simd, place, block, bits);
+                }
+            }
+            if let (Some(limit), Some(tree)) = (limit, &self.tree) {
+                match TreeRay::new(tree, way.origin, way.direction, way.error) {
+                    Approach::Beside => {}
+                    Approach::Towards(ray) => {
+                        descent.begin(ray, limit);
+                        return true;
+                    }
+                    Approach::Untold => self.show_all(simd, place, tree, asker),
+                }
+            }
+            asker.end(place);
+        }
+        false
+    }
+
+    /// Shows all blocks of the tree.
+    #[cold]
+    #[inline(never)]
+    fn show_all<S: Simd, A: Along<S, T::Block>>(
+        &self,
+        simd: S,
+        place: usize,
+        tree: &Tree,
+        asker: &mut A,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
                 for node in &tree.nodes {
                     for (&block, &count) in node.children.iter().zip(&node.counts) {
                         for (block, _, bits) in self.blocks(block as usize, count as usize) {
-                            if show(block, bits).is_none() {
+                            if asker.show(simd, place, block, bits).is_none() {
                                 return;
                             }
                         }
                     }
                 }
-                return;
+            },
+        );
+    }
+
+    /// Shows the shapes that may reach into half-spaces and begin no deeper than `depth` along a direction, near
+    /// leaves first. `show` says how deep to go from then on, if at all. What is within `error` of a half-space
+    /// counts as in it.
+    #[inline(always)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a volume, and how to go through it"
+    )]
+    pub(super) fn within<S: Simd>(
+        &self,
+        simd: S,
+        half_spaces: &[HalfSpace],
+        along: DVec3,
+        error: f64,
+        mut depth: f64,
+        stack: &mut Stack,
+        mut show: impl FnMut(&T) -> Option<f64>,
+    ) {
+        for (block, _, bits) in self.blocks(0, self.listed) {
+            for place in ones(bits) {
+                let Some(next) = show(&block.get(&self.shapes, place)) else {
+                    return;
+                };
+                depth = next;
             }
+        }
+        let Some(tree) = &self.tree else {
+            return;
         };
-        ray.descend::<S, SORTED>(
+        let volume = TreeVolume::new(tree, half_spaces, along, error);
+        volume.descend(
             simd,
             tree,
-            ray.limit(limit),
+            depth,
             stack,
             #[inline(always)]
             |block, count| {
                 for (block, _, bits) in self.blocks(block as usize, count as usize) {
-                    limit = show(block, bits)?;
+                    for place in ones(bits) {
+                        depth = show(&block.get(&self.shapes, place))?;
+                    }
                 }
-                Some(ray.limit(limit))
+                Some(depth)
             },
         );
     }

@@ -3,12 +3,14 @@
 use std::fmt::Write as _;
 
 use super::*;
-use crate::scene::mesh::{MeshFile, MeshNormals};
+use crate::mesh::{MeshFile, MeshNormals};
 use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
 use crate::simd::{Kernel, SimdLevel};
 
 mod contacts;
+mod incoherent;
 mod lifted;
+mod shafts;
 
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];
@@ -160,7 +162,7 @@ impl Writer {
         let text = format!("{}{camera}", self.text);
         let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
         lifted::add_meshes(&mut scene, &self.meshes);
-        let world = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let (world, camera) = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let plan = Plan::new(&world);
         let projection = Visibility::new(&world, &plan);
         let packets = Visibility {
@@ -169,6 +171,7 @@ impl Writer {
         };
         let compare = Compare {
             world: &world,
+            camera: &camera,
             ways: [&projection, &packets],
         };
         let mut bits = None;
@@ -186,6 +189,7 @@ impl Writer {
 #[derive(Clone, Copy)]
 struct Compare<'w> {
     world: &'w World,
+    camera: &'w Camera,
     ways: [&'w Visibility<'w>; 2],
 }
 
@@ -219,6 +223,7 @@ impl Kernel for Compare<'_> {
             for way in 0..2 {
                 let (space, points) = (&mut spaces[way], &mut points[way]);
                 let samples = Samples {
+                    camera: self.camera,
                     places: [&places[0], &places[1]],
                     count: BATCH,
                     window: corner.map(|least| [f64::from(least), f64::from(least + 16)]),

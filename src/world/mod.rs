@@ -1,11 +1,15 @@
 //! What is legal: a scene resolved and validated, ready to render.
 //!
-//! [`World::new`] is the only door. Behind it nothing is missing, out of range or a name to look
+//! [`World::new`] is the only way in. Behind it nothing is missing, out of range or a name to look
 //! up: materials are indices, values are linear RGB in the working space, meshes are transformed
-//! triangles. Positions are kept in f64 relative to an [anchor](World::anchor) near what the
-//! camera looks at, so that a scene far from the origin renders like one at the origin.
+//! triangles. Positions are kept in f64 relative to an [anchor](World::anchor), the point that the
+//! scene's camera looks at, so that a scene far from the origin renders like one at the origin.
+//!
+//! A world has no camera: [`World::new`] gives the scene's beside it, and [`World::place`] places others.
+//! The anchor is the scene's, whatever camera looks: a camera that is moved in a world shows
+//! the bits that it shows in a world that was made anew.
 
-mod camera;
+mod build;
 pub mod colorimetry;
 mod containment;
 pub mod difference;
@@ -15,11 +19,9 @@ pub mod material;
 pub mod physics;
 pub mod plan;
 pub mod spectra;
-mod validate;
 
 use std::path::Path;
 
-pub use camera::{Camera, Projection};
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
 pub use light::{Light, PointLight, SpotLight};
 pub use material::Material;
@@ -27,6 +29,7 @@ pub use plan::Plan;
 pub(crate) use spectra::RecentProducts;
 pub use spectra::{Bands, Spectra, Wavelengths};
 
+use crate::camera::Camera;
 use crate::math::DVec3;
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
 use crate::units::{Radiance, ReflectedIntensity};
@@ -39,11 +42,9 @@ pub struct World {
     scene_hash: String,
     /// SHA-256 of all that the picture depends on, in hexadecimal digits.
     inputs_hash: String,
-    resolution: [u32; 2],
     color_space: ColorSpace,
     background: Radiance,
     anchor: DVec3,
-    camera: Camera,
     materials: Vec<Named<Material>>,
     lights: Vec<Named<Light>>,
     objects: Vec<Object>,
@@ -59,6 +60,17 @@ pub struct World {
     /// The curves that leave out a part of the visible range, by the names of their entries, with
     /// their ranges in nm.
     gaps: Vec<Named<[f64; 2]>>,
+}
+
+/// A scene file as it was read, and what was made of it.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What was written.
+    pub scene: Scene,
+    /// What is legal.
+    pub world: World,
+    /// The scene's camera.
+    pub camera: Camera,
 }
 
 /// Something with the name that the user gave it.
@@ -102,13 +114,39 @@ pub enum Shape {
 }
 
 impl World {
-    /// Validates a scene.
+    /// Validates a scene: its world, and the camera that the scene has in it.
     ///
     /// # Errors
     /// Every value that is out of range, every name that is not there, and a scene without
     /// objects, each with its place.
-    pub fn new(scene: &Scene) -> Result<Self, Diagnostics> {
-        validate::validate(scene)
+    pub fn new(scene: &Scene) -> Result<(Self, Camera), Diagnostics> {
+        build::world(scene)
+    }
+
+    /// Another camera in this world, with the width and height of its image in pixels. Nothing is
+    /// built for it.
+    ///
+    /// ```
+    /// use candela::scene::Camera;
+    /// use candela::{Options, Scene, World, render};
+    ///
+    /// let (world, camera) = World::new(&Scene::builtin())?;
+    /// let above = Camera::perspective([0.0, 6.0, 0.1], [0.0; 3], 40.0);
+    /// let above = world.place(&above, [64, 36])?;
+    /// assert_eq!(above.anchor(), camera.anchor());
+    /// let film = render(&world, &above, &Options::default())?;
+    /// assert_eq!(film.pixels().len(), 64 * 36);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Every value that is out of range.
+    pub fn place(
+        &self,
+        camera: &scene::Camera,
+        resolution: [u32; 2],
+    ) -> Result<Camera, Diagnostics> {
+        build::place(camera, resolution, self.anchor)
     }
 
     /// Reads a scene file and validates it; what is wrong with its form and with its values is
@@ -116,7 +154,7 @@ impl World {
     ///
     /// # Errors
     /// As [`Scene::load`] and [`World::new`].
-    pub fn load(path: impl AsRef<Path>) -> Result<(Scene, Self), Diagnostics> {
+    pub fn load(path: impl AsRef<Path>) -> Result<Loaded, Diagnostics> {
         Self::load_with(path, |_| {})
     }
 
@@ -128,7 +166,7 @@ impl World {
     pub fn load_with(
         path: impl AsRef<Path>,
         change: impl FnOnce(&mut Scene),
-    ) -> Result<(Scene, Self), Diagnostics> {
+    ) -> Result<Loaded, Diagnostics> {
         Self::of_reading(Reading::of_file(path.as_ref()), change)
     }
 
@@ -139,11 +177,11 @@ impl World {
     pub fn of_reading(
         mut reading: Reading,
         change: impl FnOnce(&mut Scene),
-    ) -> Result<(Scene, Self), Diagnostics> {
+    ) -> Result<Loaded, Diagnostics> {
         if let Some(scene) = &mut reading.scene {
             change(scene);
         }
-        validate::validate_reading(reading)
+        build::world_of_reading(reading)
     }
 
     /// SHA-256 of the scene file's text, in hexadecimal digits, as `sha256sum` prints it; of a scene
@@ -158,11 +196,6 @@ impl World {
         &self.inputs_hash
     }
 
-    /// Width and height of the image in pixels.
-    pub fn resolution(&self) -> [u32; 2] {
-        self.resolution
-    }
-
     /// The working space, in which all colors of the world are.
     pub fn color_space(&self) -> ColorSpace {
         self.color_space
@@ -173,14 +206,9 @@ impl World {
         self.background
     }
 
-    /// What is subtracted from every position of the scene, in f64: the point looked at.
+    /// What is subtracted from every position of the scene, in f64: the `look_at` of the scene's own camera.
     pub fn anchor(&self) -> DVec3 {
         self.anchor
-    }
-
-    /// The camera.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
     }
 
     /// The materials in the order of the file.

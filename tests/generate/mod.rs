@@ -15,6 +15,9 @@ use candela::scene::Scene;
 use colors::Palette;
 use mesh::{MeshFormat, Patch};
 
+/// How many kinds of scenes there are.
+pub(crate) const KINDS: usize = 10;
+
 /// How many scenes there are, unless `CANDELA_SCENES` says otherwise.
 const COUNT: u64 = 200;
 
@@ -149,7 +152,7 @@ fn scene(seed: u64, folder: &Path) -> (String, Scene) {
 }
 
 fn kind<'f>(seed: u64) -> (&'static str, Compose<'f>) {
-    let kinds: [(&str, Compose<'f>); 10] = [
+    let kinds: [(&str, Compose<'f>); KINDS] = [
         ("still life", Draft::still_life),
         ("crowd", Draft::crowd),
         ("shards", Draft::shards),
@@ -161,7 +164,7 @@ fn kind<'f>(seed: u64) -> (&'static str, Compose<'f>) {
         ("grazing", Draft::grazing),
         ("room", Draft::room),
     ];
-    kinds[(seed % kinds.len() as u64) as usize]
+    kinds[(seed % KINDS as u64) as usize]
 }
 
 fn compose<'f>(

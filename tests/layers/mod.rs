@@ -38,13 +38,13 @@ const LIGHTS: Layers = Layers {
 };
 
 fn with_layers(scene: &Scene, samples: u32, layers: Layers) -> Film {
-    let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples,
         layers,
         ..Options::default()
     };
-    render::render(&world, &options).unwrap()
+    render::render(&world, &camera, &options).unwrap()
 }
 
 /// The values of some channels, pixel by pixel.
@@ -240,10 +240,11 @@ fn samples_are_averaged_but_for_depth() {
     assert_eq!(background, 0.25 * 0.25);
 }
 
-/// Generated scenes, some of each kind, and the lecture's.
+/// Generated scenes, some of each kind, some under spots, and the lecture's.
 fn scenes(folder: &tempfile::TempDir, count: usize) -> Vec<(String, Scene)> {
     let mut scenes = generate::scenes(folder.path());
     scenes.truncate(count);
+    scenes.extend(generate::spots(count as u64 / 4, folder.path()));
     scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 64)));
     scenes
 }
@@ -267,7 +268,7 @@ fn a_share_is_the_film_of_one_light() {
     let (mut compared, mut backgrounds) = (0, 0);
     for (name, mut scene) in scenes(&folder, 30) {
         // Also where the only spectrum is that of a light which is not there.
-        scene.image.transport.value = match World::new(&scene).unwrap().spectra() {
+        scene.image.transport.value = match World::new(&scene).unwrap().0.spectra() {
             Some(_) => Transport::Spectral,
             None => Transport::Rgb,
         };
@@ -484,7 +485,7 @@ fn the_oracle_agrees() {
 #[test]
 fn a_part_has_the_layers_of_the_whole() {
     let scene = at_width(Scene::builtin(), 75);
-    let world = World::new(&scene).unwrap();
+    let (world, camera) = World::new(&scene).unwrap();
     let window = Window {
         x: 33,
         y: 11,
@@ -499,9 +500,9 @@ fn a_part_has_the_layers_of_the_whole() {
             layers: ALL,
             ..Options::default()
         };
-        let part = render::render(&world, &options).unwrap();
+        let part = render::render(&world, &camera, &options).unwrap();
         for (pixel, [x, y]) in window.pixels().enumerate() {
-            let in_whole = (y * world.resolution()[0] + x) as usize;
+            let in_whole = (y * camera.resolution()[0] + x) as usize;
             let bits =
                 |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
             assert_eq!(bits(part.values(pixel)), bits(whole.values(in_whole)));
@@ -517,14 +518,14 @@ fn shares_beyond_f32_are_clamped_and_counted() {
             .replace("intensity = 8", "intensity = 3e38")
             .replace("[0, 0, 1]\n", "[-1e-7, 0, 1e-9]\n"),
     );
-    let world = World::new(&scene).unwrap();
+    let (world, camera) = World::new(&scene).unwrap();
     let renderer = Renderer::new(&world).unwrap();
     let options = Options {
         samples: 64,
         layers: ALL,
         ..Options::default()
     };
-    let (film, counts) = renderer.film(&options, &Job::new()).unwrap();
+    let (film, counts) = renderer.film(&camera, &options, &Job::new()).unwrap();
     assert_eq!(share(&film, "key")[0], [f32::MAX; 3]);
     assert_eq!(counts.clamped, 3 + 3);
 }

@@ -1,5 +1,6 @@
 //! What is to be rendered, and how it is stored.
 
+use candela::Camera;
 use candela::exr::{ExrOptions, Precision, Preserve};
 use candela::image::{Channels, Window};
 use candela::memory::Size;
@@ -20,9 +21,13 @@ pub(super) struct Request {
 }
 
 impl Request {
-    pub(super) fn new(arguments: &Arguments, world: &World) -> Result<Self, Failure> {
+    pub(super) fn new(
+        arguments: &Arguments,
+        world: &World,
+        camera: &Camera,
+    ) -> Result<Self, Failure> {
         arguments.layers.check(world)?;
-        let crop = arguments.crop.map(|crop| crop.within(world.resolution()));
+        let crop = arguments.crop.map(|crop| crop.within(camera.resolution()));
         let options = Options {
             samples: arguments.samples,
             window: crop.transpose()?,
@@ -30,7 +35,7 @@ impl Request {
             simd: arguments.simd.unwrap_or_default(),
         };
         Ok(Self {
-            window: options.check(world)?,
+            window: options.check(world, camera)?,
             options,
             exr: ExrOptions {
                 precision: if arguments.half {
@@ -124,7 +129,7 @@ mod tests {
             spectral: Some(Wavelengths::default()),
             ..Layers::default()
         };
-        let channels = layers.channels(&World::new(&Scene::builtin()).unwrap());
+        let channels = layers.channels(&World::new(&Scene::builtin()).unwrap().0);
         assert!(fits_in_memory(1000, 0, 1000, layers, &channels).is_ok());
         // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
         let message = |table| {

@@ -1,5 +1,6 @@
 //! `--stats`: counts and times as JSON.
 
+use candela::Camera;
 use candela::image::Window;
 use candela::render::{RenderedExr, Renderer};
 use candela::world::Plan;
@@ -46,6 +47,7 @@ pub(super) struct Seconds {
 impl<'a> Statistics<'a> {
     pub(super) fn new(
         renderer: &'a Renderer<'_>,
+        camera: &Camera,
         request: &Request,
         rendered: &RenderedExr,
         seconds: &'a Seconds,
@@ -60,7 +62,7 @@ impl<'a> Statistics<'a> {
         Self {
             scene_sha256: world.scene_hash(),
             inputs_sha256: world.inputs_hash(),
-            image: world.resolution(),
+            image: camera.resolution(),
             window: [x, y, x + width, y + height],
             samples: request.options.samples,
             layers: request.options.layers.names(),

@@ -41,8 +41,8 @@ use header::Headers;
 use source::Source;
 
 use crate::image::Window;
+use crate::input::is_transient;
 use crate::printable::{printable, printable_path};
-use crate::scene::is_transient;
 
 /// What an OpenEXR file shows: R, G, B, A inside the display window.
 #[derive(Clone, Debug)]

@@ -2,10 +2,11 @@
 
 use toml::de::{DeInteger, DeTable, DeValue};
 
-use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned, shortened};
+use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned};
 use super::key::{Form, Key};
 use super::syntax::Damage;
 use super::{Files, Node};
+use crate::printable::shortened;
 
 /// Reads a tree and collects what is wrong with it.
 pub(super) struct Reader<'a> {

@@ -97,6 +97,8 @@ pub(in crate::visibility) struct BatchProjection {
     pub(in crate::visibility) ends: Option<[DVec3; 2]>,
     /// How far the origin or the ends of the rays may be from where they should be.
     pub(in crate::visibility) error: f64,
+    /// Whether some of the ends are points of spheres seen from within.
+    pub(in crate::visibility) has_points_within: bool,
     pub(in crate::visibility) state: State,
     /// Of a projection bounded by what primary rays see the first shape so far, and of one bounded by the ends
     /// of rays the largest reciprocal depth of these.
@@ -183,6 +185,7 @@ impl Default for BatchProjection {
             unit: 1.0,
             ends: None,
             error: 0.0,
+            has_points_within: false,
             state: State::Unfit,
             cover: None,
             nearest_end: 0.0,

@@ -10,9 +10,9 @@ use super::projection::{BatchProjection, DepthTest};
 use super::question::{NearestHit, Occlusion};
 use super::rays::ShearedRays;
 use super::tree::{Beam, Bounds};
-pub(in crate::visibility) use sphere::Sphere;
+pub(in crate::visibility) use sphere::{Sphere, SphereBlock};
 pub(in crate::visibility) use triangle::{
-    PlaneSetup, SingleRay, Triangle, TrianglePerRay, edge, side_by_side,
+    PlaneSetup, SingleRay, Triangle, TriangleBlock, TrianglePerRay, edge, side_by_side,
 };
 
 /// A shape that fits in a box.

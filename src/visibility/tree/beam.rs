@@ -23,19 +23,19 @@ const FARTHEST: f64 = 1e30;
 
 /// A direction n, and how far along it something reaches in a tree's frame.
 #[derive(Clone, Copy, Debug)]
-struct Side {
-    exact: DVec3,
+pub(super) struct Side {
+    pub(super) exact: DVec3,
     normal: [f32; 3],
     /// For each axis 1 if the upper plane of a box is further along n than the lower one.
     upper: [usize; 3],
-    offset: f32,
+    pub(super) offset: f32,
 }
 
 impl Side {
     /// What is further along `normal` than `offset`, and somewhat more. In lengths of the frame, from the
     /// middle of which rays start `distance` away at most; what is `error` beside them counts as met.
     #[inline(always)]
-    fn new(normal: DVec3, offset: f64, distance: f64, error: f64) -> Self {
+    pub(super) fn new(normal: DVec3, offset: f64, distance: f64, error: f64) -> Self {
         let size = normal.x.abs() + normal.y.abs() + normal.z.abs();
         let rounding = distance * ROUNDING + error;
         let room = (size * REACH + offset.abs()) * PLANE_ERROR + size * rounding;
@@ -60,7 +60,7 @@ impl Side {
 
     /// How far along n the boxes of a node reach: `end` is 1 for their farthest corners, 0 for the nearest.
     #[inline(always)]
-    fn reach<S: Simd>(&self, simd: S, node: &WideNode, end: usize) -> f32x8<S> {
+    pub(super) fn reach<S: Simd>(&self, simd: S, node: &WideNode, end: usize) -> f32x8<S> {
         let [x, y, z] = self.normal;
         let [ux, uy, uz] = self.upper;
         let place = |upper: usize| upper ^ (1 - end);

@@ -6,11 +6,13 @@ mod builder;
 mod bvh;
 mod node;
 mod ray;
+mod shaft;
 mod stack;
 mod wide;
 
 pub(in crate::visibility) use beam::Beam;
 pub(in crate::visibility) use bounds::Bounds;
-pub(in crate::visibility) use ray::{Approach, TreeRay};
+pub(in crate::visibility) use ray::{Approach, Descent, Step, TreeRay};
+pub(in crate::visibility) use shaft::{HalfSpace, MOST_SIDES, TreeVolume};
 pub(in crate::visibility) use stack::{EMPTY_STACK, Stack};
 pub(in crate::visibility) use wide::{BlockRange, Tree, blocks_of};

@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
 use super::node::WIDTH;
-use super::stack::{Entry, Stack};
+use super::stack::{EMPTY_STACK, Entry, Stack};
 use super::wide::{Tree, WideNode};
 use crate::math::DVec3;
 use crate::simd::ones;
@@ -56,6 +56,16 @@ pub(in crate::visibility) enum Approach {
 }
 
 impl TreeRay {
+    const NONE: Self = Self {
+        inverse: [0.0; 3],
+        near: [0.0; 3],
+        far: [0.0; 3],
+        upper: [0; 3],
+        begin: 0.0,
+        pace: 0.0,
+        room: 0.0,
+    };
+
     /// A ray from `origin` as a tree's boxes are met by it; what is `error` beside it counts as met.
     #[inline(always)]
     pub(in crate::visibility) fn new(
@@ -151,57 +161,117 @@ impl TreeRay {
         near.store_slice(&mut at);
         (near.simd_le(far).to_bitmask() as u32, at)
     }
+}
 
-    /// Goes down a tree to the leaves that the ray may meet up to `limit` of the frame, near ones first if it
-    /// is `SORTED`. `show` is given a leaf's first block and how many shapes it has, and says how far to
-    /// go from then on, if at all.
+/// A ray on its way: one step at a time, so that several can take turns and none waits for memory.
+#[derive(Debug)]
+pub(in crate::visibility) struct Descent {
+    ray: TreeRay,
+    stack: Box<Stack>,
+    height: usize,
+    limit: f32,
+}
+
+/// What a step comes to.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::visibility) enum Step {
+    /// A node was opened.
+    Opened,
+    /// A leaf is to be looked at: its first block, and how many shapes it has.
+    Leaf { block: u32, count: u32 },
+    /// There is nothing left.
+    Done,
+}
+
+impl Default for Descent {
+    fn default() -> Self {
+        Self {
+            ray: TreeRay::NONE,
+            stack: Box::new(EMPTY_STACK),
+            height: 0,
+            limit: 0.0,
+        }
+    }
+}
+
+impl Descent {
+    /// Sets out from the root, up to t of `limit`.
     #[inline(always)]
-    pub(in crate::visibility) fn descend<S: Simd, const SORTED: bool>(
-        &self,
-        simd: S,
-        tree: &Tree,
-        mut limit: f32,
-        stack: &mut Stack,
-        mut show: impl FnMut(u32, u32) -> Option<f32>,
-    ) {
-        stack[0] = Entry {
+    pub(in crate::visibility) fn begin(&mut self, ray: TreeRay, limit: f64) {
+        self.ray = ray;
+        self.limit = ray.limit(limit);
+        self.stack[0] = Entry {
             child: 0,
             count: 0,
             at: 0.0,
         };
-        let mut height = 1;
-        while height > 0 {
+        self.height = 1;
+    }
+
+    /// Goes up to t of `limit` from now on.
+    #[inline(always)]
+    pub(in crate::visibility) fn go_up_to(&mut self, limit: f64) {
+        self.limit = self.ray.limit(limit);
+    }
+
+    /// Opens the next node that the ray may meet, near ones first if it is `SORTED`.
+    #[inline(always)]
+    pub(in crate::visibility) fn step<S: Simd, const SORTED: bool>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+    ) -> Step {
+        let stack = &mut *self.stack;
+        let mut height = self.height;
+        let Entry { child, count, .. } = loop {
+            if height == 0 {
+                self.height = 0;
+                return Step::Done;
+            }
             height -= 1;
-            let Entry { child, count, at } = stack[height];
-            if at > limit {
-                continue;
+            if stack[height].at <= self.limit {
+                break stack[height];
             }
-            if count > 0 {
-                let Some(next) = show(child, count) else {
-                    return;
-                };
-                limit = next;
-                continue;
-            }
-            let node = &tree.nodes[child as usize];
-            let (bits, at) = self.meet(simd, node, limit);
-            let bottom = height;
-            for child in ones(bits) {
-                let entry = Entry {
-                    child: node.children[child],
-                    count: node.counts[child],
-                    at: at[child],
-                };
-                let mut place = height;
-                if SORTED {
-                    while place > bottom && stack[place - 1].at < entry.at {
-                        stack[place] = stack[place - 1];
-                        place -= 1;
-                    }
-                }
-                stack[place] = entry;
-                height += 1;
-            }
+        };
+        if count > 0 {
+            self.height = height;
+            return Step::Leaf {
+                block: child,
+                count,
+            };
         }
+        let node = &tree.nodes[child as usize];
+        let (bits, at) = self.ray.meet(simd, node, self.limit);
+        let bottom = height;
+        for child in ones(bits) {
+            let entry = Entry {
+                child: node.children[child],
+                count: node.counts[child],
+                at: at[child],
+            };
+            let mut place = height;
+            if SORTED {
+                while place > bottom && stack[place - 1].at < entry.at {
+                    stack[place] = stack[place - 1];
+                    place -= 1;
+                }
+            }
+            stack[place] = entry;
+            height += 1;
+        }
+        self.height = height;
+        Step::Opened
+    }
+
+    /// What is likely to be next: a node is touched, so that it is on its way from memory; of a leaf its first
+    /// block is given.
+    #[inline(always)]
+    pub(in crate::visibility) fn look_ahead(&self, tree: &Tree) -> Option<u32> {
+        let next = self.stack.get(self.height.wrapping_sub(1))?;
+        if next.count > 0 {
+            return Some(next.child);
+        }
+        tree.nodes[next.child as usize].touch();
+        None
     }
 }

@@ -1,5 +1,7 @@
 //! A tree as rays go down it: the boxes of eight children side by side.
 
+use std::hint::black_box;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -101,6 +103,13 @@ pub(in crate::visibility) fn blocks_of(
 }
 
 impl WideNode {
+    /// Reads a number of each line of it, so that it is on its way from memory.
+    #[inline(always)]
+    pub(super) fn touch(&self) {
+        let [[x, _], [y, _], [z, _]] = &self.planes;
+        black_box((x[0], y[0], z[0], self.children[0], self.present));
+    }
+
     /// Of at most eight members; `block` gives the first block of a leaf by the number of its shapes.
     fn of(members: &[Member], block: &mut impl FnMut(u32) -> u32) -> Self {
         let mut node = Self {

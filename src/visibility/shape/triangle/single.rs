@@ -81,6 +81,15 @@ pub(in crate::visibility) struct BlockHits<S: Simd> {
 }
 
 impl SingleRay {
+    pub(in crate::visibility) const NONE: Self = Self {
+        axes: CYCLE[0],
+        origin: DVec3::ZERO,
+        slopes: [0.0; 2],
+        along: 1.0,
+        over_along: 1.0,
+        length: 1.0,
+    };
+
     #[inline(always)]
     pub(in crate::visibility) fn new(origin: DVec3, direction: DVec3) -> Self {
         let size = direction.abs();

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::mesh::{MeshGroup, MeshNormals};
 use crate::printable::counted;
 use crate::scene::MeshFile;
-use crate::scene::mesh::{MeshGroup, MeshNormals};
 
 /// What is wrong with the meshes that were looked at, by their places in memory: each is looked at
 /// once, however many objects have it.

@@ -4,9 +4,6 @@ use super::super::MeshRemarks;
 use super::super::error::{ElementPlace, Fault, MeshError};
 use super::super::text::{Dialect, Scanner};
 
-/// The longest header that is read, in bytes. It keeps what it says in memory.
-pub(in super::super) const LONGEST_HEADER: usize = 1 << 20;
-
 /// What stands between `ply` and `end_header`.
 #[derive(Debug)]
 pub(super) struct Header<'a> {

@@ -3,10 +3,9 @@
 use std::collections::TryReserveError;
 use std::fmt;
 
-use super::MeshRemarks;
-use crate::printable::printable;
-use crate::scene::encoding::Foreign;
-use crate::scene::opening::{NotAFile, is_transient};
+use super::remarks::MeshRemarks;
+use crate::input::{Foreign, NotAFile, is_transient};
+use crate::printable::{excerpt, printable};
 
 /// Why a mesh file cannot be used. The message says where in the file and what was expected.
 #[derive(Debug, thiserror::Error)]
@@ -166,7 +165,7 @@ pub enum Fault {
     /// A face too large to be cut into triangles.
     #[error(
         "a face of {corners} corners, expected at most {most}; cut it into triangles in the program it comes from",
-        most = super::polygon::MAX_CORNERS
+        most = super::limits::MAX_CORNERS
     )]
     TooManyCorners {
         /// How many it has at least.
@@ -183,7 +182,7 @@ pub enum Fault {
     /// A header without an end.
     #[error(
         "a header of more than {megabytes} MB, expected `end_header` before",
-        megabytes = super::ply::LONGEST_HEADER >> 20
+        megabytes = super::limits::LONGEST_HEADER >> 20
     )]
     LongHeader,
     /// A count that no 32-bit index reaches.
@@ -195,7 +194,7 @@ pub enum Fault {
     /// Corners so short that the mesh would outgrow its file without bound.
     #[error(
         "the mesh takes more than {times} times the memory of its file from here on; cut its polygons into triangles in the program it comes from",
-        times = super::memory::TIMES_FILE_SIZE
+        times = super::limits::TIMES_FILE_SIZE
     )]
     TooLarge,
     /// A part of the header that must be there.
@@ -258,7 +257,7 @@ impl Fault {
     #[cold]
     pub(super) fn unexpected(found: &[u8], expected: &'static str) -> Box<Self> {
         Box::new(Self::Unexpected {
-            found: shown(found),
+            found: excerpt(found),
             expected,
         })
     }
@@ -278,16 +277,4 @@ impl Fault {
             fault: self,
         }
     }
-}
-
-/// Bytes of a file in a message: cut to a readable length, with escapes for what cannot be printed.
-pub(super) fn shown(bytes: &[u8]) -> String {
-    const READABLE: usize = 40;
-    let mut text = bytes[..bytes.len().min(READABLE)]
-        .escape_ascii()
-        .to_string();
-    if bytes.len() > READABLE {
-        text.push('…');
-    }
-    text
 }

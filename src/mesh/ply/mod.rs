@@ -10,6 +10,7 @@ mod binary;
 mod header;
 
 use super::error::{Fault, MeshError};
+use super::limits::LONGEST_HEADER;
 use super::memory::Memory;
 use super::normals;
 use super::source::Source;
@@ -17,7 +18,6 @@ use super::strip::Strip;
 use super::surface::Surface;
 use super::text::Dialect;
 use super::{MeshFile, MeshNormals, MeshRemarks};
-pub(super) use header::LONGEST_HEADER;
 use header::{Element, Endian, Format, Header, Kind, Property, Scalar};
 
 /// Whether a file that starts like this is a PLY file.

@@ -15,7 +15,7 @@ pub enum Foreign {
 
 impl Foreign {
     /// What a file that starts with these bytes is, if it is one of these.
-    pub(super) fn of(start: &[u8]) -> Option<Self> {
+    pub(crate) fn of(start: &[u8]) -> Option<Self> {
         match start {
             [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => Some(Self::Utf32),
             [0xff, 0xfe, ..] => Some(Self::Utf16Le),

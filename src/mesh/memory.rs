@@ -1,13 +1,7 @@
 //! The bound on what a mesh may take in memory, whatever its file says.
 
 use super::error::Fault;
-
-/// The memory that loading may take beside the file's bytes, as a multiple of their number.
-///
-/// Polygons of very short indices are the only legal content that outgrows it (a corner of two
-/// bytes becomes a triangle of twelve or more), and they do so only past the first
-/// [`BASE`] bytes; meshes from real programs stay below 3.
-pub(super) const TIMES_FILE_SIZE: usize = 8;
+use super::limits::TIMES_FILE_SIZE;
 
 /// The memory that loading may take whatever the file's size is, in bytes.
 const BASE: usize = 48 << 20;

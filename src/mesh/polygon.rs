@@ -10,9 +10,7 @@
 use std::collections::{TryReserveError, VecDeque};
 
 use super::error::Fault;
-
-/// The most corners of one polygon. Bounds the memory for cutting it to a few megabytes.
-pub(super) const MAX_CORNERS: usize = 65_536;
+use super::limits::MAX_CORNERS;
 
 /// The work that any file may take, whatever its size: tests of one corner against the bounds of
 /// one ear, of about a nanosecond each.

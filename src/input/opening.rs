@@ -16,7 +16,7 @@ pub struct NotAFile {
 ///
 /// # Errors
 /// [`NotAFile`], and what the system says where it cannot be opened.
-pub(super) fn open<E: From<NotAFile> + From<io::Error>>(path: &Path) -> Result<(File, u64), E> {
+pub(crate) fn open<E: From<NotAFile> + From<io::Error>>(path: &Path) -> Result<(File, u64), E> {
     let metadata = fs::metadata(path)?;
     let kind = metadata.file_type();
     if kind.is_file() {

@@ -7,8 +7,8 @@
 //! above its vertices: the file is then read again, vertices first.
 
 use super::error::{Fault, MeshError};
+use super::limits::MAX_CORNERS;
 use super::normals::{self, UNSEEN, has_direction};
-use super::polygon::MAX_CORNERS;
 use super::source::Source;
 use super::surface::Surface;
 use super::text::{Dialect, Index, Scanner};

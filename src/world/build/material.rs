@@ -1,7 +1,7 @@
 //! Materials: their reflectances, and how much of the light these may be.
 
 use super::color::{Bound, Reflection};
-use super::{Validator, as_written, listed};
+use super::{Builder, as_written, listed};
 use crate::scene::{self, Problem};
 use crate::world::spectra::ScaledReflectance;
 use crate::world::{Lobes, Material};
@@ -14,7 +14,7 @@ const SHARPEST: f64 = 1e9;
 /// fractions such as 0.7 + 0.3 that binary numbers miss by a rounding.
 const LARGEST_ALBEDO: f64 = 1.0 + 1e-12;
 
-impl Validator<'_> {
+impl Builder<'_> {
     pub(super) fn material(
         &mut self,
         entry: &scene::Entry<scene::Material>,

@@ -2,8 +2,9 @@
 
 use super::MeshRemarks;
 use super::error::Fault;
+use super::limits::MAX_CORNERS;
 use super::memory::Memory;
-use super::polygon::{MAX_CORNERS, Triangulator};
+use super::polygon::Triangulator;
 
 /// The vertices and triangles read so far.
 #[derive(Debug)]

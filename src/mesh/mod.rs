@@ -9,6 +9,7 @@
 //! the file says; a usual mesh takes what it keeps and no more.
 
 mod error;
+mod limits;
 mod memory;
 mod normals;
 mod obj;
@@ -24,12 +25,11 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
-use super::encoding::Foreign;
-use super::inputs::{Hash, Hashed};
-use super::opening;
 pub use error::{ElementPlace, Fault, MeshError, Place, Position};
 pub use remarks::MeshRemarks;
 use source::Source;
+
+use crate::input::{self, Foreign, Hash, Hashed};
 
 /// A mesh as its file has it: positions in f64, polygons cut into triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -80,7 +80,7 @@ impl MeshFile {
 
     /// [`MeshFile::load`], and the hash of the file's bytes.
     pub(super) fn load_hashed(path: &Path) -> Result<(Self, Hash), MeshError> {
-        let (file, size) = opening::open::<MeshError>(path)?;
+        let (file, size) = input::open::<MeshError>(path)?;
         let size = usize::try_from(size).unwrap_or(usize::MAX);
         let mut file = Hashed::new(file);
         let mesh = Self::read(Source::new(&mut file, size)?, path)?;

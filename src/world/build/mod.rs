@@ -1,5 +1,6 @@
-//! The one door from a scene as written to a legal world.
+//! A legal world, built from a scene as written.
 
+mod camera;
 mod color;
 mod light;
 mod material;
@@ -11,17 +12,19 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+pub(super) use camera::place;
+
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
 use super::spectra::{Products, Spectra};
-use super::{Camera, Named, Object, Projection, World};
+use super::{Loaded, Named, Object, World};
+use crate::camera::Camera;
 use crate::math::{Normal, Point};
 use crate::memory::{self, OutOfMemory};
 use crate::printable::{counted, printable};
 use crate::scene::diagnostic::MOST_COLLECTED;
 use crate::scene::{
-    self, Broken, Diagnostic, Diagnostics, MAX_RESOLUTION, Problem, Reading, Scene, Span, Spanned,
-    Transport, Value,
+    self, Broken, Diagnostic, Diagnostics, Problem, Reading, Scene, Span, Spanned, Transport, Value,
 };
 use crate::units::{Radiance, Rgb};
 
@@ -29,17 +32,19 @@ use crate::units::{Radiance, Rgb};
 /// triangles have, still fit an f64 with room to spare.
 const LARGEST: f64 = 1e30;
 
-/// Validates a whole scene.
-pub(super) fn validate(scene: &Scene) -> Result<World, Diagnostics> {
-    let (world, diagnostics) = Validator::run(scene, &Broken::default());
+/// Builds the world of a whole scene, or says all that is wrong with it.
+pub(super) fn world(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
+    let (made, diagnostics) = Builder::run(scene, &Broken::default());
     match Diagnostics::new(Arc::clone(&scene.source), diagnostics) {
         Some(diagnostics) => Err(diagnostics),
-        None => Ok(world),
+        None => Ok(made.expect(CAMERA_IS_MADE)),
     }
 }
 
+const CAMERA_IS_MADE: &str = "what no diagnostic is about is made";
+
 /// Validates what could be read of a scene; what is wrong with its form is reported as well.
-pub(super) fn validate_reading(reading: Reading) -> Result<(Scene, World), Diagnostics> {
+pub(super) fn world_of_reading(reading: Reading) -> Result<Loaded, Diagnostics> {
     let Reading {
         source,
         scene,
@@ -47,19 +52,25 @@ pub(super) fn validate_reading(reading: Reading) -> Result<(Scene, World), Diagn
         broken,
     } = reading;
     let validated = scene.map(|scene| {
-        let (world, found) = Validator::run(&scene, &broken);
+        let (made, found) = Builder::run(&scene, &broken);
         diagnostics.extend(found);
-        (scene, world)
+        (scene, made)
     });
-    match Diagnostics::new(source, diagnostics) {
-        Some(diagnostics) => Err(diagnostics),
-        None => Ok(validated.expect("a scene that cannot be read has a diagnostic")),
+    if let Some(diagnostics) = Diagnostics::new(source, diagnostics) {
+        return Err(diagnostics);
     }
+    let (scene, made) = validated.expect("a scene that cannot be read has a diagnostic");
+    let (world, camera) = made.expect(CAMERA_IS_MADE);
+    Ok(Loaded {
+        scene,
+        world,
+        camera,
+    })
 }
 
 /// Values in f64, checked as far as they go; what is wrong with them is in `diagnostics`, and then
 /// the result is not used.
-struct Validator<'a> {
+struct Builder<'a> {
     scene: &'a Scene,
     /// What stands in the file, but was left out of the scene because of other errors.
     broken: &'a Broken,
@@ -105,17 +116,27 @@ impl Entry<'_> {
 #[derive(Clone, Copy)]
 struct Reported;
 
-impl<'a> Validator<'a> {
-    fn run(scene: &'a Scene, broken: &'a Broken) -> (World, Vec<Diagnostic>) {
+impl<'a> Builder<'a> {
+    /// Of a whole scene; no camera where it is in error.
+    fn run(scene: &'a Scene, broken: &'a Broken) -> (Option<(World, Camera)>, Vec<Diagnostic>) {
         let look_at = DVec3::from_array(scene.camera.value.view().look_at.value);
-        let mut validator = Validator {
+        let anchor = if look_at.is_finite() {
+            look_at
+        } else {
+            DVec3::ZERO
+        };
+        let mut builder = Self::new(scene, broken, anchor);
+        let camera = builder.camera();
+        let world = builder.world();
+        let made = camera.ok().map(|camera| (world, camera));
+        (made, builder.diagnostics)
+    }
+
+    fn new(scene: &'a Scene, broken: &'a Broken, anchor: DVec3) -> Self {
+        Self {
             scene,
             broken,
-            anchor: if look_at.is_finite() {
-                look_at
-            } else {
-                DVec3::ZERO
-            },
+            anchor,
             diagnostics: Vec::new(),
             entry: None,
             is_out_of_memory: false,
@@ -130,49 +151,39 @@ impl<'a> Validator<'a> {
             reflectances: color::KnownReflectances::default(),
             spectral_values: Vec::new(),
             gaps: Vec::new(),
-        };
-        let world = validator.world();
-        (world, validator.diagnostics)
+        }
     }
 
     fn world(&mut self) -> World {
         self.entry = Some(Entry::Image);
-        let resolution = self.resolution();
         let background = &self.scene.image.background;
         self.note_spectra([&background.value], || "the background".to_owned());
         let background = self.emission("background", background, color::Spread::EVERYWHERE);
-        self.entry = Some(Entry::Camera);
-        let camera = self.camera(resolution);
         let mut reflectances = Vec::new();
         let mut materials = Vec::new();
         self.each(
             "material",
             "a material",
             &self.scene.materials,
-            |validator, entry| {
-                let (material, lobes) = validator.material(entry);
-                validator.reserve(&mut materials, 1)?;
+            |builder, entry| {
+                let (material, lobes) = builder.material(entry);
+                builder.reserve(&mut materials, 1)?;
                 materials.push(named(entry, material));
-                validator.reserve(&mut reflectances, 1)?;
+                builder.reserve(&mut reflectances, 1)?;
                 reflectances.extend(lobes);
                 Ok(())
             },
         );
         let mut spectra = Vec::new();
         let mut lights = Vec::new();
-        self.each(
-            "light",
-            "a light",
-            &self.scene.lights,
-            |validator, entry| {
-                let (light, spectrum) = validator.light(entry);
-                validator.reserve(&mut lights, 1)?;
-                lights.push(named(entry, light));
-                validator.reserve(&mut spectra, 1)?;
-                spectra.extend(spectrum);
-                Ok(())
-            },
-        );
+        self.each("light", "a light", &self.scene.lights, |builder, entry| {
+            let (light, spectrum) = builder.light(entry);
+            builder.reserve(&mut lights, 1)?;
+            lights.push(named(entry, light));
+            builder.reserve(&mut spectra, 1)?;
+            spectra.extend(spectrum);
+            Ok(())
+        });
         let names = self.scene.materials.iter().map(|entry| entry.name.as_str());
         match memory::reserve_names(&mut self.materials, names.len()) {
             Ok(()) => self.materials.extend(names.zip(0..materials.len())),
@@ -181,12 +192,9 @@ impl<'a> Validator<'a> {
         let mut world = World {
             scene_hash: self.scene.hash().to_string(),
             inputs_hash: self.scene.inputs_hash().to_string(),
-            resolution,
             color_space: self.scene.image.color_space.value,
             background: Radiance(Rgb(background.rgb)),
             anchor: self.anchor,
-            // A camera that cannot be made is an error, after which the world is dropped.
-            camera: camera.unwrap_or_else(|Reported| placeholder_camera()),
             materials,
             lights,
             objects: Vec::new(),
@@ -203,9 +211,9 @@ impl<'a> Validator<'a> {
             "object",
             "an object",
             &self.scene.objects,
-            |validator, entry| {
-                validator.reserve(&mut world.objects, 1)?;
-                let (material, shape) = validator.object(entry, &mut world)?;
+            |builder, entry| {
+                builder.reserve(&mut world.objects, 1)?;
+                let (material, shape) = builder.object(entry, &mut world)?;
                 world.objects.push(Object {
                     name: entry.name.clone(),
                     material,
@@ -361,19 +369,6 @@ impl<'a> Validator<'a> {
         );
     }
 
-    fn resolution(&mut self) -> [u32; 2] {
-        let Spanned { value, span } = self.scene.image.resolution;
-        if value
-            .iter()
-            .any(|side| !(1..=MAX_RESOLUTION).contains(side))
-        {
-            let expected = format!("a width and a height from 1 to {MAX_RESOLUTION} pixels");
-            self.out_of_range("resolution", span, format!("{value:?}"), &expected);
-            return [1, 1];
-        }
-        value
-    }
-
     /// A number that fulfills `legal`, or an error that says what is `expected`.
     fn number(
         &mut self,
@@ -424,45 +419,6 @@ impl<'a> Validator<'a> {
         Normal::new(vector).ok_or_else(|| {
             let value = listed(&written.value);
             self.out_of_range(key, written.span, value, "a direction, so not all zero");
-            Reported
-        })
-    }
-
-    fn camera(&mut self, resolution: [u32; 2]) -> Result<Camera, Reported> {
-        let view = self.scene.camera.value.view();
-        let projection = match &self.scene.camera.value {
-            scene::Camera::Perspective { vertical_fov, .. } => self
-                .number(
-                    "vertical_fov",
-                    *vertical_fov,
-                    |degrees| degrees > 0.0 && degrees < 180.0,
-                    "an angle above 0 and below 180 degrees",
-                )
-                .map(|degrees| Projection::Perspective {
-                    // libm's own tan is the same on every machine.
-                    half_height: libm::tan((degrees / 2.0).to_radians()),
-                }),
-            scene::Camera::Orthographic { height, .. } => {
-                self.length("height", *height)
-                    .map(|height| Projection::Orthographic {
-                        half_height: height / 2.0,
-                    })
-            }
-        };
-        let eye = self.position("eye", view.eye);
-        let look_at = self.position("look_at", view.look_at);
-        let up = self.direction("up", view.up);
-        let (projection, eye, look_at, up) = (projection?, eye?, look_at?, up?);
-        let forward = look_at.from(eye);
-        if Normal::new(forward).is_none() {
-            let conflict = "`look_at` is the same point as `eye`, expected a point to look at";
-            self.report(view.look_at.span, Problem::Conflict(conflict.to_owned()));
-            return Err(Reported);
-        }
-        Camera::new(eye, forward, up.get(), projection, resolution).ok_or_else(|| {
-            let conflict = "`up` is along the view from `eye` to `look_at`, expected a direction \
-                            across it, such as [0, 0, 1] for a view along y";
-            self.report(view.up.span, Problem::Conflict(conflict.to_owned()));
             Reported
         })
     }
@@ -539,11 +495,4 @@ fn as_written(value: f64) -> String {
 fn listed(values: &[f64]) -> String {
     let values: Vec<String> = values.iter().copied().map(as_written).collect();
     format!("[{}]", values.join(", "))
-}
-
-/// Stands in after an error, in a world that is dropped.
-fn placeholder_camera() -> Camera {
-    let projection = Projection::Perspective { half_height: 1.0 };
-    Camera::new(Point(DVec3::ZERO), DVec3::Z, DVec3::Y, projection, [1, 1])
-        .expect("z and y make a frame")
 }

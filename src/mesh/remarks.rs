@@ -1,5 +1,7 @@
 //! What of a mesh file was not taken as written.
 
+use crate::printable::excerpt;
+
 /// What was skipped or repaired, counted so that `candela check` and `candela render` can say so;
 /// all zero for a mesh without flaws.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -129,7 +131,7 @@ impl MeshRemarks {
     pub(super) fn unknown(&mut self, word: &[u8]) {
         Self::add(&mut self.unknown_statements);
         if self.unknown_example.is_none() {
-            self.unknown_example = Some(super::error::shown(word));
+            self.unknown_example = Some(excerpt(word));
         }
     }
 }

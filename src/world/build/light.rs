@@ -3,14 +3,14 @@
 use glam::DVec3;
 
 use super::color::{Emission, Spread};
-use super::{Reported, Validator, as_written};
+use super::{Builder, Reported, as_written};
 use crate::math::{Direction, Point};
 use crate::scene::{self, Aim, Problem, Spanned, Value};
 use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Rgb};
 use crate::world::light::{Cone, Light, PointLight, SpotLight};
 
-impl Validator<'_> {
+impl Builder<'_> {
     /// A light and, where light is carried so, its spectrum. After an error the world is dropped.
     pub(super) fn light(
         &mut self,

@@ -1,16 +1,22 @@
 //! L1: primary rays, from image space over NDC and camera space to world space.
+//!
+//! Here alone pixels become rays. A camera is apart from the world that it looks at: one world is built
+//! once and seen through as many cameras as are [placed](crate::world::World::place) in it.
 
 use fearless_simd::Simd;
 
 use crate::math::{DVec3, Direction, Point, Ray, both};
 use crate::simd::{DVec3x16, F64x16};
 
-/// A camera that looks somewhere.
+/// A camera that looks somewhere, with the image that it makes.
 ///
-/// The axes are orthonormal: `right` and `up` span the image plane, `forward` points along the
+/// It is made by [`World::new`](crate::world::World::new), as the scene file has it, or by
+/// [`World::place`](crate::world::World::place), anywhere else. The axes are orthonormal: `right` and `up` span the image plane, `forward` points along the
 /// view. This is a left-handed frame, as OpenEXR has it for camera space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
+    /// What is subtracted from every position of the scene.
+    anchor: DVec3,
     eye: Point,
     right: Direction,
     up: Direction,
@@ -35,9 +41,10 @@ pub enum Projection {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks along `forward` with `up` upwards in the image;
+    /// A camera at `eye`, relative to `anchor`, that looks along `forward` with `up` upwards in the image;
     /// `None` where these do not make a frame.
-    pub(super) fn new(
+    pub(crate) fn new(
+        anchor: DVec3,
         eye: Point,
         forward: DVec3,
         up: DVec3,
@@ -48,6 +55,7 @@ impl Camera {
         let right = Direction::new(forward.get().cross(Direction::new(up)?.get()))?;
         let up = Direction::new(right.get().cross(forward.get()))?;
         Some(Self {
+            anchor,
             eye,
             right,
             up,
@@ -57,7 +65,18 @@ impl Camera {
         })
     }
 
-    /// The viewer's position, relative to the world's anchor.
+    /// What is subtracted from every position of the scene, in f64: the anchor of the world that the camera
+    /// is placed in.
+    pub fn anchor(&self) -> DVec3 {
+        self.anchor
+    }
+
+    /// Width and height of the image in pixels.
+    pub fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+
+    /// The viewer's position, relative to the anchor.
     pub fn eye(&self) -> Point {
         self.eye
     }
@@ -115,10 +134,10 @@ impl Camera {
         DVec3x16::splat(simd, start) + (right + up)
     }
 
-    /// World to camera space for column vectors: +x right, +y up, +z along the view. `anchor`
-    /// is the world's, so that the matrix takes positions as the scene file has them.
-    pub fn world_to_camera(&self, anchor: DVec3) -> [[f64; 4]; 4] {
-        let eye = self.eye.0 + anchor;
+    /// World to camera space for column vectors: +x right, +y up, +z along the view. It takes
+    /// positions as the scene file has them.
+    pub fn world_to_camera(&self) -> [[f64; 4]; 4] {
+        let eye = self.eye.0 + self.anchor;
         let row = |axis: Direction| {
             let axis = axis.get();
             [axis.x, axis.y, axis.z, -axis.dot(eye)]
@@ -134,8 +153,8 @@ impl Camera {
     /// World to NDC for column vectors, before the division by w: x and y from 0 to 1 over the
     /// image, (0, 0) its top left, y down; z is 1 − 1/depth with a perspective camera, so that the
     /// matrix can be inverted, and the depth with an orthographic one.
-    pub fn world_to_ndc(&self, anchor: DVec3) -> [[f64; 4]; 4] {
-        let [right, up, forward, one] = self.world_to_camera(anchor);
+    pub fn world_to_ndc(&self) -> [[f64; 4]; 4] {
+        let [right, up, forward, one] = self.world_to_camera();
         let aspect = f64::from(self.resolution[0]) / f64::from(self.resolution[1]);
         let combine =
             |a: [f64; 4], s: f64, b: [f64; 4], t: f64| std::array::from_fn(|i| a[i] * s + b[i] * t);
@@ -160,9 +179,12 @@ impl Camera {
 mod tests {
     use super::*;
 
+    const ANCHOR: DVec3 = DVec3::new(10.0, -20.0, 5.0);
+
     fn camera(projection: Projection) -> Camera {
         let look = DVec3::new(-3.0, -0.5, -7.0);
         Camera::new(
+            ANCHOR,
             Point::new(4.0, 2.0, 6.0),
             look,
             DVec3::Y,
@@ -190,12 +212,11 @@ mod tests {
 
     #[test]
     fn ndc_takes_every_point_back_to_its_pixel() {
-        let anchor = DVec3::new(10.0, -20.0, 5.0);
         for projection in [PERSPECTIVE, ORTHOGRAPHIC] {
             let camera = camera(projection);
-            let matrix = camera.world_to_ndc(anchor);
+            let matrix = camera.world_to_ndc();
             for (x, y, t) in [(0.0, 0.0, 1.0), (640.0, 360.0, 2.0), (123.0, 45.5, 40.0)] {
-                let p = camera.ray(x, y).at(t).0 + anchor;
+                let p = camera.ray(x, y).at(t).0 + ANCHOR;
                 let ndc = matrix.map(|r| r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]);
                 assert!((ndc[0] / ndc[3] * 640.0 - x).abs() < 1e-10);
                 assert!((ndc[1] / ndc[3] * 360.0 - y).abs() < 1e-10);
@@ -211,7 +232,7 @@ mod tests {
     #[test]
     fn no_camera_without_a_frame() {
         let eye = Point::new(0.0, 0.0, 0.0);
-        let new = |forward, up| Camera::new(eye, forward, up, PERSPECTIVE, [4, 4]);
+        let new = |forward, up| Camera::new(ANCHOR, eye, forward, up, PERSPECTIVE, [4, 4]);
         assert!(new(DVec3::ZERO, DVec3::Y).is_none());
         assert!(new(DVec3::Y, DVec3::Y * 3.0).is_none());
         assert!(new(DVec3::Z, DVec3::ZERO).is_none());

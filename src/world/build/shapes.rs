@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::{LARGEST, Reported, Validator, listed};
+use super::{Builder, LARGEST, Reported, listed};
 use crate::math::{Normal, all_three};
-use crate::scene::mesh::{MeshError, MeshRemarks};
+use crate::mesh::{MeshError, MeshRemarks};
 use crate::scene::{self, MeshFile, Problem, ShadowTerminator, Spanned};
 use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
 use crate::world::{Shape, World};
@@ -15,7 +15,7 @@ use crate::world::{Shape, World};
 /// What `scale` may be: the factors up to [`LARGEST`], and their inverses.
 const SCALES: &str = "factors that are not 0, each at least 1e-30 or at most -1e-30";
 
-impl Validator<'_> {
+impl Builder<'_> {
     /// An object's shape, put where its kind is kept, and its material.
     pub(super) fn object(
         &mut self,

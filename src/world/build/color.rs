@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::{Reported, Validator, as_written, listed};
+use super::{Builder, Reported, as_written, listed};
 use crate::color::{Primaries, transfer};
 use crate::scene::{ColorSpace, Problem, Spanned, Unit, Value};
 use crate::spectrum::{Curve, Spectrum, blackbody, daylight};
@@ -192,7 +192,7 @@ const WHITE: f64 = 1e-12;
 /// What the matrices from space to space leave of a zero.
 const ROUNDING: f64 = 1e-14;
 
-impl Validator<'_> {
+impl Builder<'_> {
     /// The intensity of a light, or the background's radiance; dark after an error.
     pub(super) fn emission(
         &mut self,
