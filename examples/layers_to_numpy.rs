@@ -15,6 +15,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use candela::render::Layers;
+use candela::world::Loaded;
 use candela::{Film, Options, World, render};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -31,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Renders a scene file with its layers, and returns the files that they were written to.
 pub(crate) fn run(scene: &Path, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let (_, world) = World::load(scene)?;
+    let Loaded { world, camera, .. } = World::load(scene)?;
     let options = Options {
         layers: Layers {
             lights: true,
@@ -41,7 +42,7 @@ pub(crate) fn run(scene: &Path, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn E
         },
         ..Options::default()
     };
-    let film = render(&world, &options);
+    let film = render(&world, &camera, &options)?;
 
     let rgba: Vec<f32> = film.pixels().iter().flatten().copied().collect();
     let mut files = vec![write(folder, "rgba", &film, 4, &rgba)?];

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use candela::image::Window;
 use candela::oracle::{Oracle, Sample};
+use candela::world::Loaded;
 use candela::{Options, World, render};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -34,8 +35,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The radiance at the center of a pixel in cd/m², by the oracle and by the renderer.
 pub(crate) fn both(scene: &Path, [x, y]: [u32; 2]) -> Result<(Sample, [f32; 3]), Box<dyn Error>> {
     // The oracle reads the scene as it was written, the renderer what was made of it.
-    let (scene, world) = World::load(scene)?;
-    let [width, height] = world.resolution();
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = World::load(scene)?;
+    let [width, height] = camera.resolution();
     if x >= width || y >= height {
         return Err(format!("the picture has {width} × {height} pixels").into());
     }
@@ -52,6 +57,6 @@ pub(crate) fn both(scene: &Path, [x, y]: [u32; 2]) -> Result<(Sample, [f32; 3]),
         window: Some(pixel),
         ..Options::default()
     };
-    let [r, g, b, _] = render(&world, &options).pixels()[0];
+    let [r, g, b, _] = render(&world, &camera, &options)?.pixels()[0];
     Ok((oracle, [r, g, b]))
 }

@@ -9,6 +9,7 @@
 use std::error::Error;
 use std::path::Path;
 
+use candela::world::Loaded;
 use candela::{Options, World, render};
 
 /// What the picture comes to.
@@ -44,12 +45,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Renders a scene file with so many samples a pixel, and looks at every pixel.
 pub(crate) fn summarize(scene: &Path, samples: u32) -> Result<Summary, Box<dyn Error>> {
-    let (_, world) = World::load(scene)?;
+    let Loaded { world, camera, .. } = World::load(scene)?;
     let options = Options {
         samples,
         ..Options::default()
     };
-    let film = render(&world, &options);
+    let film = render(&world, &camera, &options)?;
     let [width, _] = film.resolution();
 
     // Row by row from the top left: R, G, B in cd/m², and the share of the pixel that is covered.

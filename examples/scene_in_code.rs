@@ -59,12 +59,12 @@ pub(crate) fn run(folder: &Path, height: u32) -> Result<PathBuf, Box<dyn Error>>
     scene = scene.object("stairs", Object::mesh("stone", stairs(5), placement));
 
     // Whatever is out of range, or a name that is not there, is found here.
-    let world = World::new(&scene)?;
+    let (world, camera) = World::new(&scene)?;
     let options = Options {
         samples: 16,
         ..Options::default()
     };
-    let film = render(&world, &options);
+    let film = render(&world, &camera, &options)?;
 
     let exr = folder.join("steps.exr");
     let png = folder.join("steps.png");

@@ -1,6 +1,6 @@
 //! candela: a renderer for direct light.
 //!
-//! For every pixel it computes what a viewer receives from point lights by way of one surface
+//! For every pixel it computes what a viewer receives from point lights and spots by way of one surface
 //! (L9, with its parts L1 to L8 in [`oracle`], [`visibility`] and [`shading`]):
 //!
 //! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
@@ -18,7 +18,7 @@
 //!          world                       │         legal: resolved, in range
 //!            │ Plan::new               │
 //!          plan                        │         just what this scene needs
-//!            │ render                  │         or render::render_exr: straight into the file
+//!            │ render                  │         or Renderer::exr: straight into the file
 //!  ┌─ render ┴────────────────┐        │
 //!  │ visibility ⇄ shading     │        │         camera rays to points, points to radiance
 //!  └─────────┬────────────────┘        │
@@ -39,6 +39,7 @@
 //! | [`output`] | files that appear whole or not at all |
 //! | [`printable`] | text from files and command lines as it may be shown on a terminal |
 //! | [`spectrum`] | functions of wavelength: the CIE's tables, curves, illuminants, smooth spectra of colors |
+//! | [`camera`] | pixels to rays (L1) |
 //! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
 //! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the [`Plan`](world::Plan) |
 //! | [`visibility`] | what a camera ray sees (L1, L2) and what a light reaches (L4) |
@@ -53,11 +54,11 @@
 //!
 //! # Scope
 //!
-//! In: diffuse point lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
+//! In: diffuse point lights and spots; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
 //! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
 //! spaces, or as spectra.
 //!
-//! Out: indirect light, mirrors and refraction, lights with a size or a direction, textures, motion,
+//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion,
 //! adaptive sampling.
 //!
 //! # Example
@@ -68,7 +69,6 @@
 //!
 //! ```
 //! use candela::display::{self, Settings};
-//! use candela::exr::ExrOptions;
 //! use candela::output::Unfinished;
 //! use candela::{Options, Scene, World, render};
 //!
@@ -95,8 +95,8 @@
 //!     normal = [0, 1, 0]
 //! "#;
 //! let scene = Scene::parse(text, "floor.toml")?; // what was written
-//! let world = World::new(&scene)?; // what is legal
-//! let film = render(&world, &Options::default());
+//! let (world, camera) = World::new(&scene)?; // what is legal, and who looks at it
+//! let film = render(&world, &camera, &Options::default())?;
 //!
 //! // One pixel is one metre; column 4 is x = 0, column 7 is x = 3.
 //! let pixel = |x: usize, y: usize| film.pixels()[9 * y + x];
@@ -108,7 +108,7 @@
 //!
 //! let folder = tempfile::tempdir()?;
 //! let (exr, png) = (folder.path().join("floor.exr"), folder.path().join("floor.png"));
-//! film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())?;
+//! film.save(&exr)?;
 //! display::convert(&exr, &png, &Settings::default(), &Unfinished::new())?;
 //! assert!(png.exists());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -118,12 +118,15 @@
 
 #[doc(hidden)]
 pub mod bench;
+pub mod camera;
 pub mod color;
 pub mod display;
 pub mod exr;
 pub mod image;
+pub mod input;
 pub mod math;
 pub mod memory;
+pub mod mesh;
 pub mod oracle;
 pub mod output;
 pub mod printable;
@@ -142,7 +145,8 @@ pub mod world;
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
 
+pub use camera::Camera;
 pub use image::Film;
-pub use render::{Options, render};
+pub use render::{Options, Renderer, render};
 pub use scene::Scene;
 pub use world::World;

@@ -9,6 +9,9 @@ use std::path::Path;
 /// A text that is longer, in characters, loses its middle: both ends of a name or a path tell more.
 const LONGEST: usize = 240;
 
+/// The length in characters above which a quoted name is shortened in messages.
+pub(crate) const QUOTED_LENGTH: usize = 60;
+
 /// `text` with escapes for all that does not print, such as `\u{1b}`, and without its middle where it
 /// is longer than 240 characters.
 pub fn printable(text: &str) -> String {
@@ -23,6 +26,26 @@ pub fn printable(text: &str) -> String {
         characters.map(Escaped).map(String::from).collect()
     };
     escaped(&mut { start }) + "…" + &escaped(&mut { end })
+}
+
+/// `text` for a message: [`printable`], and without its end where it is a long one.
+pub(crate) fn shortened(text: &str) -> String {
+    match text.char_indices().nth(QUOTED_LENGTH) {
+        Some((end, _)) => printable(&text[..end]) + "…",
+        None => printable(text),
+    }
+}
+
+/// Bytes of a file in a message: cut to a readable length, with escapes for what cannot be printed.
+pub(crate) fn excerpt(bytes: &[u8]) -> String {
+    const READABLE: usize = 40;
+    let mut text = bytes[..bytes.len().min(READABLE)]
+        .escape_ascii()
+        .to_string();
+    if bytes.len() > READABLE {
+        text.push('…');
+    }
+    text
 }
 
 /// A file's name as [`printable`] text.

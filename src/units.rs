@@ -39,7 +39,7 @@ pub struct Reflectance(pub Rgb);
 /// I · k: a light's intensity after one lobe of one material, per primary.
 ///
 /// A pixel is linear in these products. Where light is carried as RGB they are made when they are asked for,
-/// and where it is spectral once for each pair of a light and a material that objects have.
+/// and where it is spectral, each is an integral that is made when it is first asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReflectedIntensity(pub Rgb);
 

@@ -5,11 +5,11 @@ use std::fmt::Write;
 
 use candela::image::Film;
 
-use crate::images::{pixel, render};
+use crate::images::{pixel, render, render_counted};
+use crate::measured::{HALF_LAST_BIT, Measured};
 
-/// Relative error where nothing but f32 arithmetic is between the formula and the pixel: I·k, the
-/// cosine term, their product and the sum over samples are each rounded, by 6e-8 at most.
-const ROUNDING: f64 = 4e-7;
+/// Relative error where nothing but the rounding to f32 is between the formula and the pixel.
+const ROUNDING: f64 = Measured::ROOM * HALF_LAST_BIT;
 
 type Vector = [f64; 3];
 
@@ -184,8 +184,9 @@ fn the_inverse_square() {
 #[test]
 fn the_orthographic_limit_of_perspective() {
     const DISTANCE: f64 = 1e7;
-    /// The rays of both differ by an angle of 1e-7, and so do cosines.
-    const TOLERANCE: f64 = 1e-5;
+    /// The rays of both differ by an angle of 1e-7, and so do cosines; at the silhouette of the ball depth
+    /// and cosines change faster.
+    const LIMIT: f64 = 1.58e-5;
     let rest = format!(
         "[materials.m.phong]\ndiffuse = 0.5\nspecular = 0.4\nshininess = 10\n\
          [objects.ball.sphere]\nmaterial = \"m\"\ncenter = [0.1, 0.2, 0]\nradius = 0.8\n\
@@ -203,12 +204,19 @@ fn the_orthographic_limit_of_perspective() {
         render(&(perspective + &rest), 1),
         render(&(orthographic + &rest), 1),
     );
-    let different = a.pixels().iter().zip(b.pixels()).filter(|(a, b)| {
+    let mut worst = Measured::new("orthographic limit", LIMIT);
+    for (index, (a, b)) in a.pixels().iter().zip(b.pixels()).enumerate() {
+        // No silhouette and no edge of a shadow falls on a pixel's center.
+        assert_eq!(
+            [a[0] > 0.0, a[3] > 0.0],
+            [b[0] > 0.0, b[3] > 0.0],
+            "{index}"
+        );
         let scale = f64::from(b[0]);
-        (f64::from(a[0]) - scale).abs() > TOLERANCE * scale
-    });
-    // The silhouette and the edge of the shadow may fall on a pixel's center.
-    assert!(different.count() <= 2);
+        let error = (f64::from(a[0]) - scale).abs() / scale.max(f64::MIN_POSITIVE);
+        worst.see(error, || index.to_string());
+    }
+    worst.judge();
 }
 
 /// Light along the normal, looked at from everywhere: ∫ L_o cos θ dω / (I/d²) is
@@ -281,9 +289,8 @@ fn a_furnace_gets_no_brighter() {
             let film = render(&[view.as_str(), &floor, &lights].concat(), 1);
             let brightness = f64::from(pixel(&film, 0, 0)[0]);
             let albedo = diffuse + specular;
-            // The midpoint rule, as above; the sum over 4608 lights is rounded as often.
-            let rounding = f64::from(RINGS * SECTORS) * 6e-8;
-            let tolerance = rounding + (n + 1.0) * (n + 2.0) / (12.0 * f64::from(RINGS * RINGS));
+            // The midpoint rule, as above.
+            let tolerance = ROUNDING + (n + 1.0) * (n + 2.0) / (12.0 * f64::from(RINGS * RINGS));
             assert!(
                 brightness <= albedo * (1.0 + tolerance),
                 "{n}, {degrees}°: {brightness}"
@@ -355,8 +362,8 @@ fn the_coverage_of_an_edge() {
                 // The light is 1 lx all over: what is covered is premultiplied, and what is not
                 // shows the background.
                 let alpha = f64::from(alpha);
-                assert!((f64::from(r) - alpha).abs() < 1e-5, "{r}, {alpha}");
-                assert!((f64::from(g) - 8.0 * (1.0 - alpha)).abs() < 1e-5);
+                assert!((f64::from(r) - alpha).abs() <= ROUNDING, "{r}, {alpha}");
+                assert!((f64::from(g) - 8.0 * (1.0 - alpha)).abs() <= 8.0 * ROUNDING);
                 assert_eq!(b, 0.0);
             }
         }
@@ -418,4 +425,102 @@ fn the_image_is_the_right_way_up() {
         assert_eq!(lit(10, 30), [false, false, true]);
         assert_eq!(lit(30, 30), [true, true, true]);
     }
+}
+
+/// f of the three curves, from the cosine and the angle to the axis, inner 20° and outer 30°.
+fn falloff(name: &str, angle: f64) -> f64 {
+    let [inner, outer] = [20.0_f64, 30.0].map(f64::to_radians);
+    let x = ((angle.cos() - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0);
+    match name {
+        "smooth" => x * x * (3.0 - 2.0 * x),
+        "gltf" => x * x,
+        _ => ((outer - angle) / (outer - inner)).clamp(0.0, 1.0),
+    }
+}
+
+/// L = I f(θ) k_d h / (h² + r²)^{3/2} under a spot that points straight down: on the axis, in the penumbra, and
+/// outside, where it is nothing and no shadow ray is asked.
+#[test]
+fn a_plane_under_a_spot() {
+    let (intensity, h, height) = (30.0, 2.0, 4.0);
+    for name in ["smooth", "gltf", "linear_angle"] {
+        let text = [
+            from_above(64, height),
+            floor_of("phong]\ndiffuse = 0.5"),
+            format!(
+                "[lights.s.spot]\nposition = [0.1, {h:?}, 0]\ndirection = [0, -3, 0]\nintensity = \
+                 {intensity:?}\ninner = 20\nouter = 30\nfalloff = \"{name}\"\n"
+            ),
+        ]
+        .concat();
+        let (film, counts) = render_counted(&text, 1);
+        let (mut inside, mut shades) = (0, 0);
+        each_pixel(&film, height, |x, z, [r, ..]| {
+            let radius = (x - 0.1).hypot(z);
+            let f = falloff(name, (radius / h).atan());
+            if f == 0.0 {
+                assert_eq!(r, 0.0, "{name} at {radius}");
+                return;
+            }
+            inside += 1;
+            shades += u64::from(f < 1.0);
+            let d2 = h * h + radius * radius;
+            let expected = 0.5 * intensity * f * h / d2.powf(1.5);
+            // Close to the edge, where f is a small difference, as exact as at the axis.
+            let tolerance = ROUNDING + 1e-12 / f;
+            assert_near(r, expected, tolerance, name);
+        });
+        assert!(shades > 300, "{name}: {shades}");
+        assert_eq!(counts.shadow_rays, inside, "{name}");
+    }
+}
+
+/// What falls onto a plane under a spot is its flux, ∫ E dA = ∫ I f cos θ / d² dA = ∫ I f dω: from the image it is
+/// what `lumens` says, whatever the cone.
+#[test]
+fn a_spot_in_lumens_sends_out_so_much() {
+    for (inner, outer, name) in [
+        (20.0, 30.0, "smooth"),
+        (0.0, 60.0, "gltf"),
+        (10.0, 80.0, "linear_angle"),
+        (45.0, 45.0, "smooth"),
+    ] {
+        // The light is 1 m above the plane.
+        let (resolution, height) = (128, 2.1 * f64::to_radians(outer).tan());
+        let text = [
+            from_above(resolution, height),
+            floor_of("phong]\ndiffuse = 1"),
+            format!(
+                "[lights.s.spot]\nposition = [0, 1, 0]\nlook_at = [0, 0, 0]\nintensity = {{ lumens = 800 \
+                 }}\ninner = {inner:?}\nouter = {outer:?}\nfalloff = \"{name}\"\n"
+            ),
+        ]
+        .concat();
+        let film = render(&text, 4);
+        let mut sum = 0.0;
+        each_pixel(&film, height, |_, _, [r, ..]| sum += f64::from(r));
+        let area = (height / f64::from(resolution)).powi(2);
+        // What is left is the sampling, of sharp edges above all.
+        let flux = sum * area;
+        assert!((flux / 800.0 - 1.0).abs() < 2e-3, "{name} {outer}: {flux}");
+    }
+}
+
+/// Half of the light of a spot of 90° to 90° is a hemisphere of a point light.
+#[test]
+fn a_spot_of_all_directions_below_is_a_point_light() {
+    let scene = |light: &str| {
+        [
+            from_above(32, 6.0),
+            floor_of("phong]\ndiffuse = 0.3\nspecular = 0.2\nshininess = 20"),
+            format!("[lights.l.{light}\nposition = [0.3, 1.5, -0.2]\nintensity = [3, 4, 5]\n"),
+        ]
+        .concat()
+    };
+    let point = render(&scene("point]"), 1);
+    let spot = render(
+        &scene("spot]\ndirection = [0, -1, 0]\ninner = 90\nouter = 90"),
+        1,
+    );
+    assert_eq!(point.pixels(), spot.pixels());
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use candela::mesh::MeshError;
 use candela::scene::MeshFile;
-use candela::scene::mesh::MeshError;
 
 use crate::fuzzing;
 

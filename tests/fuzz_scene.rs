@@ -115,7 +115,7 @@ fn corpus() -> Vec<Vec<u8>> {
 fn read(bytes: &[u8]) -> Result<World, Diagnostics> {
     let text = String::from_utf8_lossy(bytes).into_owned();
     let scene = Reading::of_text(text, &Path::new(FOLDER).join("fuzzed.toml")).complete()?;
-    World::new(&scene)
+    World::new(&scene).map(|(world, _)| world)
 }
 
 #[test]
@@ -261,7 +261,7 @@ fn damaged_files() {
     let corpus: Vec<&[u8]> = corpus.iter().map(Vec::as_slice).collect();
     let outcomes = fuzzing::run("scene-file", &corpus, CASES / 20, |bytes| {
         fs::write(&path, bytes).unwrap();
-        World::load(&path).map(|(_, world)| world)
+        World::load(&path).map(|loaded| loaded.world)
     });
     assert!(
         outcomes.accepted > 0 && outcomes.refused > 0,

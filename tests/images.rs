@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use candela::image::Film;
-use candela::render::{self, Options};
+use candela::render::{Counts, Job, Options, Renderer};
 use candela::scene::Scene;
 use candela::world::World;
 
@@ -35,12 +35,12 @@ pub(crate) fn parse(text: &str) -> Scene {
 
 /// The image of a scene with `samples` samples a pixel.
 pub(crate) fn film_of(scene: &Scene, samples: u32) -> Film {
-    let world = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let options = Options {
         samples,
         ..Options::default()
     };
-    render::render(&world, &options)
+    candela::render(&world, &camera, &options).unwrap()
 }
 
 /// The image of a scene given as text.
@@ -52,6 +52,17 @@ pub(crate) fn render(text: &str, samples: u32) -> Film {
 pub(crate) fn pixel(film: &Film, x: u32, y: u32) -> [f32; 4] {
     let width = film.window().width;
     film.pixels()[(y * width + x) as usize]
+}
+
+/// [`render`], and what it took.
+pub(crate) fn render_counted(text: &str, samples: u32) -> (Film, Counts) {
+    let (world, camera) = World::new(&parse(text)).unwrap_or_else(|error| panic!("{error}"));
+    let options = Options {
+        samples,
+        ..Options::default()
+    };
+    let renderer = Renderer::new(&world).unwrap();
+    renderer.film(&camera, &options, &Job::new()).unwrap()
 }
 
 /// The same view in at most `width` columns.

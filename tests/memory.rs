@@ -179,7 +179,7 @@ fn preparing_takes_what_is_said() {
     let mesh = "[objects.g.mesh]\nmaterial = \"m\"\nfile = \"grid.obj\"\n";
     for text in [HEAD.to_owned() + mesh, scene_of(sphere)] {
         let scene = Scene::parse(&text, folder.path().join("a.toml")).unwrap();
-        let world = World::new(&scene).unwrap();
+        let (world, _) = World::new(&scene).unwrap();
         let plan = Plan::new(&world);
         let (visibility, most) = alone(|| Visibility::new(&world, &plan).memory());
         let needed = Visibility::memory_needed(&world) as usize;
@@ -216,10 +216,10 @@ fn pieces_are_read_as_the_whole() {
             let path = Path::new("tests/bad_scenes/parted.toml");
             let scene = Scene::parse(text, path).map_err(|error| error.list()[0].to_string());
             let world = World::new(&scene.unwrap()).map_err(|error| error.list()[0].to_string());
-            let world = world.unwrap();
+            let (world, camera) = world.unwrap();
             format!(
                 "{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
-                world.camera(),
+                camera,
                 world.materials(),
                 world.lights(),
                 world.objects(),

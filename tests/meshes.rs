@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use candela::scene::mesh::MeshError;
+use candela::mesh::MeshError;
 use candela::scene::{Diagnostics, MeshFile, Problem, Reading};
 use candela::world::World;
 use candela::world::physics::warnings;
@@ -46,7 +46,7 @@ fn folder(scene: &str, file: (&str, &[u8])) -> TempDir {
 }
 
 fn load(folder: &TempDir) -> Result<World, Diagnostics> {
-    World::load(folder.path().join("scene.toml")).map(|(_, world)| world)
+    World::load(folder.path().join("scene.toml")).map(|loaded| loaded.world)
 }
 
 /// How many triangles the world has that is made of a mesh file, and what `check` and `render` say

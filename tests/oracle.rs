@@ -1,13 +1,14 @@
 //! The renderer against the oracle, pixel by pixel: two programs with nothing in common but the
 //! scene as it was written.
 
+use std::cell::OnceCell;
 use std::path::Path;
 
 use candela::exr::ExrOptions;
 use candela::image::{Film, Window};
-use candela::oracle::{Oracle, Sample};
+use candela::oracle::{Explanation, Oracle, Sample};
 use candela::output::Unfinished;
-use candela::render::{Options, render};
+use candela::render::{Layers, Options, render};
 use candela::scene::{Object, Scene};
 use candela::simd::SimdLevel;
 use candela::world::World;
@@ -15,29 +16,33 @@ use rayon::prelude::*;
 
 use crate::generate;
 use crate::images::{at_width, bits, film_of, name_of, parse, scene_files};
+use crate::measured::{HALF_LAST_BIT, Measured};
 use crate::openimageio::{idiff_agrees, idiff_agrees_within};
 
-/// The promise: relative error of a pixel. It allows a thousandth of the pixels to be beyond, where
-/// a condition number is so large (a light just above a surface) that the last bits of p show;
-/// [`WORST`] does not.
-const TOLERANCE: f64 = 1e-5;
+/// The promise: relative error of a pixel, for any scene. A condition number may be so large (a light just
+/// above a surface) that the last bits of p show; of the scenes below none comes near to it.
+pub(crate) const TOLERANCE: f64 = 1e-5;
 
-/// What no pixel may exceed, flips apart. Colors are f32 on the way: narrowing I·k and the cosine
-/// term, their product, and the sum over each light round by 6e-8 at most, 7e-7 for 8 lights;
-/// positions and cosines are f64. The worst of 3000 generated scenes is 1.7e-7.
-const WORST: f64 = 2e-6;
+/// The worst of the generated scenes, with shadow rays that start on the triangles and off them, and of
+/// `scenes/`: half the last bit of an f32. All before the film is f64, and no light is so near to a surface that
+/// the last bits of p show.
+pub(crate) const WORST: f64 = HALF_LAST_BIT;
 
 /// Below this part of the image's median lit radiance, errors are relative to that instead of the
 /// pixel: it is 20 stops below what the picture shows.
 const FLOOR: f64 = 1e-6;
 
-/// The part of the pixels whose ray passes within rounding of an edge, so that either side is
-/// right: of a scene, where one pixel is always allowed, and of all scenes together.
-const FLIPS: f64 = 5e-4;
+/// The part of the pixels of all scenes whose ray may pass so closely by an edge that rounding decides its side;
+/// one pixel of each is allowed. Of 880 000 pixels here, and of 12 million of generated scenes, none is such. Off
+/// an edge none may be.
+pub(crate) const FLIPS: f64 = 2e-6;
 
 /// Pixels away at which decisions are asked again, to find edges: far above what rounding moves a
 /// ray by, far below what a viewer sees.
 const NEARBY: f64 = 1e-5;
+
+/// Relative change of a light's share over [`NEARBY`] pixels, where there is no edge.
+const NEARBY_CHANGE: f64 = 1e-3;
 
 /// Columns of the images of scene files: twice a prime. Even, so that a divider that is seen edge-on
 /// in the middle lies between pixels; and no more than that, so that the edges of regular charts do not
@@ -53,8 +58,11 @@ struct Comparison {
     pixels: usize,
     /// Pixels that show a surface with light on it.
     lit: usize,
-    /// Pixels beside an edge of what is seen or of a shadow, and pixels with a light more or less.
+    /// Pixels at an edge of what is seen, or of a shadow, that are right but for the side.
     flips: usize,
+    /// Pixels that are wrong.
+    wrong: Vec<[usize; 2]>,
+    /// Of the others.
     worst: f64,
     worst_at: [usize; 2],
 }
@@ -105,30 +113,65 @@ pub(crate) fn is_edge(oracle: &Oracle, [x, y]: [usize; 2]) -> bool {
         .any(|[dx, dy]| oracle.decisions(x + dx, y + dy) != center)
 }
 
-/// Whether the pixel is right but for lights that are there and should not be, or the other way.
-fn is_whole_lights(oracle: &Oracle, [x, y]: [usize; 2], actual: [f32; 4], floor: f64) -> bool {
-    let explanation = oracle.explain(x as f64 + 0.5, y as f64 + 0.5);
-    let lights = &explanation.lights;
-    if explanation.hit.is_none() || lights.len() > 8 {
-        return false;
-    }
-    (0_u32..1 << lights.len()).any(|chosen| {
-        let mut radiance = [0.0; 3];
-        for (index, light) in lights.iter().enumerate() {
-            if chosen >> index & 1 == 1 {
-                for (channel, sum) in radiance.iter_mut().enumerate() {
-                    *sum += light.unoccluded[channel];
-                }
-            }
+/// What the renderer has made of a pixel: R, G, B, A, and of each light its share of R, G, B.
+pub(crate) struct Rendered<'film> {
+    pub(crate) pixel: [f32; 4],
+    pub(crate) shares: &'film [f32],
+}
+
+/// Whether a pixel is right but for the side of an edge that rounding has put it on: it shows what is seen a
+/// hair's breadth away, with each light as it arrives there; and a light that is there and should not be, or
+/// the other way, is one that has the edge of its shadow here.
+pub(crate) fn is_flip(
+    oracle: &Oracle,
+    [x, y]: [usize; 2],
+    rendered: &Rendered<'_>,
+    floor: f64,
+) -> bool {
+    let steps = [0.0, -NEARBY, NEARBY];
+    let around = steps
+        .into_iter()
+        .flat_map(|dx| steps.map(|dy| [x as f64 + 0.5 + dx, y as f64 + 0.5 + dy]));
+    let around: Vec<Explanation> = around.map(|[x, y]| oracle.explain(x, y)).collect();
+    let seen = |terms: &Explanation| {
+        terms
+            .hit
+            .as_ref()
+            .map(|hit| (hit.object.clone(), hit.triangle))
+    };
+    around.iter().any(|shown| {
+        let coverage = if shown.hit.is_some() { 1.0 } else { 0.0 };
+        if shown.hit.is_none() {
+            let radiance = shown.radiance;
+            return error(rendered.pixel, &Sample { radiance, coverage }, floor) <= TOLERANCE;
         }
-        let coverage = 1.0;
-        error(actual, &Sample { radiance, coverage }, floor) <= TOLERANCE
+        let scale = brightest(shown.radiance).max(floor);
+        let mut lights = shown.lights.iter().enumerate();
+        f64::from(rendered.pixel[3]) == coverage
+            && lights.all(|(index, light)| {
+                let share = &rendered.shares[3 * index..3 * index + 3];
+                let differs = |expected: [f64; 3], tolerance: f64| {
+                    let tolerance = tolerance * scale.max(brightest(expected));
+                    let mut channels = share.iter().zip(expected);
+                    channels.any(|(&a, b)| (f64::from(a) - b).abs() > tolerance)
+                };
+                // As it arrives here; or on the same surface, on the other side of its shadow's edge.
+                !differs(light.radiance, TOLERANCE)
+                    || around
+                        .iter()
+                        .filter(|other| seen(other) == seen(shown))
+                        .any(|other| {
+                            other.lights[index].outcome != light.outcome
+                                && !differs(other.lights[index].radiance, NEARBY_CHANGE)
+                        })
+            })
     })
 }
 
 fn compare(scene: &Scene) -> Comparison {
     let oracle = Oracle::new(scene);
     let film = film_of(scene, 1);
+    let layered = OnceCell::new();
     let expected = oracle_pixels(&oracle);
     assert_eq!(film.pixels().len(), expected.len());
     let floor = FLOOR * median_lit(&expected);
@@ -142,9 +185,16 @@ fn compare(scene: &Scene) -> Comparison {
         comparison.lit +=
             usize::from(expected.coverage > 0.0 && brightest(expected.radiance) > 0.0);
         let error = error(actual, expected, floor);
-        let may_flip = || is_edge(&oracle, pixel) || is_whole_lights(&oracle, pixel, actual, floor);
-        if error > TOLERANCE && may_flip() {
-            comparison.flips += 1;
+        if error > TOLERANCE {
+            let rendered = Rendered {
+                pixel: actual,
+                shares: layered.get_or_init(|| with_shares(scene)).values(index),
+            };
+            if is_flip(&oracle, pixel, &rendered, floor) {
+                comparison.flips += 1;
+            } else {
+                comparison.wrong.push(pixel);
+            }
         } else if error > comparison.worst {
             comparison.worst = error;
             comparison.worst_at = pixel;
@@ -153,42 +203,60 @@ fn compare(scene: &Scene) -> Comparison {
     comparison
 }
 
+/// The image with each light as a layer of its own.
+fn with_shares(scene: &Scene) -> Film {
+    let layers = Layers {
+        lights: true,
+        ..Layers::default()
+    };
+    let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let options = Options {
+        samples: 1,
+        layers,
+        ..Options::default()
+    };
+    render(&world, &camera, &options).unwrap()
+}
+
 /// Compares all scenes; what is wrong with any of them.
-fn judge(scenes: &[(String, Scene)]) {
+fn judge(what: &str, measured: f64, scenes: &[(String, Scene)]) {
     let comparisons: Vec<(&str, Comparison)> = scenes
         .par_iter()
         .map(|(name, scene)| (name.as_str(), compare(scene)))
         .collect();
     let mut failures = Vec::new();
-    let (mut pixels, mut lit, mut flips, mut worst) = (0, 0, 0, 0.0_f64);
+    let (mut pixels, mut lit, mut flips) = (0, 0, 0);
+    let mut worst = Measured::new(what, measured);
     for (name, comparison) in &comparisons {
         println!("{name}: {comparison:?}");
         pixels += comparison.pixels;
         lit += comparison.lit;
         flips += comparison.flips;
-        worst = worst.max(comparison.worst);
-        let of = comparison.pixels as f64;
-        if comparison.worst > WORST || comparison.flips as f64 > (FLIPS * of).max(1.0) {
+        worst.see(comparison.worst, || {
+            format!("{name} {:?}", comparison.worst_at)
+        });
+        if !comparison.wrong.is_empty() || comparison.flips > 1 {
             failures.push(format!("{name}: {comparison:?}"));
         }
     }
-    println!("{pixels} pixels, {lit} lit, {flips} flips, worst relative error {worst:e}");
+    println!("{pixels} pixels, {lit} lit, {flips} flips");
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+    worst.judge();
     // Of black images nothing is learned.
     assert!(3 * lit > pixels, "{lit} of {pixels} pixels are lit");
     assert!(
-        flips as f64 <= FLIPS * pixels as f64,
+        flips as f64 <= (FLIPS * pixels as f64).max(1.0),
         "{flips} flips in {pixels} pixels"
     );
 }
 
-/// One scene with the oracle's image, for tests that stand elsewhere: within [`TOLERANCE`] and
-/// [`FLIPS`]. How many pixels show a surface with light on it.
+/// One scene with the oracle's image, for tests that stand elsewhere: within the promise, with one pixel that is
+/// on the other side of an edge. How many pixels show a surface with light on it.
 pub(crate) fn assert_agrees(name: &str, scene: &Scene) -> usize {
     let comparison = compare(scene);
-    let flips = (FLIPS * comparison.pixels as f64).max(1.0);
+    println!("{:e}, {} flips", comparison.worst, comparison.flips);
     assert!(
-        comparison.worst <= TOLERANCE && comparison.flips as f64 <= flips,
+        comparison.wrong.is_empty() && comparison.flips <= 1,
         "{name}: {comparison:?}"
     );
     comparison.lit
@@ -198,7 +266,7 @@ pub(crate) fn assert_agrees(name: &str, scene: &Scene) -> usize {
 fn generated_scenes() {
     let folder = tempfile::tempdir().unwrap();
     let scenes = generate::scenes(folder.path());
-    judge(&scenes);
+    judge("generated scenes", WORST, &scenes);
 }
 
 /// Shadow rays that start off the triangles, with all that is hard for them put in on purpose.
@@ -206,7 +274,17 @@ fn generated_scenes() {
 fn generated_terminators() {
     let folder = tempfile::tempdir().unwrap();
     let count = generate::count().div_ceil(4);
-    judge(&generate::terminators(count, folder.path()));
+    let scenes = generate::terminators(count, folder.path());
+    judge("terminators", WORST, &scenes);
+}
+
+/// The same scenes, with cones of light.
+#[test]
+fn generated_spots() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = generate::count().div_ceil(3);
+    let scenes = generate::spots(count, folder.path());
+    judge("spots", WORST, &scenes);
 }
 
 /// At how many columns the oracle is done in reasonable time.
@@ -234,7 +312,7 @@ fn scene_files_agree() {
             (name_of(path), at_width(scene, width))
         })
         .collect();
-    judge(&scenes);
+    judge("scene files", WORST, &scenes);
 }
 
 /// A curve with points from 3e-3 to 3 nm apart, in turns, from 340 nm on.
@@ -255,7 +333,7 @@ fn any_spacing() -> String {
 fn spectra_of_lights_agree() {
     /// Relative to the peak. Both solve for colors to 1e-13 or so; where these are saturated, spectra
     /// change faster than they do.
-    const SPECTRUM: f64 = 1e-8;
+    const SPECTRUM: f64 = 1.83e-9;
     let steps = [0.0, 1e-3, 0.1, 0.5, 0.99, 1.0];
     let triples = steps.into_iter().flat_map(|r| {
         let pairs = steps
@@ -278,7 +356,7 @@ fn spectra_of_lights_agree() {
         values.push(kind.to_owned());
     }
     values.push(any_spacing());
-    let mut worst = (0.0, String::new());
+    let mut worst = Measured::new("spectra of lights", SPECTRUM);
     for (space, observer) in [
         ("rec709", "1931"),
         ("p3-d65", "1931"),
@@ -295,20 +373,18 @@ fn spectra_of_lights_agree() {
                  [materials.m.phong]\n\
                  [objects.o.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 9]\nradius = 1\n"
             ));
-            let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+            let (world, _) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
             let actual = world.spectra().unwrap().light(0).values();
             let expected = Oracle::new(&scene).spectral_radiance(0.5, 0.5).unwrap();
             let peak = expected.iter().copied().fold(0.0, f64::max);
             for (actual, expected) in actual.iter().zip(&expected) {
-                let error = (actual - expected).abs() / peak;
-                if error > worst.0 {
-                    worst = (error, format!("{value} in {space}, {observer}"));
-                }
+                worst.see((actual - expected).abs() / peak, || {
+                    format!("{value} in {space}, {observer}")
+                });
             }
         }
     }
-    println!("worst: {worst:?}");
-    assert!(worst.0 <= SPECTRUM, "{worst:?}");
+    worst.judge();
 }
 
 /// The test can fail: an oracle of another scene is not agreed with.
@@ -327,6 +403,44 @@ fn a_wrong_image_is_found() {
         .radiance
         .map(|channel| channel * (1.0 + 3.0 * TOLERANCE));
     assert!(error(film.pixels()[lit], &oracle[lit], floor) > TOLERANCE);
+}
+
+/// A point on the edge of one light's shadow, amid the light of another.
+#[test]
+fn only_the_light_of_an_edge_may_flip() {
+    let scene = parse(
+        "[image]\nresolution = [1, 1]\n\
+         [camera.orthographic]\neye = [5, 5, 0]\nlook_at = [0, 0, 0]\nheight = 1\n\
+         [materials.m.phong]\ndiffuse = 0.5\n\
+         [objects]\nfloor.plane = { material = \"m\", point = [0, 0, 0], normal = [0, 1, 0] }\n\
+         roof.triangle = { material = \"m\", vertices = [[0, 1, -9], [0, 1, 9], [-9, 1, 0]] }\n\
+         [lights]\nedge.point = { position = [0, 2, 0], intensity = 4 }\n\
+         free.point = { position = [3, 2, 1], intensity = 7 }\n",
+    );
+    let oracle = Oracle::new(&scene);
+    let center = oracle.explain(0.5, 0.5);
+    let [edge, free] = [0, 1].map(|light: usize| center.lights[light].unoccluded[0] as f32);
+    assert!(edge > 0.1 && free > 0.1);
+    let is_right = |edge: f32, free: f32, alpha: f32| {
+        let sum = edge + free;
+        let rendered = Rendered {
+            pixel: [sum, sum, sum, alpha],
+            shares: &[edge, edge, edge, free, free, free],
+        };
+        is_flip(&oracle, [0, 0], &rendered, 1e-9)
+    };
+    assert!(is_right(edge, free, 1.0) && is_right(0.0, free, 1.0));
+    for (edge, free, alpha) in [
+        (edge, 0.0, 1.0),
+        (0.0, 0.0, 1.0),
+        // The sum is one that may be.
+        (free, edge, 1.0),
+        (0.5 * edge, free, 1.0),
+        (1.01 * edge, free, 1.0),
+        (edge, free, 0.0),
+    ] {
+        assert!(!is_right(edge, free, alpha), "{edge} {free} {alpha}");
+    }
 }
 
 fn write(film: &Film, path: &Path) {
@@ -352,16 +466,16 @@ fn idiff_finds_no_difference() {
     let (a, b) = (folder.path().join("a.exr"), folder.path().join("b.exr"));
     write(&film, &a);
     write(&expected, &b);
-    let flips = (FLIPS * film.pixels().len() as f64) as usize;
-    assert!(idiff_agrees_within(&a, &b, TOLERANCE, flips));
+    let tolerance = Measured::ROOM * WORST;
+    assert!(idiff_agrees_within(&a, &b, tolerance, 0));
     // And it would find one.
     let mut pixels = film.pixels().to_vec();
     for pixel in &mut pixels {
-        pixel[1] *= 1.0 + 10.0 * TOLERANCE as f32;
+        pixel[1] *= 1.0 + 10.0 * tolerance as f32;
     }
     let wrong = Film::new(film.resolution(), window, pixels, film.metadata().clone());
     write(&wrong, &b);
-    assert!(!idiff_agrees_within(&a, &b, TOLERANCE, flips));
+    assert!(!idiff_agrees_within(&a, &b, tolerance, 0));
 }
 
 #[test]
@@ -402,14 +516,14 @@ fn any_instruction_set_gives_the_same_bits() {
     scenes.truncate(20);
     scenes.push(("lecture".to_owned(), at_width(Scene::builtin(), 200)));
     for (name, scene) in scenes {
-        let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
         let rendered = |simd| {
             let options = Options {
                 samples: 3,
                 simd,
                 ..Options::default()
             };
-            bits(&render(&world, &options))
+            bits(&render(&world, &camera, &options).unwrap())
         };
         let widest = rendered(SimdLevel::default());
         for (instructions, simd) in SimdLevel::available() {

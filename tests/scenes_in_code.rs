@@ -8,13 +8,14 @@ use std::process::Command;
 use std::sync::Arc;
 
 use candela::exr::ExrOptions;
+use candela::mesh::{MeshGroup, MeshNormals};
 use candela::output::Unfinished;
-use candela::scene::mesh::{MeshGroup, MeshNormals};
 use candela::scene::{
     Camera, Entry, Image, Light, Lobes, Material, MeshFile, Object, Scene, Source, Span, Spanned,
     Transport, Value, View,
 };
 use candela::spectrum::{Curve, Observer};
+use candela::world::Loaded;
 use candela::{Options, World, render};
 
 use crate::openimageio::oiiotool;
@@ -326,7 +327,7 @@ fn the_hash_is_that_of_the_content() {
         })
         .collect();
     assert_eq!(hashes.len(), changes.len());
-    let world = World::new(&scene()).unwrap();
+    let (world, _) = World::new(&scene()).unwrap();
     assert_eq!(world.scene_hash(), scene().hash().to_string());
     assert_eq!(world.inputs_hash(), world.scene_hash());
     // One mesh that two objects share is one that each has for itself.
@@ -400,16 +401,19 @@ fn files() -> tempfile::TempDir {
     folder
 }
 
-fn world(folder: &Path) -> World {
-    World::load(folder.join("scene.toml")).unwrap().1
+fn load(folder: &Path) -> Loaded {
+    World::load(folder.join("scene.toml")).unwrap()
 }
 
 #[test]
 fn inputs_are_hashed_as_sha256sum_does() {
     let folder = files();
     let folder = folder.path();
-    let world = world(folder);
-    let scene = Scene::load(folder.join("scene.toml")).unwrap();
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = load(folder);
     let names: Vec<&str> = scene
         .inputs
         .iter()
@@ -429,7 +433,7 @@ fn inputs_are_hashed_as_sha256sum_does() {
     assert_eq!(paths.len(), 5);
 
     let exr = folder.join("out.exr");
-    let film = render(&world, &Options::default());
+    let film = render(&world, &camera, &Options::default()).unwrap();
     film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new())
         .unwrap();
     let printed = oiiotool(folder, "--info -v out.exr");
@@ -446,23 +450,27 @@ fn inputs_are_hashed_as_sha256sum_does() {
 fn a_changed_input_changes_the_hash_of_the_inputs_alone() {
     let folder = files();
     let folder = folder.path();
-    let before = world(folder);
+    let before = load(folder).world;
     for (name, content) in [
         ("meshes/wing one.obj", WING.replace("end", "End")),
         ("sky.csv", "nm,value\n400,0.2\n700,0.11\n".to_owned()),
     ] {
         let old = fs::read(folder.join(name)).unwrap();
         fs::write(folder.join(name), content).unwrap();
-        let after = world(folder);
+        let after = load(folder).world;
         assert_eq!(after.scene_hash(), before.scene_hash(), "{name}");
         assert_ne!(after.inputs_hash(), before.inputs_hash(), "{name}");
         fs::write(folder.join(name), old).unwrap();
-        assert_eq!(world(folder).inputs_hash(), before.inputs_hash(), "{name}");
+        assert_eq!(
+            load(folder).world.inputs_hash(),
+            before.inputs_hash(),
+            "{name}"
+        );
     }
     // What only the command line says is no input.
-    let (_, other) = World::load_with(folder.join("scene.toml"), |scene| {
+    let other = World::load_with(folder.join("scene.toml"), |scene| {
         scene.image.transport.value = Transport::Rgb;
     })
     .unwrap();
-    assert_eq!(other.inputs_hash(), before.inputs_hash());
+    assert_eq!(other.world.inputs_hash(), before.inputs_hash());
 }

@@ -85,7 +85,7 @@ fn every_scene_is_valid() {
 
 /// What a schema cannot say, and the bad scenes that are wrong in that way alone. Each stands for all
 /// whose names begin so.
-const BEYOND: [(&str, &[&str]); 7] = [
+const BEYOND: [(&str, &[&str]); 8] = [
     ("what is in a file", &["csv_", "mesh_"]),
     (
         "that wavelengths ascend",
@@ -105,7 +105,11 @@ const BEYOND: [(&str, &[&str]); 7] = [
     ),
     (
         "how points lie to each other",
-        &["range_eye", "range_up", "range_triangle"],
+        &["range_eye", "range_up", "range_triangle", "spot_at_itself"],
+    ),
+    (
+        "which of two angles is larger",
+        &["spot_inner_beyond_outer"],
     ),
     ("numbers that JSON's readers make infinite", &["curve_huge"]),
     ("wavelengths in another unit", &["curve_micrometers"]),
@@ -225,7 +229,9 @@ fn is_beyond(key: &str, value: &str) -> bool {
         // Whether a material or a file of this name is there.
         "material" | "file" => is_text,
         // How points lie to each other.
-        "eye" => value == "[0, 0, 0]",
+        "eye" | "position" => value == "[0, 0, 0]",
+        // Which of two angles is larger.
+        "inner" => value.parse().is_ok_and(|angle: f64| angle > 30.0),
         _ => false,
     }
 }
@@ -235,6 +241,17 @@ struct Kind {
     header: String,
     keys: Vec<(String, String)>,
     required: Vec<String>,
+    /// Keys of which exactly one is required.
+    one_of: Vec<String>,
+}
+
+impl Kind {
+    /// Whether an entry in which `probed` is looked at has this key for the rest to be sound.
+    fn needs(&self, name: &String, probed: &str) -> bool {
+        let is_choice = self.one_of.first() == Some(name);
+        let is_chosen = self.one_of.iter().any(|choice| choice == probed);
+        self.required.contains(name) || is_choice && !is_chosen
+    }
 }
 
 /// The kinds of entry that the schema knows.
@@ -244,7 +261,10 @@ fn kinds() -> Vec<Kind> {
         let keys = form["properties"].as_object().unwrap().iter();
         let keys = keys.map(|(name, key)| (name.clone(), key["examples"][0].to_string()));
         let required = form["required"].as_array().into_iter().flatten();
+        let one_of = form["oneOf"].as_array().into_iter().flatten();
+        let one_of = one_of.map(|choice| choice["required"][0].as_str().unwrap().to_owned());
         Kind {
+            one_of: one_of.collect(),
             header,
             keys: keys.collect(),
             required: required
@@ -314,7 +334,7 @@ fn the_schema_agrees_with_the_reader() {
                 let is_probed = name == key;
                 if is_probed && let Some(value) = change {
                     writeln!(entry, "{name} = {value}").unwrap();
-                } else if !is_probed && kind.required.contains(name) {
+                } else if !is_probed && kind.needs(name, key) {
                     writeln!(entry, "{name} = {example}").unwrap();
                 }
             }
@@ -333,10 +353,7 @@ fn the_schema_agrees_with_the_reader() {
             }
         }
         let entry = |more: &str| {
-            let required = kind
-                .keys
-                .iter()
-                .filter(|(name, _)| kind.required.contains(name));
+            let required = kind.keys.iter().filter(|(name, _)| kind.needs(name, ""));
             let lines: String = required
                 .map(|(name, example)| format!("{name} = {example}\n"))
                 .collect();

@@ -11,10 +11,9 @@ use candela::color::difference::{Lab, delta_e_2000};
 use candela::exr::{ExrOptions, Precision};
 use candela::image::{Film, Window};
 use candela::output::Unfinished;
-use candela::render::{self, Layers, Options};
+use candela::render::{self, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport};
 use candela::spectrum::{Illuminant, Observer, SAMPLES};
-use candela::world::colorimetry::primaries;
 use candela::world::{Wavelengths, World};
 use glam::{DMat3, DVec3};
 
@@ -39,8 +38,8 @@ fn bands_of(scene: &Scene, samples: u32, wavelengths: Wavelengths) -> Film {
 fn film_of(scene: &Scene, options: &Options) -> Film {
     let mut scene = scene.clone();
     scene.image.transport.value = Transport::Spectral;
-    let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-    render::render(&world, options)
+    let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+    render::render(&world, &camera, options).unwrap()
 }
 
 /// The bits of all bands of all pixels.
@@ -177,9 +176,8 @@ fn bands_beyond_f32_are_clamped_and_counted() {
         .replace("position = [0, 2, 0]", "position = [0, 1e-9, 0]");
     let mut scene = parse(&text);
     scene.image.transport.value = Transport::Spectral;
-    let world = World::new(&scene).unwrap();
-    let plan = candela::world::Plan::new(&world);
-    let visibility = candela::visibility::Visibility::new(&world, &plan);
+    let (world, camera) = World::new(&scene).unwrap();
+    let renderer = Renderer::new(&world).unwrap();
     let options = Options {
         layers: Layers {
             spectral: Some(Wavelengths::default()),
@@ -187,7 +185,7 @@ fn bands_beyond_f32_are_clamped_and_counted() {
         },
         ..Options::default()
     };
-    let (film, counts) = render::render_with(&world, &plan, &visibility, &options, &|_| {});
+    let (film, counts) = renderer.film(&camera, &options, &Job::new()).unwrap();
     assert!(film.values(9 * 4 + 4).iter().all(|&band| band == f32::MAX));
     assert_eq!(counts.clamped, 3 + 41);
 }
@@ -288,7 +286,7 @@ fn rgb_of(bands: &[f32], wavelengths: Wavelengths) -> DVec3 {
 }
 
 fn to_rgb() -> DMat3 {
-    let primaries = primaries(candela::scene::ColorSpace::Rec709);
+    let primaries = candela::scene::ColorSpace::Rec709.primaries();
     let d65 = d65_of_one_candela();
     let matching = Observer::Cie1931.color_matching();
     let white = matching.map(|m| 683.0 * m.iter().zip(d65).map(|(m, s)| m * s).sum::<f64>());
@@ -391,7 +389,7 @@ const TABLE: f64 = 0.006;
 #[test]
 fn quadrature_errors_are_those_of_the_docs() {
     let (patches, white) = patches();
-    let to_xyz = primaries(candela::scene::ColorSpace::Rec709).to_xyz();
+    let to_xyz = candela::scene::ColorSpace::Rec709.primaries().to_xyz();
     let mut wrong = String::new();
     for (step, row) in QUADRATURE {
         let wavelengths = Wavelengths::new(380, 780, step).unwrap();

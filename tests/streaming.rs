@@ -2,14 +2,15 @@
 //! with the first error.
 
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use candela::exr::{Compression, ExrOptions, ExrReport, Precision};
+use candela::Camera;
+use candela::exr::{Compression, ExrOptions, ExrReport, Precision, Preserve, read};
 use candela::image::Window;
-use candela::render::{Counts, Layers, Options, render_exr, render_with};
+use candela::render::{Counts, Job, Layers, Options, RenderError, RenderedTile, Renderer, Sink};
 use candela::scene::{Scene, Transport};
-use candela::visibility::Visibility;
-use candela::world::{Plan, Wavelengths, World};
+use candela::world::{Wavelengths, World};
 
 use crate::allocation::peak;
 
@@ -24,7 +25,7 @@ const CROP: Window = Window {
     height: 290,
 };
 
-fn world(resolution: [u32; 2], transport: Transport) -> World {
+fn world(resolution: [u32; 2], transport: Transport) -> (World, Camera) {
     let mut scene = Scene::builtin();
     scene.image.resolution.value = resolution;
     scene.image.transport.value = transport;
@@ -32,23 +33,24 @@ fn world(resolution: [u32; 2], transport: Transport) -> World {
 }
 
 fn stream(
-    world: &World,
+    (world, camera): &(World, Camera),
     options: &Options,
     progress: &(dyn Fn(u64) + Sync),
     exr: &ExrOptions,
     sink: &mut (impl Write + Seek + Send),
 ) -> io::Result<(Counts, ExrReport)> {
-    let plan = Plan::new(world);
-    let visibility = Visibility::new(world, &plan);
-    render_exr(world, &plan, &visibility, options, progress, exr, sink)
+    let renderer = Renderer::new(world).unwrap();
+    let job = Job::watched(progress);
+    let rendered = renderer.exr(camera, options, exr, Preserve::Nothing, &job, sink)?;
+    Ok((rendered.counts, rendered.report))
 }
 
 /// Renders and writes, together and one after the other, on any number of threads: one file, one
 /// report.
-fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
-    let plan = Plan::new(world);
-    let visibility = Visibility::new(world, &plan);
-    let (film, counts) = render_with(world, &plan, &visibility, options, &|_| {});
+fn assert_same(viewed: &(World, Camera), options: &Options, exr: &ExrOptions) {
+    let (world, camera) = viewed;
+    let renderer = Renderer::new(world).unwrap();
+    let (film, counts) = renderer.film(camera, options, &Job::new()).unwrap();
     let mut file = Cursor::new(Vec::new());
     let report = film.write_exr_to(&mut file, exr).unwrap();
     for threads in [1, 2, 5] {
@@ -59,7 +61,7 @@ fn assert_same(world: &World, options: &Options, exr: &ExrOptions) {
         let told = |pixels| {
             progress.fetch_add(pixels, Ordering::Relaxed);
         };
-        let done = pool.install(|| stream(world, options, &told, exr, &mut streamed));
+        let done = pool.install(|| stream(viewed, options, &told, exr, &mut streamed));
         let case = format!("{options:?} {exr:?} {threads}");
         assert_eq!(done.unwrap(), (counts, report), "{case}");
         assert!(streamed.get_ref() == file.get_ref(), "{case}");
@@ -201,29 +203,132 @@ fn a_full_disk_ends_rendering() {
     }
 }
 
+/// What is kept of a file that is written is what is read from it, to the bit.
+#[test]
+fn the_image_that_is_preserved_is_what_the_file_shows() {
+    let (world, camera) = world(RESOLUTION, Transport::Auto);
+    let renderer = Renderer::new(&world).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("written.exr");
+    let layers = Layers {
+        lights: true,
+        depth: true,
+        normal: true,
+        spectral: None,
+    };
+    for compression in Compression::ALL {
+        for precision in [Precision::Float, Precision::Half] {
+            for (window, layers) in [(None, Layers::default()), (Some(CROP), layers)] {
+                let options = Options {
+                    window,
+                    layers,
+                    ..Options::default()
+                };
+                let exr = ExrOptions {
+                    compression,
+                    precision,
+                    chromaticities: false,
+                };
+                let mut file = Cursor::new(Vec::new());
+                let rendered = renderer.exr(
+                    &camera,
+                    &options,
+                    &exr,
+                    Preserve::Image,
+                    &Job::new(),
+                    &mut file,
+                );
+                let preserved = rendered.unwrap().image.unwrap();
+                std::fs::write(&path, file.into_inner()).unwrap();
+                let shown = read(&path).unwrap();
+                let case = format!("{options:?} {exr:?}");
+                assert_eq!(preserved.resolution, shown.resolution, "{case}");
+                assert_eq!(preserved.window, shown.window, "{case}");
+                assert_eq!(preserved.has_alpha, shown.has_alpha, "{case}");
+                assert_eq!(preserved.color, shown.color, "{case}");
+                assert!(preserved.pixels == shown.pixels, "{case}");
+            }
+        }
+    }
+}
+
+/// Counts tiles, and ends the render at one of them.
+struct Ending<'j> {
+    tiles: AtomicU64,
+    at: u64,
+    /// To be canceled; without, the sink breaks.
+    job: Option<&'j Job<'j>>,
+}
+
+impl Sink for Ending<'_> {
+    fn take(&self, tile: &RenderedTile) -> ControlFlow<()> {
+        assert_eq!(tile.pixels().len() as u64, tile.window().count());
+        let is_last = self.tiles.fetch_add(1, Ordering::Relaxed) + 1 == self.at;
+        match self.job {
+            Some(job) if is_last => job.cancel(),
+            None if is_last => return ControlFlow::Break(()),
+            Some(_) | None => {}
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+#[test]
+fn a_job_ends_where_it_is_canceled_or_its_sink_breaks() {
+    let (world, camera) = world([320, 160], Transport::Auto);
+    let renderer = Renderer::new(&world).unwrap();
+    let options = Options::default();
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        let job = Job::new();
+        for is_canceled in [false, true] {
+            let sink = Ending {
+                tiles: AtomicU64::new(0),
+                at: 7,
+                job: is_canceled.then_some(&job),
+            };
+            let done = pool.install(|| renderer.tiles(&camera, &options, &job, &sink));
+            assert_eq!(matches!(done, Err(RenderError::Canceled)), is_canceled);
+            // Those that were begun beside the last one are there as well.
+            let tiles = sink.tiles.into_inner();
+            assert!((7..7 + threads as u64).contains(&tiles), "{tiles}");
+        }
+        assert!(renderer.film(&camera, &options, &job).is_err());
+        let mut file = Cursor::new(Vec::new());
+        let exr = renderer.exr(
+            &camera,
+            &options,
+            &ExrOptions::default(),
+            Preserve::Nothing,
+            &job,
+            &mut file,
+        );
+        assert!(matches!(exr, Err(RenderError::Canceled)));
+    }
+}
+
 /// A film of 1024 × 1024 pixels is 16.8 MB; a strip of it is 262 kB, and what compresses it takes some
 /// 2 MB whatever the image.
 #[test]
 fn the_film_is_never_there_as_a_whole() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
     let pool = pool.build().unwrap();
-    let world = world([1024, 1024], Transport::Auto);
+    let (world, camera) = world([1024, 1024], Transport::Auto);
     let mut disk = Disk {
         free: usize::MAX,
         written: 0,
     };
-    let plan = Plan::new(&world);
-    let visibility = Visibility::new(&world, &plan);
+    let renderer = Renderer::new(&world).unwrap();
     let (result, most) = pool.install(|| {
         peak(|| {
             let (options, exr) = (Options::default(), ExrOptions::default());
-            render_exr(
-                &world,
-                &plan,
-                &visibility,
+            renderer.exr(
+                &camera,
                 &options,
-                &|_| {},
                 &exr,
+                Preserve::Nothing,
+                &Job::new(),
                 &mut disk,
             )
         })

@@ -242,7 +242,7 @@ pub(crate) fn measure(folder: &Path, scenes: &[&Scene], runs: u32) -> Result<Str
          | --- | --- | --- | ---: | ---: | --- | ---: |\n",
     );
     for scene in scenes {
-        let (_, world) = World::load(&scene.path)?;
+        let world = World::load(&scene.path)?.world;
         for bundle in bundles(&world) {
             eprintln!("{}: {} …", scene.name, bundle.name);
             let path = folder.join(format!("{}-{}.rays", scene.name, bundle.name));

@@ -3,18 +3,21 @@
 use std::path::Path;
 use std::time::Instant;
 
+use candela::Camera;
 use candela::exr::ExrOptions;
 use candela::image::Film;
 use candela::output::Unfinished;
-use candela::render::{Counts, Options, render_with};
-use candela::visibility::Visibility;
-use candela::world::{Plan, World};
+use candela::render::{Counts, Job, Options, RenderError, Renderer};
+use candela::world::{Loaded, World};
 use rayon::ThreadPool;
 use serde::Serialize;
 
 use super::Result;
 use super::scenes::Scene;
 use super::yardstick::{self, Yardstick};
+
+/// What a render makes.
+type Rendered = std::result::Result<(Film, Counts), RenderError>;
 
 /// Pictures agree in a pixel where every channel does to this share. Embree and the yardstick compute
 /// in f32: near a shadow's terminator and in highlights that is good for some 1e-4.
@@ -101,16 +104,14 @@ pub(crate) fn pool(threads: usize) -> Result<ThreadPool> {
         .build()?)
 }
 
-/// A world, and the seconds that it takes to read the scene, validate and plan it.
+/// A world, its camera, and the seconds that it takes to read the scene and validate it.
 pub(crate) fn load(
     path: &Path,
     change: impl FnOnce(&mut candela::Scene),
-) -> Result<(World, Plan, f64)> {
+) -> Result<(World, Camera, f64)> {
     let start = Instant::now();
-    let (scene, world) = World::load_with(path, change)?;
-    drop(scene);
-    let plan = Plan::new(&world);
-    Ok((world, plan, start.elapsed().as_secs_f64()))
+    let Loaded { world, camera, .. } = World::load_with(path, change)?;
+    Ok((world, camera, start.elapsed().as_secs_f64()))
 }
 
 impl Bench<'_> {
@@ -125,19 +126,20 @@ impl Bench<'_> {
         let pool = pool(self.threads)?;
         let mut rows = Vec::new();
         for &lights in lights {
-            let (world, plan, load) =
+            let (world, camera, load) =
                 pool.install(|| load(&scene.path, |scene| scene.lights.truncate(lights)))?;
-            let (visibility, build) = timed(|| pool.install(|| Visibility::new(&world, &plan)));
-            let render = |samples: u32| -> ((Film, Counts), f64) {
+            let (renderer, build) = timed(|| pool.install(|| Renderer::new(&world)));
+            let renderer = renderer?;
+            let render = |samples: u32| -> (Rendered, f64) {
                 let options = Options {
                     samples,
                     ..Options::default()
                 };
-                let render = || render_with(&world, &plan, &visibility, &options, &|_| {});
+                let render = || renderer.film(&camera, &options, &Job::new());
                 timed(|| pool.install(render))
             };
             // The first renders of both are not measured.
-            let ((film, _), _) = render(1);
+            let (film, _) = render(1).0?;
             let agreement = match &mut yardstick {
                 None => None,
                 Some(yardstick) => {
@@ -154,8 +156,8 @@ impl Bench<'_> {
                 let (mut ours, mut theirs, mut shading) = (Vec::new(), Vec::new(), Vec::new());
                 let mut counts = Counts::default();
                 for _ in 0..self.runs {
-                    let ((_, run_counts), seconds) = render(samples);
-                    counts = run_counts;
+                    let (rendered, seconds) = render(samples);
+                    (_, counts) = rendered?;
                     ours.push(seconds);
                     if let Some(yardstick) = &mut yardstick {
                         theirs.push(yardstick.render(samples, self.threads, lights)?);
@@ -198,9 +200,9 @@ impl Bench<'_> {
         let Some(program) = self.program else {
             return Ok(None);
         };
-        let (world, ..) = load(&scene.path, |_| {})?;
+        let (world, camera, _) = load(&scene.path, |_| {})?;
         let path = self.folder.join(format!("{}.bin", scene.name));
-        yardstick::write_scene(&world, &path)?;
+        yardstick::write_scene(&world, &camera, &path)?;
         drop(world);
         Ok(Some(Yardstick::start(program, &path, self.threads)?))
     }

@@ -9,8 +9,7 @@ use std::process::{Command, Stdio};
 
 use candela::exr::ExrOptions;
 use candela::output::Unfinished;
-use candela::render::{Options, render_with};
-use candela::visibility::Visibility;
+use candela::render::{Job, Options, Renderer};
 use serde::{Deserialize, Serialize};
 
 use super::archive::{keep, milliseconds};
@@ -87,16 +86,17 @@ struct Sweep {
 pub(crate) fn measure_here(point: &str) -> Result<()> {
     let point: Point = serde_json::from_str(point)?;
     let cost = pool(point.threads)?.install(|| -> Result<Cost> {
-        let (world, plan, load) = load(&point.scene, |scene| {
+        let (world, camera, load) = load(&point.scene, |scene| {
             scene.image.resolution.value = point.resolution;
         })?;
-        let (visibility, build) = timed(|| Visibility::new(&world, &plan));
+        let (renderer, build) = timed(|| Renderer::new(&world));
+        let renderer = renderer?;
         let options = Options {
             samples: point.samples,
             ..Options::default()
         };
-        let ((film, _), render) =
-            timed(|| render_with(&world, &plan, &visibility, &options, &|_| {}));
+        let (rendered, render) = timed(|| renderer.film(&camera, &options, &Job::new()));
+        let (film, _) = rendered?;
         let exr = point.scene.with_extension("exr");
         let (written, write) =
             timed(|| film.write_exr(&exr, &ExrOptions::default(), &Unfinished::new()));

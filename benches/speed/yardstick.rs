@@ -6,9 +6,10 @@ use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
+use candela::camera::{Camera, Projection};
 use candela::math::Point;
 use candela::world::material::Model;
-use candela::world::{Projection, World};
+use candela::world::{Light, World};
 
 use super::Result;
 
@@ -183,19 +184,22 @@ struct Triangles {
 }
 
 /// Writes a world as the yardstick reads it: what candela renders, resolved and transformed, in f32.
-pub(crate) fn write_scene(world: &World, path: &Path) -> Result<()> {
+pub(crate) fn write_scene(world: &World, camera: &Camera, path: &Path) -> Result<()> {
     if !world.planes().is_empty() {
         return Err("the yardstick knows no planes".into());
     }
     let mut file = Numbers(BufWriter::new(File::create(path)?));
-    let [width, height] = world.resolution();
+    let [width, height] = camera.resolution();
     file.count(width as usize)?;
     file.count(height as usize)?;
-    write_camera(world, &mut file)?;
+    write_camera(camera, &mut file)?;
     file.count(world.lights().len())?;
     for light in world.lights() {
-        file.numbers(light.value.position.0.to_array())?;
-        file.numbers(light.value.intensity.0.0)?;
+        let Light::Point(light) = light.value else {
+            return Err("the yardstick knows no lights but points".into());
+        };
+        file.numbers(light.position.0.to_array())?;
+        file.numbers(light.intensity.0.0)?;
     }
     file.numbers(world.background().0.0)?;
 
@@ -222,9 +226,8 @@ pub(crate) fn write_scene(world: &World, path: &Path) -> Result<()> {
 }
 
 /// A ray at pixel (0, 0), and what a column and a row add to it.
-fn write_camera(world: &World, file: &mut Numbers) -> Result<()> {
-    let camera = world.camera();
-    let [width, height] = world.resolution().map(f64::from);
+fn write_camera(camera: &Camera, file: &mut Numbers) -> Result<()> {
+    let [width, height] = camera.resolution().map(f64::from);
     let origin = |x, y| camera.ray(x, y).origin.0;
     let direction = |x, y| camera.ray(x, y).direction;
     let first = Point(origin(0.0, 0.0));

@@ -9,7 +9,7 @@ use candela::visibility::Visibility;
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
-use candela::world::{Plan, Shape, World, physics};
+use candela::world::{Light, Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
 use super::source::SceneArguments;
@@ -31,11 +31,15 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), Failure> {
-    let (scene, world) = arguments.scene.load(|_| {})?;
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = arguments.scene.load(|_| {})?;
     let plan = Plan::new(&world);
     let visibility = Visibility::try_new(&world, &plan)?;
 
-    let [width, height] = world.resolution();
+    let [width, height] = camera.resolution();
     writeln!(
         output,
         "{} is legal",
@@ -61,14 +65,15 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         Size(shapes)
     )?;
     if let Some(memory) = world.products_memory() {
-        let (lights, materials) = (world.lights().len(), world.used_materials().len());
-        writeln!(
-            output,
-            "           {} products of the spectra of {} and {}",
-            Size(memory),
-            counted(lights, "light", "lights"),
-            counted(materials, "material", "materials"),
-        )?;
+        let lights = counted(world.lights().len(), "light", "lights");
+        let materials = counted(world.used_materials().len(), "material", "materials");
+        let products = format!("products of the spectra of {lights} and {materials}");
+        if memory == 0 && !world.lights().is_empty() {
+            let made = "too many for a table: each tile makes its own";
+            writeln!(output, "           {products}: {made}")?;
+        } else {
+            writeln!(output, "           {} {products}", Size(memory))?;
+        }
     }
     let shadow_rays = world.lights().len();
     let pixels = width as usize * height as usize;
@@ -160,9 +165,17 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
 fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     writeln!(output, "\nlights     {}", world.lights().len())?;
     for light in world.lights().iter().take(LISTED) {
-        let [r, g, b] = light.value.intensity.0.0.map(rounded);
+        let [r, g, b] = light.value.intensity().0.0.map(rounded);
         let name = printable(&light.name);
-        writeln!(output, "  {name:<20} point, [{r} {g} {b}] cd")?;
+        let kind = match &light.value {
+            Light::Point(_) => "point".to_owned(),
+            Light::Spot(spot) => {
+                let [inner, outer] =
+                    [spot.cone.inner(), spot.cone.outer()].map(|angle| rounded(angle.to_degrees()));
+                format!("spot to {inner}° and {outer}°")
+            }
+        };
+        writeln!(output, "  {name:<20} {kind}, [{r} {g} {b}] cd")?;
     }
     print_rest(world.lights().len(), output)
 }
@@ -203,7 +216,7 @@ fn print_differences(
     scene.image.transport.value = other;
     writeln!(output, "\ncolors     {what}")?;
     let other = match World::new(&scene) {
-        Ok(other) => other,
+        Ok((other, _)) => other,
         Err(errors) => {
             let why = errors.list().first().map(|error| error.problem.to_string());
             let why = why.unwrap_or_default();

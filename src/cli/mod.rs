@@ -25,6 +25,7 @@ use candela::memory;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
 use candela::printable::printable_path;
 use candela::render::Options;
+use candela::world::Loaded;
 use clap::{ColorChoice, Parser, Subcommand};
 use failure::{Failure, StandardOutput};
 
@@ -111,7 +112,11 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
 }
 
 fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Failure> {
-    let (scene, world) = arguments
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = arguments
         .scene
         .load(|scene| probe::prepare(arguments, scene))?;
     let renderer = |[x, y]: [u32; 2]| {
@@ -125,8 +130,8 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
             window: Some(pixel),
             ..Options::default()
         };
-        let [r, g, b, _] = candela::render(&world, &options).pixels()[0];
-        [r, g, b]
+        let [r, g, b, _] = candela::render(&world, &camera, &options)?.pixels()[0];
+        Ok([r, g, b])
     };
     Ok(probe::run(arguments, &scene, renderer, output)?)
 }

@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn the_scene_is_legal_and_nothing_is_odd_about_it() {
         let scene = Scene::parse(SCENE, SCENE_NAME).unwrap();
-        let warnings = physics::warnings(&World::new(&scene).unwrap());
+        let warnings = physics::warnings(&World::new(&scene).unwrap().0);
         assert_eq!(warnings, []);
     }
 

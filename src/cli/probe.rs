@@ -6,6 +6,7 @@ mod table;
 use std::io::{self, Write};
 
 use candela::oracle::{Explanation, Oracle};
+use candela::render::RenderError;
 use candela::scene::{Scene, Transport};
 use candela::spectrum;
 use serde::Serialize;
@@ -73,6 +74,9 @@ pub(crate) enum ProbeError {
          or probe without --spectrum"
     )]
     NoSpectrum,
+    /// The pixel cannot be rendered.
+    #[error("{0}")]
+    Render(#[from] RenderError),
     /// The output cannot be written.
     #[error("{0}")]
     Output(#[from] io::Error),
@@ -125,12 +129,13 @@ pub(crate) fn prepare(arguments: &Arguments, scene: &mut Scene) {
 ///
 /// # Errors
 /// [`ProbeError::Outside`] for a pixel that the image does not have, [`ProbeError::NoSpectrum`] where
-/// one is asked for and light is carried as RGB, [`ProbeError::Output`] where `output` cannot be
+/// one is asked for and light is carried as RGB, [`ProbeError::Render`] where `renderer` fails,
+/// [`ProbeError::Output`] where `output` cannot be
 /// written.
 pub(crate) fn run(
     arguments: &Arguments,
     scene: &Scene,
-    renderer: impl FnOnce([u32; 2]) -> [f32; 3],
+    renderer: impl FnOnce([u32; 2]) -> Result<[f32; 3], RenderError>,
     output: &mut impl Write,
 ) -> Result<(), ProbeError> {
     let (pixel, resolution) = (arguments.pixel, scene.image.resolution.value);
@@ -153,7 +158,7 @@ pub(crate) fn run(
         }
     };
     let explanation = oracle.explain(px, py);
-    let radiance = renderer(pixel);
+    let radiance = renderer(pixel)?;
     let difference = std::array::from_fn(|i| f64::from(radiance[i]) - explanation.radiance[i]);
     let report = Report {
         pixel,

@@ -1,33 +1,35 @@
 //! `candela render`: a scene file becomes an EXR.
 
 mod layers;
+mod outputs;
 mod progress;
+mod request;
+mod statistics;
 mod summary;
 mod values;
 
-use std::ffi::OsStr;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
+use candela::Camera;
 use candela::display::{self, Alpha, Frame};
-use candela::exr::{Compression, ExrOptions, Precision};
-use candela::image::{Channels, Window};
-use candela::memory::Size;
-use candela::output::{self, Staged, Unfinished};
-use candela::render::{self, Layers, MAX_SAMPLES, Options};
+use candela::exr::{Compression, ExrImage};
+use candela::output::{self, Unfinished};
+use candela::render::{Job, MAX_SAMPLES, Renderer};
 use candela::scene::Scene;
 use candela::simd::SimdLevel;
-use candela::visibility::Visibility;
-use candela::world::{Bands, Plan, World, physics};
+use candela::world::{Loaded, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use serde::Serialize;
 
 use super::develop::DevelopArguments;
-use super::source::{BaseArguments, is_standard_input};
+use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
 use layers::LayerArguments;
+use outputs::Outputs;
 use progress::Progress;
+use request::Request;
+use statistics::{Seconds, Statistics};
 use summary::Summary;
 use values::{Crop, count, crop, named};
 
@@ -136,41 +138,6 @@ pub(crate) struct Arguments {
     quiet: bool,
 }
 
-/// `--stats`
-#[derive(Serialize)]
-struct Statistics<'a> {
-    scene_sha256: &'a str,
-    inputs_sha256: &'a str,
-    image: [u32; 2],
-    window: [u32; 4],
-    samples: u32,
-    /// What is made beside R, G, B, A.
-    layers: Vec<&'static str>,
-    threads: usize,
-    primary_rays: u64,
-    /// Camera rays that hit an object.
-    hits: u64,
-    shadow_rays: u64,
-    /// Points that a light reaches, of the shadow rays.
-    lit: u64,
-    /// Times that a light was on the very point to shade, d = 0, and added nothing.
-    singular_lights: u64,
-    /// Channels whose radiance does not fit their type: f32, and HALF with `--half`.
-    clamped: u64,
-    clamped_to_half: u64,
-    seconds: &'a Seconds,
-    plan: &'a Plan,
-}
-
-#[derive(Default, Serialize)]
-struct Seconds {
-    load: f64,
-    build: f64,
-    render: f64,
-    write: f64,
-    total: f64,
-}
-
 impl Arguments {
     /// What is wrong with the options as they stand together.
     pub(crate) fn misuse(&self) -> Option<String> {
@@ -183,176 +150,55 @@ pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), 
 }
 
 fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
-    let output = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| default_output(arguments));
-    let mut seconds = Seconds::default();
     let start = Instant::now();
+    let mut seconds = Seconds::default();
+    let outputs = Outputs::new(arguments);
 
-    let (scene, world) = match &arguments.scene {
-        Some(path) => {
-            let change = |scene: &mut Scene| arguments.layers.apply(scene);
-            arguments.base.load(path, change)?
-        }
-        None => {
-            let mut scene = Scene::builtin();
-            arguments.layers.apply(&mut scene);
-            let world = World::new(&scene)?;
-            (scene, world)
-        }
-    };
-    arguments.layers.check(&world)?;
-    let window = arguments
-        .crop
-        .map(|crop| crop.within(world.resolution()))
-        .transpose()?;
+    let (inputs, world, camera) = load(arguments)?;
+    let request = Request::new(arguments, &world, &camera)?;
     // Found out now rather than after an hour of rendering.
-    let outputs = [
-        Some(&output),
-        arguments.preview.as_ref(),
-        arguments.stats.as_ref(),
-    ];
-    let outputs: Vec<&Path> = outputs
-        .into_iter()
-        .flatten()
-        .map(PathBuf::as_path)
-        .collect();
-    let inputs = scene.files();
-    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    super::refuse_same_files(&inputs, &outputs)?;
-    super::refuse_terminal(&output)?;
-    if let Some(preview) = &arguments.preview {
-        super::refuse_terminal(preview)?;
-    }
-    for output in &outputs {
-        output::check(output)?;
-    }
-    drop(scene);
-    let whole = window.unwrap_or(Window::whole(world.resolution()));
-    let layers = arguments.layers.layers();
-    let channels = layers.channels(&world);
-    let exr_options = ExrOptions {
-        precision: if arguments.half {
-            Precision::Half
-        } else {
-            Precision::Float
-        },
-        compression: arguments.compression,
-        chromaticities: arguments.chromaticities,
-    };
-    exr_options.check(whole, &channels)?;
-    let spectral = world.spectra().zip(layers.spectral);
-    let table = spectral.map_or(0, |(spectra, wavelengths)| {
-        Bands::size(spectra, wavelengths)
-    });
-    let threads = rayon::current_num_threads();
-    let pixels = render::memory(whole, &channels, &exr_options, threads);
-    fits_in_memory(pixels, table, layers, &channels).map_err(super::failure::transient)?;
-    let plan = Plan::new(&world);
+    outputs.check(&inputs)?;
+    request.check(&world)?;
     seconds.load = start.elapsed().as_secs_f64();
 
-    let (visibility, build) = timed(|| Visibility::try_new(&world, &plan));
-    let visibility = visibility?;
+    let (renderer, build) = timed(|| Renderer::new(&world));
+    let renderer = renderer?;
     seconds.build = build;
 
-    let options = Options {
-        samples: arguments.samples,
-        window,
-        layers,
-        simd: arguments.simd.unwrap_or_default(),
-    };
-    let progress = Progress::new(whole, !arguments.quiet);
-    let advance = |pixels| progress.advance(pixels);
-    // The preview is made of the file, which a stream does not give back.
-    let staged = match arguments.preview {
-        Some(_) => Staged::new(&output, unfinished)?,
-        None => None,
-    };
-    let written = staged.as_ref().map_or(&*output, Staged::path);
-    let content = |mut sink: &mut dyn output::Sink| {
-        render::render_exr(
-            &world,
-            &plan,
-            &visibility,
-            &options,
-            &advance,
-            &exr_options,
+    let progress = Progress::new(request.window, !arguments.quiet);
+    let job = Job::watched(|pixels| progress.advance(pixels));
+    let written = output::write(&outputs.exr, unfinished, |mut sink| {
+        let rendered = renderer.exr(
+            &camera,
+            &request.options,
+            &request.exr,
+            request.preserve,
+            &job,
             &mut sink,
-        )
-    };
-    let rendered = match &staged {
-        Some(staged) => staged.fill(&output, content),
-        None => output::write(&output, unfinished, content),
-    };
+        );
+        Ok(rendered?)
+    });
     seconds.render = progress.finish();
-    let (counts, report) = rendered?;
-    // A PNG with alpha cannot hold light where nothing covers a pixel.
-    let has_background = world.background().0.0 != [0.0; 3];
-    let developed = match &arguments.preview {
-        Some(preview) => {
-            let settings = display::Settings {
-                exposure: arguments.development.exposure(),
-                view: arguments.development.view,
-                // Where there is none, what light is there is of the compression.
-                alpha: if has_background {
-                    Alpha::Opaque
-                } else {
-                    Alpha::Keep
-                },
-                dither: arguments.development.dither,
-                // Of a part, the part; of the whole that is the whole.
-                frame: Frame::Data,
-                ..display::Settings::default()
-            };
-            Some(display::convert(written, preview, &settings, unfinished)?)
-        }
-        None => None,
-    };
-    if let Some(staged) = staged {
-        staged.send(&output)?;
-    }
+    let rendered = written?;
+    let developed = develop(arguments, &world, rendered.image.as_ref(), unfinished)?;
     seconds.total = start.elapsed().as_secs_f64();
     seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
 
-    if let Some(path) = &arguments.stats {
-        let Window {
-            x,
-            y,
-            width,
-            height,
-        } = whole;
-        let statistics = Statistics {
-            scene_sha256: world.scene_hash(),
-            inputs_sha256: world.inputs_hash(),
-            image: world.resolution(),
-            window: [x, y, x + width, y + height],
-            samples: arguments.samples,
-            layers: layers.names(),
-            threads,
-            primary_rays: counts.primary_rays,
-            hits: counts.hits,
-            shadow_rays: counts.shadow_rays,
-            lit: counts.lit,
-            singular_lights: counts.singular,
-            clamped: counts.clamped,
-            clamped_to_half: report.clamped_to_half,
-            seconds: &seconds,
-            plan: &plan,
-        };
+    if let Some(path) = &outputs.statistics {
+        let statistics = Statistics::new(&renderer, &camera, &request, &rendered, &seconds);
         let json = serde_json::to_string_pretty(&statistics)?;
         output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
     }
     if !arguments.quiet {
         let summary = Summary {
             arguments,
-            output: &output,
-            resolution: world.resolution(),
-            window: whole,
+            output: &outputs.exr,
+            resolution: camera.resolution(),
+            window: request.window,
             has_lights: !world.lights().is_empty(),
             warnings: physics::warnings(&world),
-            counts,
-            exr: report,
+            counts: rendered.counts,
+            exr: rendered.report,
             developed,
             seconds: seconds.render,
         };
@@ -362,110 +208,61 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     Ok(())
 }
 
-/// Whether the system would give the memory for so many bytes of pixels under way, and for a table of
-/// so many numbers for the bands of lights on materials.
-fn fits_in_memory(
-    pixels: u64,
-    table: u64,
-    layers: Layers,
-    channels: &Channels,
-) -> Result<(), Failure> {
-    let mut rows: Vec<u8> = Vec::new();
-    let mut bands: Vec<f64> = Vec::new();
-    let fits = usize::try_from(pixels).is_ok_and(|count| rows.try_reserve_exact(count).is_ok())
-        && usize::try_from(table).is_ok_and(|count| bands.try_reserve_exact(count).is_ok());
-    if fits {
-        return Ok(());
-    }
-    let table = table.saturating_mul(size_of::<f64>() as u64);
-    let size = Size(pixels.saturating_add(table));
-    if table > pixels {
-        return Err(format!(
-            "the bands of all lights on all materials take {size} of memory, more than \
-             there is; choose fewer --wavelengths, or fewer lights or materials",
-        )
-        .into());
-    }
-    let fewer = if layers.spectral.is_some() {
-        "fewer --wavelengths or "
-    } else if !channels.list.is_empty() {
-        "fewer --layers or "
-    } else {
-        ""
+/// The world with its camera, and the files that it was read from.
+fn load(arguments: &Arguments) -> Result<(Vec<PathBuf>, World, Camera), Failure> {
+    let change = |scene: &mut Scene| arguments.layers.apply(scene);
+    let Loaded {
+        scene,
+        world,
+        camera,
+    } = match &arguments.scene {
+        Some(path) => arguments.base.load(path, change)?,
+        None => {
+            let mut scene = Scene::builtin();
+            change(&mut scene);
+            let (world, camera) = World::new(&scene)?;
+            Loaded {
+                scene,
+                world,
+                camera,
+            }
+        }
     };
-    Err(format!(
-        "the rows of the image that are rendered at once take {size} of memory, more than \
-         there is; choose {fewer}a smaller `resolution`, or render it in parts with --crop",
-    )
-    .into())
+    Ok((scene.files(), world, camera))
+}
+
+/// Makes the preview of what was rendered, where one is asked for.
+fn develop(
+    arguments: &Arguments,
+    world: &World,
+    image: Option<&ExrImage>,
+    unfinished: &Unfinished,
+) -> Result<Option<display::Report>, Failure> {
+    let (Some(preview), Some(image)) = (&arguments.preview, image) else {
+        return Ok(None);
+    };
+    // A PNG with alpha cannot hold light where nothing covers a pixel.
+    let has_background = world.background().0.0 != [0.0; 3];
+    let settings = display::Settings {
+        exposure: arguments.development.exposure(),
+        view: arguments.development.view,
+        // Where there is none, what light is there is of the compression.
+        alpha: if has_background {
+            Alpha::Opaque
+        } else {
+            Alpha::Keep
+        },
+        dither: arguments.development.dither,
+        // Of a part, the part; of the whole that is the whole.
+        frame: Frame::Data,
+        ..display::Settings::default()
+    };
+    let report = display::convert_image(image, preview, &settings, unfinished)?;
+    Ok(Some(report))
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed().as_secs_f64())
-}
-
-/// SCENE.exr in the current folder; scene.exr for a scene from standard input.
-fn default_output(arguments: &Arguments) -> PathBuf {
-    let scene = match arguments.scene.as_deref() {
-        None => Path::new("lecture.toml"),
-        Some(scene) if is_standard_input(scene) => Path::new("scene.toml"),
-        Some(scene) => scene,
-    };
-    PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
-}
-
-#[cfg(test)]
-mod tests {
-    use candela::world::Wavelengths;
-
-    use super::*;
-
-    #[test]
-    fn what_does_not_fit_in_memory_is_said() {
-        let layers = Layers {
-            spectral: Some(Wavelengths::default()),
-            ..Layers::default()
-        };
-        let channels = layers.channels(&World::new(&Scene::builtin()).unwrap());
-        assert!(fits_in_memory(1000, 1000, layers, &channels).is_ok());
-        // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
-        let message = |table| {
-            let error = fits_in_memory(1000, table, layers, &channels).unwrap_err();
-            error.to_string()
-        };
-        for table in [1 << 58, u64::MAX] {
-            let message = message(table);
-            assert!(
-                message.contains("bands of all lights on all materials"),
-                "{message}"
-            );
-            assert!(
-                message.contains("fewer --wavelengths, or fewer lights"),
-                "{message}"
-            );
-        }
-        assert!(
-            message(1 << 58).contains("2305843009.2 GB"),
-            "{}",
-            message(1 << 58)
-        );
-
-        let rows = |layers, channels| {
-            let error = fits_in_memory(1 << 61, 0, layers, channels).unwrap_err();
-            error.to_string()
-        };
-        let message = rows(layers, &channels);
-        assert!(message.contains("2305843009.2 GB"), "{message}");
-        assert!(
-            message.contains("fewer --wavelengths or a smaller"),
-            "{message}"
-        );
-        let message = rows(Layers::default(), &Channels::default());
-        assert!(
-            message.contains("choose a smaller `resolution`"),
-            "{message}"
-        );
-    }
 }

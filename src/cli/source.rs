@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use candela::scene::{Diagnostics, Reading, Scene};
-use candela::world::World;
+use candela::world::{Loaded, World};
 
 /// The name of standard input on the command line; a file of that name is `./-`.
 const STANDARD_INPUT: &str = "-";
@@ -39,10 +39,7 @@ impl SceneArguments {
     }
 
     /// Reads and validates the scene, changed in between.
-    pub(super) fn load(
-        &self,
-        change: impl FnOnce(&mut Scene),
-    ) -> Result<(Scene, World), Diagnostics> {
+    pub(super) fn load(&self, change: impl FnOnce(&mut Scene)) -> Result<Loaded, Diagnostics> {
         self.base.load(&self.scene, change)
     }
 }
@@ -53,7 +50,7 @@ impl BaseArguments {
         &self,
         path: &Path,
         change: impl FnOnce(&mut Scene),
-    ) -> Result<(Scene, World), Diagnostics> {
+    ) -> Result<Loaded, Diagnostics> {
         let folder = self.base.as_deref();
         let reading = if is_standard_input(path) {
             let folder = folder.unwrap_or(Path::new(""));

@@ -7,7 +7,10 @@ use glam::{DMat3, DVec3};
 
 pub mod adaptation;
 pub mod difference;
+mod space;
 pub mod transfer;
+
+pub use space::ColorSpace;
 
 /// The CIE 1931 (x, y) chromaticities of an RGB space's primaries and white.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,6 +19,7 @@ mod dither;
 pub mod exposure;
 mod picture;
 mod png;
+mod source;
 mod stream;
 pub mod view;
 
@@ -28,7 +29,7 @@ use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
 pub use picture::Picture;
-pub use stream::{convert, convert_reader};
+pub use stream::{convert, convert_image, convert_reader};
 pub use view::View;
 
 use crate::exr::ExrError;

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::color::Primaries;
 use crate::color::adaptation::conversion;
-use crate::exr::{ExrImage, color_interop_id, primaries_of};
+use crate::exr::ExrImage;
 use crate::image::{Film, Window};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -51,8 +51,8 @@ impl<'a> Picture<'a> {
     /// The picture of a film, without the way over a file. A film's values are finite.
     pub fn of_film(film: &'a Film) -> Self {
         let mut pixels = Cow::Borrowed(film.pixels());
-        let space = primaries_of(color_interop_id(film.metadata().color_space));
-        if let Some(primaries) = space.filter(|space| *space != Primaries::REC709) {
+        let primaries = film.metadata().color_space.primaries();
+        if primaries != Primaries::REC709 {
             let prepare = Prepare::from(&primaries);
             let pieces = pixels.to_mut().par_chunks_mut(PIECE);
             pieces.for_each(|pixels| {

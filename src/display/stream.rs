@@ -13,8 +13,9 @@ use super::develop::{Develop, Seen};
 use super::exposure::LogSum;
 use super::picture::{Prepare, Repaired, has_uncovered_light};
 use super::png::{encoder, into_io, pixel_dimensions};
+use super::source::Source;
 use super::{Alpha, DisplayError, Exposure, Frame, Report, Settings};
-use crate::exr::{ExrError, ExrReader};
+use crate::exr::{ExrError, ExrImage, ExrReader};
 use crate::image::Window;
 use crate::memory;
 use crate::output::{self, Sink, Unfinished};
@@ -39,12 +40,35 @@ pub fn convert(
     convert_reader(&ExrReader::open(exr, None)?, png, settings, unfinished)
 }
 
+/// Makes a PNG of what an EXR file shows, whole or not at all: the same, to the byte, as [`convert`]
+/// makes of the file.
+///
+/// # Errors
+/// If the PNG cannot be written; the target is then as it was.
+pub fn convert_image(
+    exr: &ExrImage,
+    png: &Path,
+    settings: &Settings,
+    unfinished: &Unfinished,
+) -> Result<Report, DisplayError> {
+    convert_source(&Source::Image(exr), png, settings, unfinished)
+}
+
 /// Makes a PNG of what an EXR file that is open shows, whole or not at all.
 ///
 /// # Errors
 /// As [`convert`].
 pub fn convert_reader(
     exr: &ExrReader,
+    png: &Path,
+    settings: &Settings,
+    unfinished: &Unfinished,
+) -> Result<Report, DisplayError> {
+    convert_source(&Source::File(exr), png, settings, unfinished)
+}
+
+fn convert_source(
+    exr: &Source<'_>,
     png: &Path,
     settings: &Settings,
     unfinished: &Unfinished,
@@ -113,12 +137,12 @@ pub fn convert_reader(
 }
 
 /// The exposure for the log-average luminance of a file, and whether there is light without coverage.
-fn measured(exr: &ExrReader, prepare: Prepare) -> Result<(f64, bool), ExrError> {
+fn measured(exr: &Source<'_>, prepare: Prepare) -> Result<(f64, bool), ExrError> {
     let mut sum = LogSum::default();
     let mut is_uncovered = false;
     let width = exr.window().map_or(1, |window| window.width as usize);
     for band in exr.bands() {
-        let mut pixels = exr.new_rows(band)?;
+        let mut pixels = exr.rows(band)?;
         let rows = pixels.par_chunks_mut(width).map(|row| {
             prepare.apply(row);
             (LogSum::of_row(row), has_uncovered_light(row))
@@ -168,7 +192,7 @@ struct Shown {
 }
 
 impl Shown {
-    fn new(exr: &ExrReader, frame: Frame) -> Self {
+    fn new(exr: &Source<'_>, frame: Frame) -> Self {
         match (frame, exr.window()) {
             (Frame::Display, window) | (Frame::Data, window @ None) => Self {
                 resolution: exr.resolution(),
@@ -186,7 +210,7 @@ impl Shown {
 
 /// A PNG that is being made.
 struct Conversion<'a> {
-    exr: &'a ExrReader,
+    exr: &'a Source<'a>,
     shown: Shown,
     prepare: Prepare,
     develop: Develop,
@@ -269,7 +293,7 @@ impl Conversion<'_> {
         let mut samples = Vec::new();
         let read = |band: Option<Range<u32>>| {
             let band = band?;
-            Some(self.exr.new_rows(band.clone()).map(|pixels| (band, pixels)))
+            Some(self.exr.rows(band.clone()).map(|pixels| (band, pixels)))
         };
         let mut current = read(bands.next());
         while let Some(band) = current {

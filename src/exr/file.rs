@@ -10,9 +10,10 @@ use exr::meta::attribute::{Compression, IntegerBounds};
 use exr::meta::header::Header;
 
 use super::head::head;
+use super::preserve::Preserved;
 use super::store::{FileChannel, Halves};
 use super::zip::Zip;
-use super::{ExrOptions, ExrReport, Precision};
+use super::{ExrImage, ExrOptions, ExrReport, Precision, Preserve};
 use crate::image::{ImageSpec, Rows};
 use crate::output::Sink;
 
@@ -20,6 +21,7 @@ use crate::output::Sink;
 pub(crate) struct ExrFile<'f> {
     header: Header,
     channels: Vec<FileChannel<'f>>,
+    preserved: Option<Preserved>,
     has_failed: AtomicBool,
     written: Mutex<Written<'f>>,
 }
@@ -58,6 +60,7 @@ impl<'f> ExrFile<'f> {
     pub(crate) fn begin(
         spec: &'f ImageSpec,
         options: &ExrOptions,
+        preserve: Preserve,
         sink: &'f mut dyn Sink,
     ) -> io::Result<Self> {
         let channels = spec.file_channels(options.precision);
@@ -65,6 +68,10 @@ impl<'f> ExrFile<'f> {
         options
             .check(spec.window, &spec.channels)
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
+        let preserved = match preserve {
+            Preserve::Nothing => None,
+            Preserve::Image => Some(Preserved::new(spec, options, &channels)?),
+        };
         let mut head = head(&header).map_err(into_io)?;
         let table = head.len() as u64;
         head.resize(head.len() + header.chunk_count * size_of::<u64>(), 0);
@@ -81,6 +88,7 @@ impl<'f> ExrFile<'f> {
         Ok(Self {
             header,
             channels,
+            preserved,
             has_failed: AtomicBool::new(false),
             written: Mutex::new(written),
         })
@@ -156,7 +164,7 @@ impl<'f> ExrFile<'f> {
     ///
     /// # Errors
     /// The first that there was.
-    pub(crate) fn finish(self) -> io::Result<ExrReport> {
+    pub(crate) fn finish(self) -> io::Result<(ExrReport, Option<ExrImage>)> {
         let written = self.written.into_inner();
         let written = written.unwrap_or_else(PoisonError::into_inner);
         if let Some(error) = written.error {
@@ -171,11 +179,12 @@ impl<'f> ExrFile<'f> {
             .collect();
         sink.write_all(&table)?;
         sink.flush()?;
-        Ok(ExrReport {
+        let report = ExrReport {
             clamped_to_half: written.halves.clamped,
             small_in_half: written.halves.small,
             bytes: written.position,
-        })
+        };
+        Ok((report, self.preserved.map(Preserved::into_image)))
     }
 
     /// Makes a block as the file has it: its first line, its length, and its pixels.
@@ -185,6 +194,9 @@ impl<'f> ExrFile<'f> {
         let top = index * self.lines_per_block();
         raw.clear();
         let halves = rows.store(&self.channels, width, raw);
+        if let Some(preserved) = self.preserved.as_ref().filter(|kept| kept.is_lossless()) {
+            preserved.add(top, raw);
+        }
 
         block.clear();
         let y = self.header.own_attributes.layer_position.y() + top as i32;
@@ -202,6 +214,16 @@ impl<'f> ExrFile<'f> {
                 .compress_image_section_to_le(&self.header, std::mem::take(raw), section)
                 .map_err(into_io)?;
             block.extend_from_slice(&pixels);
+            if let Some(preserved) = self.preserved.as_ref().filter(|kept| !kept.is_lossless()) {
+                let section = IntegerBounds::new(
+                    (self.header.own_attributes.layer_position.x(), y),
+                    (width, lines),
+                );
+                let decoded = compression
+                    .decompress_image_section_from_le(&self.header, pixels, section, false)
+                    .map_err(into_io)?;
+                preserved.add(top, &decoded);
+            }
         }
         let length = (block.len() - start) as i32;
         block[start - size_of::<i32>()..start].copy_from_slice(&length.to_le_bytes());

@@ -8,11 +8,9 @@ use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::meta::{BlockDescription, Requirements, magic_number, sequence_end};
 use exr::prelude::{SmallVec, Vec2};
 
-use super::color_interop_id;
 use super::store::FileChannel;
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, Precision};
 use crate::image::{Channels, ImageSpec, Metadata};
-use crate::world::colorimetry::primaries;
 
 impl ImageSpec {
     pub(super) fn header(&self, options: &ExrOptions, channels: &[FileChannel<'_>]) -> Header {
@@ -95,7 +93,7 @@ fn attributes(metadata: &Metadata, channels: &Channels) -> LayerAttributes {
         software_name: Some(text(concat!("candela ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
     };
-    let interop_id = text(color_interop_id(metadata.color_space));
+    let interop_id = text(metadata.color_space.interop_id());
     attributes
         .other
         .insert(text(COLOR_INTEROP_ID), AttributeValue::Text(interop_id));
@@ -118,7 +116,7 @@ fn for_row_vectors(matrix: &[[f64; 4]; 4]) -> [f32; 16] {
 
 fn chromaticities(metadata: &Metadata) -> Chromaticities {
     let xy = |[x, y]: [f64; 2]| Vec2(x as f32, y as f32);
-    let primaries = primaries(metadata.color_space);
+    let primaries = metadata.color_space.primaries();
     Chromaticities {
         red: xy(primaries.red),
         green: xy(primaries.green),

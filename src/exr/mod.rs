@@ -2,6 +2,7 @@
 
 mod file;
 mod head;
+mod preserve;
 mod read;
 mod store;
 mod write;
@@ -13,9 +14,7 @@ use std::str::FromStr;
 pub(crate) use file::{ExrFile, Packer};
 pub use read::{ColorMeaning, ColorTag, ExrError, ExrImage, ExrProblem, ExrReader, read};
 
-use crate::color::Primaries;
 use crate::image::{ChannelKind, Channels, Window};
-use crate::scene::ColorSpace;
 
 /// How a film is stored as OpenEXR.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,10 +41,7 @@ impl ExrOptions {
     /// Where the blocks of lines that are compressed together are too large, as thousands of
     /// columns with hundreds of channels are under the compressions of 32 lines and more.
     pub fn check(&self, window: Window, channels: &Channels) -> Result<(), LargeBlocks> {
-        let bytes = |precision| match precision {
-            Precision::Float => 4,
-            Precision::Half => 2,
-        };
+        let bytes = |precision: Precision| precision.bytes() as u64;
         let further = channels.list.iter().map(|channel| match channel.kind {
             ChannelKind::Light | ChannelKind::Direction => bytes(self.precision),
             ChannelKind::Data => bytes(Precision::Float),
@@ -103,6 +99,26 @@ pub enum Precision {
     Float,
     /// 16 bits (HALF): 11 significant bits, up to 65 504.
     Half,
+}
+
+impl Precision {
+    /// Bytes of a value.
+    pub(crate) const fn bytes(self) -> usize {
+        match self {
+            Self::Float => size_of::<f32>(),
+            Self::Half => size_of::<half::f16>(),
+        }
+    }
+}
+
+/// What of a file is still in memory once it is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preserve {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// What the file shows: R, G, B and A as whoever reads it finds them, 16 bytes for each pixel.
+    Image,
 }
 
 /// How the pixels are compressed.
@@ -189,31 +205,6 @@ impl FromStr for Compression {
 /// The attribute that names the color space of R, G, B.
 const COLOR_INTEROP_ID: &str = "colorInteropID";
 
-/// The identifier that the ASWF Color Interop Forum gives a space's linear, scene-referred form.
-pub const fn color_interop_id(space: ColorSpace) -> &'static str {
-    match space {
-        ColorSpace::Rec709 => "lin_rec709_scene",
-        ColorSpace::P3D65 => "lin_p3d65_scene",
-        ColorSpace::Rec2020 => "lin_rec2020_scene",
-        ColorSpace::AcesCg => "lin_ap1_scene",
-    }
-}
-
-/// The primaries of a linear space by its identifier: all of those of the ASWF Color Interop Forum, of
-/// scenes and of displays.
-pub fn primaries_of(interop_id: &str) -> Option<Primaries> {
-    match interop_id {
-        "lin_rec709_scene" | "lin_rec709_display" => Some(Primaries::REC709),
-        "lin_p3d65_scene" | "lin_p3d65_display" => Some(Primaries::P3_D65),
-        "lin_rec2020_scene" | "lin_rec2020_display" => Some(Primaries::REC2020),
-        "lin_adobergb_scene" => Some(Primaries::ADOBE_RGB),
-        "lin_ap1_scene" => Some(Primaries::AP1),
-        "lin_ap0_scene" => Some(Primaries::AP0),
-        "lin_ciexyzd65_scene" | "lin_ciexyzd65_display" => Some(Primaries::XYZ),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -262,15 +253,6 @@ mod tests {
             ..ExrOptions::default()
         };
         assert_eq!(options.check(line, &channels), Ok(()));
-    }
-
-    #[test]
-    fn identifiers_name_the_working_spaces() {
-        for space in ColorSpace::ALL {
-            let primaries = crate::world::colorimetry::primaries(space);
-            assert_eq!(primaries_of(color_interop_id(space)), Some(primaries));
-        }
-        assert_eq!(primaries_of("srgb_rec709_display"), None);
     }
 
     #[test]

@@ -26,6 +26,16 @@ enum StoredIn {
     Values(usize),
 }
 
+impl FileChannel<'_> {
+    /// Its place among R, G, B, A, if it is one of them.
+    pub(super) fn place_in_rgba(&self) -> Option<usize> {
+        match self.stored_in {
+            StoredIn::Pixels(place) => Some(place),
+            StoredIn::Values(_) => None,
+        }
+    }
+}
+
 impl ImageSpec {
     /// All channels in the file's order, which is that of their names' bytes.
     pub(super) fn file_channels(&self, precision: Precision) -> Vec<FileChannel<'_>> {

@@ -11,12 +11,20 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use super::file::ExrFile;
-use super::{ExrOptions, ExrReport};
+use super::{ExrOptions, ExrReport, Preserve};
 use crate::image::Film;
 use crate::output::{self, OutputError, Unfinished};
 use crate::turns::in_turn;
 
 impl Film {
+    /// Writes the film as an OpenEXR file with the default options, whole or not at all.
+    ///
+    /// # Errors
+    /// As [`Film::write_exr`].
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<ExrReport, OutputError> {
+        self.write_exr(path.as_ref(), &ExrOptions::default(), &Unfinished::new())
+    }
+
     /// Writes the film as an OpenEXR file, whole or not at all.
     ///
     /// One film and one set of options make one file, to the byte, for any number of threads.
@@ -45,7 +53,7 @@ impl Film {
         sink: &mut (impl Write + Seek + Send),
         options: &ExrOptions,
     ) -> io::Result<ExrReport> {
-        let file = ExrFile::begin(self.spec(), options, sink)?;
+        let file = ExrFile::begin(self.spec(), options, Preserve::Nothing, sink)?;
         let (blocks, lines) = (file.blocks(), file.lines_per_block());
         let height = self.window().height as usize;
         in_turn(
@@ -62,6 +70,7 @@ impl Film {
                 }
             },
         );
-        file.finish()
+        let (report, _) = file.finish()?;
+        Ok(report)
     }
 }

@@ -6,7 +6,7 @@ pub use channels::{BACKGROUND_DEPTH, Channel, ChannelKind, Channels};
 
 use std::ops::Range;
 
-use crate::scene::ColorSpace;
+use crate::color::ColorSpace;
 
 /// A rectangle of pixels; (0, 0) is the top left of the whole image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::hit::Hit;
 use super::lighting::Model;
 use super::vector::add;
-use super::{Oracle, PointLight};
+use super::{Lamp, Oracle};
 
 /// L9 at one point of the image with all its terms, as `candela probe --json` writes it.
 ///
@@ -89,7 +89,9 @@ pub struct LightTerms {
     pub intensity: [f64; 3],
     /// d
     pub distance: f64,
-    /// L3: I / d² in lux; 0 where d is 0.
+    /// Of a spot, where in its cone p is; `None` for other lights, and where d is 0.
+    pub spot: Option<SpotTerms>,
+    /// L3: I / d² in lux, of a spot I f(θ) / d²; 0 where d is 0.
     pub incident: [f64; 3],
     /// ω_i, the unit direction from p to the light; 0 where d is 0.
     pub to_light: [f64; 3],
@@ -117,6 +119,15 @@ pub struct LightTerms {
     pub radiance: [f64; 3],
 }
 
+/// Where in a spot's cone a point is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpotTerms {
+    /// θ, between the axis and the way from the light, in degrees.
+    pub angle: f64,
+    /// f(θ): 1 up to the inner angle, 0 from the outer on.
+    pub falloff: f64,
+}
+
 /// What becomes of one light at one point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -128,6 +139,8 @@ pub enum Outcome {
     /// It is below the surface, n·ω_i ≤ 0 for the geometric normal, or for n where shadow rays are lifted: it
     /// adds nothing.
     Below,
+    /// It is a spot, and the point is outside of its cone: it adds nothing.
+    Outside,
     /// It is at the point itself, d = 0: it adds nothing.
     AtPoint,
 }
@@ -162,16 +175,17 @@ impl Oracle {
     }
 
     /// L3 to L8 for one light, for reading.
-    pub(super) fn light_terms(&self, hit: &Hit, light: &PointLight) -> LightTerms {
+    pub(super) fn light_terms(&self, hit: &Hit, light: &Lamp) -> LightTerms {
         let term = self.term(hit, light);
         let occluder = match term.outcome {
             Outcome::Lit | Outcome::AtPoint => None,
-            Outcome::Occluded | Outcome::Below => self.occluder(hit, light),
+            Outcome::Occluded | Outcome::Below | Outcome::Outside => self.occluder(hit, light),
         };
         LightTerms {
             name: light.name.clone(),
             intensity: self.palette.seen(&light.intensity),
             distance: term.distance,
+            spot: term.spot,
             incident: self.palette.seen(&term.incident),
             to_light: term.to_light,
             cos_incident: term.cos_incident,

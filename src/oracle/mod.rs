@@ -44,6 +44,7 @@ mod hit;
 mod lighting;
 mod occlusion;
 mod spectrum;
+mod spot;
 mod surface;
 mod terminator;
 #[cfg(test)]
@@ -55,15 +56,18 @@ mod vector;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::scene::mesh::MeshGroup;
+use crate::mesh::MeshGroup;
 use crate::scene::{Light, Object, Scene};
 
 use camera::{Camera, Ray};
 use components::Components;
-pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, TransportUsed};
+pub use explanation::{
+    Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, SpotTerms, TransportUsed,
+};
 use hit::{Hit, starts_inwards};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
 use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
+use spot::Cone;
 use surface::{Shape, Surface};
 use value::Palette;
 use vector::{Vector, ZERO, add, dot, length, subtract, unit};
@@ -83,7 +87,7 @@ pub struct Oracle {
     /// In the order of the file.
     objects: Vec<NamedObject>,
     /// In the order of the file.
-    lights: Vec<PointLight>,
+    lights: Vec<Lamp>,
 }
 
 /// What the surfaces of one object have in common.
@@ -97,12 +101,14 @@ struct NamedObject {
 }
 
 #[derive(Clone, Debug)]
-struct PointLight {
+struct Lamp {
     name: String,
     /// p_L
     position: Vector,
-    /// I in candela, or in W·sr⁻¹·nm⁻¹.
+    /// I in candela, or in W·sr⁻¹·nm⁻¹; of a spot on its axis.
     intensity: Components,
+    /// What a spot shines into; `None` is all directions.
+    cone: Option<Cone>,
 }
 
 /// The value of a point of the image.
@@ -137,6 +143,8 @@ pub struct Decisions {
 /// One light's term of L9 and what it is made of.
 struct Term {
     distance: f64,
+    /// Of a spot: θ and f(θ).
+    spot: Option<SpotTerms>,
     incident: Components,
     to_light: Vector,
     cos_incident: f64,
@@ -184,7 +192,7 @@ impl Oracle {
             lights: scene
                 .lights
                 .iter()
-                .map(|light| PointLight::new(&light.name, &light.value, &palette, reference))
+                .map(|light| Lamp::new(&light.name, &light.value, &palette, reference))
                 .collect(),
             palette,
         }
@@ -298,19 +306,29 @@ impl Oracle {
     }
 
     /// L3 to L8: one light's term of L9.
-    fn term(&self, hit: &Hit, light: &PointLight) -> Term {
+    fn term(&self, hit: &Hit, light: &Lamp) -> Term {
         let segment = self.segment(hit, light);
         let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {
             return Term::nothing(self.material(hit));
         };
         let distance = length(segment.vector());
-        let incident = incident_light(&light.intensity, distance);
+        let spot = light.cone.map(|cone| {
+            let angle = cone.angle(subtract(segment.from, segment.to));
+            SpotTerms {
+                angle: angle.to_degrees(),
+                falloff: cone.falloff(angle),
+            }
+        });
+        let falloff = spot.map_or(1.0, |spot| spot.falloff);
+        let incident = incident_light(&light.intensity, distance).scaled(falloff);
         let cos_incident = cosine(hit.normal, to_light);
         let reflected = ideal_reflection(hit.normal, to_light);
         let cos_lobe = cosine(hit.to_viewer, reflected);
 
         let outcome = if !self.light_is_above(hit, &segment, to_light) {
             Outcome::Below
+        } else if falloff == 0.0 {
+            Outcome::Outside
         } else if self.occluder(hit, light).is_some() {
             Outcome::Occluded
         } else {
@@ -320,15 +338,16 @@ impl Oracle {
             Outcome::Lit | Outcome::Occluded => {
                 self.material(hit).reflectance(cos_incident, cos_lobe)
             }
-            Outcome::Below | Outcome::AtPoint => self.material(hit).nothing(),
+            Outcome::Below | Outcome::Outside | Outcome::AtPoint => self.material(hit).nothing(),
         };
         let visibility = match outcome {
             Outcome::Lit => 1.0,
-            Outcome::Occluded | Outcome::Below | Outcome::AtPoint => 0.0,
+            Outcome::Occluded | Outcome::Below | Outcome::Outside | Outcome::AtPoint => 0.0,
         };
         let unoccluded = incident.times(&reflectance.sum());
         Term {
             distance,
+            spot,
             incident,
             to_light,
             cos_incident,
@@ -364,7 +383,7 @@ impl Oracle {
 
     /// L4: V = 0 where there is one; the surface that stands strictly between p, or p′ where shadow rays are
     /// lifted, and p_L, of several the nearest to p.
-    fn occluder(&self, hit: &Hit, light: &PointLight) -> Option<usize> {
+    fn occluder(&self, hit: &Hit, light: &Lamp) -> Option<usize> {
         let segment = &self.shadow_segment(hit, light);
         let mut nearest: Option<(usize, f64)> = None;
         for (index, surface) in self.surfaces.iter().enumerate() {
@@ -392,7 +411,7 @@ impl Oracle {
         nearest.map(|(index, _)| index)
     }
 
-    fn segment(&self, hit: &Hit, light: &PointLight) -> Segment {
+    fn segment(&self, hit: &Hit, light: &Lamp) -> Segment {
         Segment {
             from: hit.position,
             to: light.position,
@@ -402,7 +421,7 @@ impl Oracle {
     }
 
     /// The segment on which something may stand: from p, or from p′.
-    fn shadow_segment(&self, hit: &Hit, light: &PointLight) -> Segment {
+    fn shadow_segment(&self, hit: &Hit, light: &Lamp) -> Segment {
         let segment = self.segment(hit, light);
         match hit.lift {
             None => segment,
@@ -456,7 +475,7 @@ impl NamedObject {
     }
 }
 
-impl PointLight {
+impl Lamp {
     fn new(name: &str, light: &Light, palette: &Palette, reference: Vector) -> Self {
         match light {
             Light::Point {
@@ -466,7 +485,25 @@ impl PointLight {
                 name: name.to_owned(),
                 position: subtract(position.value, reference),
                 intensity: palette.light(&intensity.value),
+                cone: None,
             },
+            Light::Spot {
+                position,
+                aim,
+                intensity,
+                inner,
+                outer,
+                falloff,
+            } => {
+                let angles = [inner.value, outer.value];
+                let cone = Cone::new(position.value, aim, angles, *falloff);
+                Self {
+                    name: name.to_owned(),
+                    position: subtract(position.value, reference),
+                    intensity: palette.light_into(&intensity.value, cone.flux()),
+                    cone: Some(cone),
+                }
+            }
         }
     }
 }
@@ -478,6 +515,7 @@ impl Term {
         let dark = reflectance.sum();
         Self {
             distance: 0.0,
+            spot: None,
             incident: dark.clone(),
             to_light: ZERO,
             cos_incident: 0.0,

@@ -48,14 +48,20 @@ impl Palette {
         self.reflectance(&Value::ZERO)
     }
 
-    /// The intensity of a light, or the radiance of a background.
+    /// The intensity of a light that is the same in all directions, of which there are 4π sr, or the radiance of
+    /// a background.
     pub(super) fn light(&self, value: &Value) -> Components {
+        self.light_into(value, 4.0 * PI)
+    }
+
+    /// The intensity of a light whose flux goes into so many sr.
+    pub(super) fn light_into(&self, value: &Value, directions: f64) -> Components {
         match value {
             Value::Sized {
                 unit,
                 amount,
                 color,
-            } => self.sized_light(*unit, *amount, color),
+            } => self.sized_light(*unit, *amount, color, directions),
             color => match self.working_rgb(color) {
                 Some(rgb) => self.colored_light(rgb),
                 None => self.light_of_spectrum(spectrum(color)),
@@ -123,11 +129,10 @@ impl Palette {
     }
 
     /// A light of this color, as strong as is said.
-    fn sized_light(&self, unit: Unit, amount: f64, color: &Value) -> Components {
+    fn sized_light(&self, unit: Unit, amount: f64, color: &Value, directions: f64) -> Components {
         let intensity = match unit {
             Unit::Candela | Unit::WattsPerSteradian => amount,
-            // The same in all directions, of which there are 4π sr.
-            Unit::Lumens | Unit::Watts => amount / (4.0 * PI),
+            Unit::Lumens | Unit::Watts => amount / directions,
         };
         // Nothing of a black color is nothing.
         let share = |whole: f64| {
@@ -162,7 +167,7 @@ impl Palette {
 /// spectrum.
 fn is_spectral(scene: &Scene) -> bool {
     let lights = scene.lights.iter().map(|light| match &light.value {
-        Light::Point { intensity, .. } => &intensity.value,
+        Light::Point { intensity, .. } | Light::Spot { intensity, .. } => &intensity.value,
     });
     let materials = scene.materials.iter().flat_map(|material| {
         let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) = &material.value;
@@ -411,8 +416,7 @@ mod tests {
     fn spectra_or_watts_make_a_scene_spectral() {
         let with_light = |value: Value| {
             let mut scene = Scene::builtin();
-            let Light::Point { intensity, .. } = &mut scene.lights[0].value;
-            intensity.value = value;
+            scene.lights[0].value.intensity_mut().value = value;
             Palette::new(&scene).is_spectral()
         };
         assert!(!with_light(rec709([1.0, 2.0, 3.0])));

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::target::{STANDARD_STREAM, folder_of};
+use super::{STANDARD_STREAM, folder_of};
 use crate::printable::printable_path;
 
 /// A file could not be written; the target is as it was before.
@@ -230,20 +230,6 @@ pub(super) fn unassembled(error: io::Error) -> OutputProblem {
     }
     let folder = std::env::temp_dir();
     OutputProblem::Unassembled { folder, error }
-}
-
-/// What a problem with a temporary file that stands for a stream means for that.
-pub(super) fn kept(problem: OutputProblem) -> OutputProblem {
-    match problem {
-        OutputProblem::Full(error)
-        | OutputProblem::Quota(error)
-        | OutputProblem::SizeLimit(error)
-        | OutputProblem::Device(error)
-        | OutputProblem::ReadOnly(error)
-        | OutputProblem::ClosedFolder { error, .. }
-        | OutputProblem::Io(error) => unassembled(error),
-        other => other,
-    }
 }
 
 /// A target as messages name it.

@@ -7,7 +7,6 @@
 
 mod early;
 mod error;
-mod staged;
 mod stream;
 mod target;
 mod temporary;
@@ -23,9 +22,20 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use early::EarlySync;
 pub use error::{OutputError, OutputProblem, is_transient};
 use error::{classified, folder_problem};
-pub use staged::Staged;
 pub use target::Place;
-use target::{Target, folder_of, resolve};
+use target::{Target, resolve};
+
+/// The name of standard output, and of standard input where something is read. A file of that name is
+/// `./-`.
+const STANDARD_STREAM: &str = "-";
+
+/// The folder that holds `path`.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
 
 /// What a file's content is written to, by any thread.
 pub trait Sink: Write + Seek + Send {}

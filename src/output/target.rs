@@ -6,10 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::error::{OutputProblem, folder_problem, protection_problem};
-
-/// The name of standard output, and of standard input where something is read. A file of that name is
-/// `./-`.
-pub(super) const STANDARD_STREAM: &str = "-";
+use super::{STANDARD_STREAM, folder_of};
 
 /// Other names of standard output.
 const STANDARD_OUTPUT: [&str; 3] = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
@@ -79,14 +76,6 @@ pub(super) fn resolve(path: &Path) -> Result<Target, OutputProblem> {
 pub(super) fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == STANDARD_STREAM
         || STANDARD_OUTPUT.iter().any(|name| path == Path::new(name))
-}
-
-/// The folder that holds `path`.
-pub(super) fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 /// Whether only a folder can have this name: `a/`, `a/.`, `..`

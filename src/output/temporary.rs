@@ -10,7 +10,7 @@ use std::path::Path;
 
 use tempfile::{Builder, NamedTempFile};
 
-use super::target::folder_of;
+use super::folder_of;
 
 /// How every unfinished file starts.
 const PREFIX: &str = ".candela-";

@@ -8,6 +8,8 @@
 //! so that a band costs two multiplications for each light and material that a pixel shows,
 //! however many samples it has.
 
+use std::collections::BTreeMap;
+
 use crate::shading::Term;
 use crate::world::{Bands, Lobes};
 
@@ -20,6 +22,27 @@ pub(super) struct Geometry {
     seen: Vec<Seen>,
     /// Σ geometry of each element of `seen`, light by light.
     sums: Vec<Lobes<f64>>,
+    /// What pixels had when a pass ended after which more of their samples may come.
+    kept: BTreeMap<usize, Kept>,
+    /// Products of one light and material, where no table has them.
+    product: Vec<f64>,
+}
+
+/// The geometry terms of a pixel between two passes.
+#[derive(Clone, Debug, Default)]
+struct Kept {
+    materials: Vec<usize>,
+    /// Material by material, light by light.
+    sums: Vec<Lobes<f64>>,
+}
+
+/// Whether more samples of a pixel may come after a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Further {
+    /// It has all.
+    None,
+    /// In another pass.
+    MayCome,
 }
 
 /// A material in a pixel.
@@ -40,11 +63,16 @@ impl Geometry {
             lights,
             seen: Vec::new(),
             sums: Vec::new(),
+            kept: BTreeMap::new(),
+            product: Vec::new(),
         }
     }
 
     /// The place for a material in a pixel. Pixels come one after the other.
     pub(super) fn place(&mut self, pixel: usize, material: usize) -> Place {
+        if self.seen.last().is_none_or(|last| last.pixel != pixel) {
+            self.resume(pixel);
+        }
         let of_pixel = self
             .seen
             .iter()
@@ -73,21 +101,73 @@ impl Geometry {
         sum.specular = and(sum.specular, term.geometry.specular);
     }
 
-    /// Adds the radiance of each pixel before `end` to its sum, band by band, and forgets it.
-    /// `sums` holds pixel by pixel, band by band.
-    pub(super) fn finish(&mut self, end: usize, bands: &Bands, sums: &mut [f64]) {
+    /// Takes up what a pixel had after the pass before.
+    fn resume(&mut self, pixel: usize) {
+        if let Some(Kept { materials, sums }) = self.kept.remove(&pixel) {
+            let seen = materials.into_iter();
+            self.seen
+                .extend(seen.map(|material| Seen { pixel, material }));
+            self.sums.extend(sums);
+        }
+    }
+
+    /// Ends the pass for each pixel before `end`: adds its radiance to its sum, band by band, and forgets
+    /// it, or keeps it for the next pass. `sums` holds pixel by pixel, band by band.
+    pub(super) fn finish(
+        &mut self,
+        end: usize,
+        further: Further,
+        bands: &Bands<'_>,
+        sums: &mut [f64],
+    ) {
         let count = bands.wavelengths().count();
         let finished = self.seen.partition_point(|seen| seen.pixel < end);
-        for (place, seen) in self.seen.drain(..finished).enumerate() {
-            let pixel = &mut sums[seen.pixel * count..][..count];
+        for (place, Seen { pixel, material }) in self.seen.drain(..finished).enumerate() {
             let geometry = &self.sums[place * self.lights..][..self.lights];
-            for (light, geometry) in geometry.iter().enumerate() {
-                let reflected = bands.transport(light, seen.material);
-                add_scaled(pixel, geometry.diffuse, reflected.diffuse);
-                add_scaled(pixel, geometry.specular, reflected.specular);
+            match further {
+                Further::None => {
+                    let sums = &mut sums[pixel * count..][..count];
+                    add_material(sums, geometry, material, bands, &mut self.product);
+                }
+                Further::MayCome => {
+                    let kept = self.kept.entry(pixel).or_default();
+                    kept.materials.push(material);
+                    kept.sums.extend_from_slice(geometry);
+                }
             }
         }
         self.sums.drain(..finished * self.lights);
+    }
+
+    /// Adds what is kept of a pixel to its sum, band by band.
+    pub(super) fn add_kept(&self, pixel: usize, bands: &Bands<'_>, sums: &mut [f64]) {
+        let Some(kept) = self.kept.get(&pixel) else {
+            return;
+        };
+        let mut product = Vec::new();
+        for (place, &material) in kept.materials.iter().enumerate() {
+            let geometry = &kept.sums[place * self.lights..][..self.lights];
+            add_material(sums, geometry, material, bands, &mut product);
+        }
+    }
+}
+
+/// Adds the radiance of a material of a pixel, from its geometry light by light.
+/// `product` is room for a product that no table has.
+fn add_material(
+    sums: &mut [f64],
+    geometry: &[Lobes<f64>],
+    material: usize,
+    bands: &Bands<'_>,
+    product: &mut Vec<f64>,
+) {
+    for (light, geometry) in geometry.iter().enumerate() {
+        if *geometry == Lobes::default() {
+            continue;
+        }
+        let reflected = bands.transport(light, material, product);
+        add_scaled(sums, geometry.diffuse, reflected.diffuse);
+        add_scaled(sums, geometry.specular, reflected.specular);
     }
 }
 
@@ -121,7 +201,9 @@ mod tests {
         let term = Term {
             point: 0,
             light: 0,
-            material: 0,
+            reflectance: 0,
+            place: 0,
+            reflected: Lobes::default(),
             geometry: Lobes {
                 diffuse: f64::MAX,
                 specular: 0.0,

@@ -5,6 +5,7 @@ use std::ops::Range;
 use fearless_simd::Simd;
 
 use super::sampling::Sampler;
+use crate::camera::Camera;
 use crate::image::Window;
 use crate::math::both;
 use crate::simd::{LANES, U32x16};
@@ -16,6 +17,9 @@ pub(super) const TILE: u32 = 16;
 /// Pixels of a tile.
 pub(super) const PIXELS: usize = (TILE * TILE) as usize;
 
+/// Samples are parted by their number in their pixel modulo this, where that is asked for.
+pub(super) const SUBSETS: usize = 4;
+
 /// A number for each pixel of a tile.
 type PerPixel = [u32; PIXELS];
 
@@ -25,27 +29,132 @@ type PerSample = [u32; BATCH];
 /// A column has a place for each pixel of a tile.
 const _: () = assert!(PIXELS <= BATCH);
 
-/// The pixels of a tile in the order in which they are sampled.
+/// The pixels of a tile in the order in which they are sampled, which keeps neighbors together: the
+/// rays of a batch, and any few of them in a row, are as alike as they can be. A pixel's place in this
+/// order is its number.
 #[derive(Clone, Debug)]
-struct Pixels {
+pub(super) struct TilePixels {
+    window: Window,
     count: usize,
-    /// Column and row of each in the tile, and in the image.
+    /// Column and row of each in the tile.
     in_tile: [PerPixel; 2],
+}
+
+impl Default for TilePixels {
+    fn default() -> Self {
+        Self {
+            window: Window::whole([0, 0]),
+            count: 0,
+            in_tile: [[0; PIXELS]; 2],
+        }
+    }
+}
+
+impl TilePixels {
+    /// Takes the pixels of a tile.
+    pub(super) fn begin(&mut self, window: Window) {
+        let size = |window: Window| [window.width, window.height];
+        let is_as_before = size(self.window) == size(window);
+        self.window = window;
+        if is_as_before {
+            return;
+        }
+        self.count = 0;
+        for &[column, row] in &Z_ORDER {
+            if column < window.width && row < window.height {
+                self.in_tile[0][self.count] = column;
+                self.in_tile[1][self.count] = row;
+                self.count += 1;
+            }
+        }
+    }
+
+    /// The tile's place in the image.
+    pub(super) fn window(&self) -> Window {
+        self.window
+    }
+
+    /// Column and row in the tile of each.
+    pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
+        let [columns, rows] = &self.in_tile;
+        (0..self.count).map(|pixel| [columns[pixel], rows[pixel]])
+    }
+}
+
+/// Some pixels of a tile, by their numbers in [`TilePixels`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Selection([u64; PIXELS / 64]);
+
+impl Selection {
+    /// All.
+    pub(super) const ALL: Self = Self([u64::MAX; PIXELS / 64]);
+
+    /// Whether a pixel is among them.
+    pub(super) fn contains(self, pixel: usize) -> bool {
+        self.0[pixel / 64] >> (pixel % 64) & 1 == 1
+    }
+}
+
+impl FromIterator<usize> for Selection {
+    fn from_iter<I: IntoIterator<Item = usize>>(pixels: I) -> Self {
+        let mut bits = [0; PIXELS / 64];
+        for pixel in pixels {
+            bits[pixel / 64] |= 1 << (pixel % 64);
+        }
+        Self(bits)
+    }
+}
+
+/// The pixels of a pass, in the order of the tile.
+#[derive(Clone, Debug)]
+struct PassPixels {
+    selection: Selection,
+    count: usize,
+    /// The number of each in the tile.
+    numbers: PerPixel,
+    /// Column and row of each in the image.
     in_image: [PerPixel; 2],
     /// What scrambles the samples of each.
     seeds: [PerPixel; 2],
 }
 
+impl PassPixels {
+    /// Takes the numbers of the pixels that are selected, and for the time being their places in the
+    /// tile for those in the image.
+    fn take(&mut self, tile: &TilePixels, selection: &Selection) {
+        if *selection == Selection::ALL {
+            // Most passes are over all pixels of whole tiles.
+            if (self.selection, self.count) != (Selection::ALL, tile.count) {
+                for (number, pixel) in self.numbers.iter_mut().zip(0..tile.count as u32) {
+                    *number = pixel;
+                }
+            }
+            self.in_image = tile.in_tile;
+            self.count = tile.count;
+        } else {
+            self.count = 0;
+            for pixel in (0..tile.count).filter(|&pixel| selection.contains(pixel)) {
+                self.numbers[self.count] = pixel as u32;
+                self.in_image[0][self.count] = tile.in_tile[0][pixel];
+                self.in_image[1][self.count] = tile.in_tile[1][pixel];
+                self.count += 1;
+            }
+        }
+        self.selection = *selection;
+    }
+}
+
 /// Samples that are traced and shaded together, those of pixel after pixel.
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
-    pixels: Pixels,
-    /// Samples of a pixel.
+    pixels: PassPixels,
+    /// The first sample of each pixel, and how many there are.
+    start: usize,
     samples: usize,
-    /// The first sample, counted through the tile.
+    /// The first sample of the batch, counted through the pass.
     first: usize,
     len: usize,
-    /// The place among a pixel's samples of the first of `sequence`, which is the same in most batches.
+    /// The number in its pixel of the first sample of `sequence`, which is the same in most batches.
     phase: Option<usize>,
     /// What is scrambled.
     sequence: [PerSample; 2],
@@ -59,12 +168,14 @@ pub(super) struct Batch {
 impl Default for Batch {
     fn default() -> Self {
         Self {
-            pixels: Pixels {
+            pixels: PassPixels {
+                selection: Selection::ALL,
                 count: 0,
-                in_tile: [[0; PIXELS]; 2],
+                numbers: [0; PIXELS],
                 in_image: [[0; PIXELS]; 2],
                 seeds: [[0; PIXELS]; 2],
             },
+            start: 0,
             samples: 1,
             first: 0,
             len: 0,
@@ -78,29 +189,27 @@ impl Default for Batch {
 }
 
 impl Batch {
-    /// Takes the pixels of a tile. Samples of one pixel follow each other, and pixels come in an order
-    /// that keeps neighbors together, so that the rays of a batch, and any few of them in a row, are as
-    /// alike as they can be.
+    /// Begins a pass: these samples of some pixels of a tile. Samples of one pixel follow each other.
     #[inline(always)]
-    pub(super) fn begin<S: Simd>(&mut self, simd: S, sampler: &Sampler, tile: Window) {
-        let samples = sampler.samples() as usize;
-        if self.samples != samples {
-            (self.samples, self.phase) = (samples, None);
+    pub(super) fn begin<S: Simd>(
+        &mut self,
+        simd: S,
+        sampler: &Sampler,
+        tile: &TilePixels,
+        selection: &Selection,
+        samples: Range<u32>,
+    ) {
+        let (start, samples) = (samples.start as usize, samples.len());
+        if (self.start, self.samples) != (start, samples) {
+            (self.start, self.samples, self.phase) = (start, samples, None);
         }
         (self.first, self.len) = (0, 0);
         let pixels = &mut self.pixels;
-        pixels.count = 0;
-        for &[column, row] in &Z_ORDER {
-            if column < tile.width && row < tile.height {
-                pixels.in_tile[0][pixels.count] = column;
-                pixels.in_tile[1][pixels.count] = row;
-                pixels.count += 1;
-            }
-        }
-        let corner = [U32x16::splat(simd, tile.x), U32x16::splat(simd, tile.y)];
+        pixels.take(tile, selection);
+        let corner = [tile.window.x, tile.window.y].map(|corner| U32x16::splat(simd, corner));
         for first in (0..pixels.count).step_by(LANES) {
-            let column = U32x16::load(simd, &pixels.in_tile[0][first..]) + corner[0];
-            let row = U32x16::load(simd, &pixels.in_tile[1][first..]) + corner[1];
+            let column = U32x16::load(simd, &pixels.in_image[0][first..]) + corner[0];
+            let row = U32x16::load(simd, &pixels.in_image[1][first..]) + corner[1];
             column.store(&mut pixels.in_image[0][first..]);
             row.store(&mut pixels.in_image[1][first..]);
             let [seeds_x, seeds_y] = sampler.seeds(simd, [column, row]);
@@ -122,7 +231,8 @@ impl Batch {
         if self.phase != Some(phase) {
             self.phase = Some(phase);
             let [first, second] = &mut self.sequence;
-            for (slot, sample) in (0..BATCH).zip((0..self.samples).cycle().skip(phase)) {
+            let samples = self.start..self.start + self.samples;
+            for (slot, sample) in (0..BATCH).zip(samples.cycle().skip(phase)) {
                 [first[slot], second[slot]] = sampler.sequence(sample);
             }
         }
@@ -151,8 +261,8 @@ impl Batch {
         self.len
     }
 
-    /// Where in the image the samples are.
-    pub(super) fn samples(&self) -> Samples<'_> {
+    /// Where in the image of a camera the samples are.
+    pub(super) fn samples<'s>(&'s self, camera: &'s Camera) -> Samples<'s> {
         let pixels = self.range().pixel(0)..=self.range().last_pixel();
         let [x, y] = &self.pixels.in_image;
         let window = both([x, y], |places| {
@@ -163,13 +273,14 @@ impl Batch {
             [f64::from(least), f64::from(most) + 1.0]
         });
         Samples {
+            camera,
             places: [&self.positions[0], &self.positions[1]],
             count: self.len,
             window,
         }
     }
 
-    /// The samples, counted through the tile.
+    /// The samples, counted through the pass.
     pub(super) fn range(&self) -> SampleRange {
         SampleRange {
             samples: self.samples,
@@ -178,14 +289,28 @@ impl Batch {
         }
     }
 
-    /// Column and row in the tile of each of its pixels, in the order in which they are sampled.
-    pub(super) fn pixels(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
-        let Pixels { count, in_tile, .. } = &self.pixels;
-        (0..*count).map(|pixel| [in_tile[0][pixel], in_tile[1][pixel]])
+    /// The numbers in the tile of the pixels of the pass.
+    pub(super) fn numbers(&self) -> &[u32] {
+        &self.pixels.numbers[..self.pixels.count]
+    }
+
+    /// Whether the pass is over all pixels of the tile.
+    pub(super) fn is_over_all(&self) -> bool {
+        self.pixels.selection == Selection::ALL
+    }
+
+    /// The samples with the numbers of their pixels.
+    pub(super) fn numbered(&self) -> NumberedSamples<'_> {
+        NumberedSamples {
+            range: self.range(),
+            start: self.start,
+            numbers: &self.pixels.numbers,
+            subset: None,
+        }
     }
 }
 
-/// Some samples of a tile, counted through the tile pixel by pixel.
+/// Some samples of a pass, counted pixel by pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SampleRange {
     /// Samples of a pixel.
@@ -197,7 +322,7 @@ pub(super) struct SampleRange {
 /// Samples of one pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Run {
-    /// The pixel, by its place among the pixels of the tile.
+    /// The pixel, by its place among those of the pass.
     pub(super) pixel: usize,
     /// Their places in the batch.
     pub(super) slots: Range<usize>,
@@ -223,12 +348,7 @@ impl SampleRange {
         })
     }
 
-    /// The pixel of each sample, by its place among the pixels of the tile.
-    pub(super) fn pixels(self) -> impl ExactSizeIterator<Item = usize> {
-        (0..self.len).map(move |slot| self.pixel(slot))
-    }
-
-    /// The pixel of the sample in a slot, by its place among the pixels of the tile.
+    /// The pixel of the sample in a slot, by its place among those of the pass.
     pub(super) fn pixel(self, slot: usize) -> usize {
         (self.first + slot) / self.samples
     }
@@ -266,6 +386,51 @@ impl SampleRange {
                 }
             }
         }
+    }
+}
+
+/// The samples of a batch with the numbers of their pixels in the tile, or a subset of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NumberedSamples<'b> {
+    range: SampleRange,
+    /// The first sample of each pixel.
+    start: usize,
+    numbers: &'b PerPixel,
+    subset: Option<usize>,
+}
+
+impl NumberedSamples<'_> {
+    /// Those whose number in their pixel is `subset` modulo [`SUBSETS`].
+    pub(super) fn subset(self, subset: usize) -> Self {
+        Self {
+            subset: Some(subset),
+            ..self
+        }
+    }
+
+    /// The slot of each sample and its pixel.
+    pub(super) fn iter(self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.range.len)
+            .filter(move |&slot| self.contains(slot))
+            .map(move |slot| (slot, self.pixel(slot)))
+    }
+
+    /// The pixel of the sample in a slot.
+    pub(super) fn pixel(self, slot: usize) -> usize {
+        self.numbers[self.range.pixel(slot)] as usize
+    }
+
+    /// The pixel of the last sample of the batch.
+    pub(super) fn last_pixel(self) -> usize {
+        self.pixel(self.range.len - 1)
+    }
+
+    /// Whether the sample in a slot is one of these.
+    pub(super) fn contains(self, slot: usize) -> bool {
+        self.subset.is_none_or(|subset| {
+            let sample = self.start + (self.range.first + slot) % self.range.samples;
+            sample % SUBSETS == subset
+        })
     }
 }
 
@@ -329,9 +494,13 @@ mod tests {
                 }
                 let column = SimdLevel::default().run(Spread(range, &numbers));
                 let expected = |slot: usize| (first + slot) / samples;
-                for (slot, pixel) in range.pixels().enumerate() {
-                    assert_eq!(pixel, expected(slot));
-                    assert_eq!(column[slot], 7 * pixel as u32, "{samples} {first} {slot}");
+                for slot in 0..BATCH {
+                    assert_eq!(range.pixel(slot), expected(slot));
+                    assert_eq!(
+                        column[slot],
+                        7 * expected(slot) as u32,
+                        "{samples} {first} {slot}"
+                    );
                 }
                 let runs: Vec<Run> = range.runs().collect();
                 assert_eq!(runs.iter().map(|run| run.slots.len()).sum::<usize>(), BATCH);

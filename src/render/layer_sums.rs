@@ -1,13 +1,15 @@
 //! What the layers of a film keep of a tile's samples: for each kind of layer its sums, pixel by
 //! pixel, in f64.
 //!
-//! The loop over batches tells [`LayerSums`] which points a batch has ([`LayerSums::see`]) and, where a layer
-//! wants them, each term of L9; without layers there are no sums, and nothing is told.
+//! The loop over batches tells [`LayerSums`] which points a batch has ([`LayerSums::see`]) and, where a
+//! layer wants them, the terms of L9 packet by packet ([`LayerSums::add`]); without layers there are no
+//! sums.
 
-use super::bands::{self, Geometry, Place};
-use super::batch::SampleRange;
+use super::bands::{self, Further, Geometry, Place};
+use super::batch::NumberedSamples;
 use super::layers::{Layers, has_background_share};
 use super::sums::narrowed;
+use crate::camera::Camera;
 use crate::image::BACKGROUND_DEPTH;
 use crate::math::DVec3;
 use crate::shading::{Term, Terms};
@@ -18,15 +20,22 @@ use crate::world::{Bands, World};
 #[derive(Clone, Copy)]
 pub(super) struct RequestedLayers<'w> {
     world: &'w World,
+    camera: &'w Camera,
     layers: Layers,
-    bands: Option<&'w Bands>,
+    bands: Option<&'w Bands<'w>>,
 }
 
 impl<'w> RequestedLayers<'w> {
     /// `None` where no layer is asked for. `bands` are those of [`Layers::spectral`].
-    pub(super) fn new(world: &'w World, layers: Layers, bands: Option<&'w Bands>) -> Option<Self> {
+    pub(super) fn new(
+        world: &'w World,
+        camera: &'w Camera,
+        layers: Layers,
+        bands: Option<&'w Bands<'w>>,
+    ) -> Option<Self> {
         let requested = Self {
             world,
+            camera,
             layers,
             bands,
         };
@@ -37,19 +46,20 @@ impl<'w> RequestedLayers<'w> {
     pub(super) fn sums(self, pixels: usize) -> LayerSums<'w> {
         let Self {
             world,
+            camera,
             layers,
             bands,
         } = self;
         LayerSums {
             lights: layers.lights.then(|| LightSums::new(world, pixels)),
-            depths: layers.depth.then(|| Depths::new(world, pixels)),
+            depths: layers.depth.then(|| Depths::new(camera, pixels)),
             normals: layers.normal.then(|| vec![DVec3::ZERO; pixels]),
             spectral: bands.map(|bands| SpectralSums::new(bands, pixels)),
         }
     }
 }
 
-/// The sums of a tile's pixels. Samples come in the order of the pixels.
+/// The sums of a tile's pixels. In a pass, samples come in the order of the pixels.
 pub(super) struct LayerSums<'w> {
     lights: Option<LightSums<'w>>,
     depths: Option<Depths>,
@@ -69,18 +79,13 @@ impl<'w> LayerSums<'w> {
         lights + depth + normal + bands
     }
 
-    /// Adds what the points of a batch are by themselves. What comes back, if any layer is made of
-    /// light, is to be told of each term of their sums.
-    pub(super) fn see<'s>(
-        &'s mut self,
-        batch: SampleRange,
-        points: &Points,
-    ) -> Option<impl FnMut(Terms<'_>) + use<'s, 'w>> {
+    /// Adds what the points of a batch are by themselves.
+    pub(super) fn see(&mut self, batch: NumberedSamples<'_>, points: &Points) {
         let Self {
             lights,
             depths,
             normals,
-            spectral,
+            spectral: _,
         } = self;
         if let Some(depths) = depths {
             depths.add(batch, points);
@@ -93,30 +98,36 @@ impl<'w> LayerSums<'w> {
         if let Some(lights) = lights {
             lights.add_background(batch, points);
         }
-        if let Some(spectral) = spectral {
-            spectral.see(batch, points);
-        }
-        (lights.is_some() || spectral.is_some()).then_some(move |terms: Terms<'_>| {
-            for term in terms.iter() {
-                if let Some(lights) = lights {
+    }
+
+    /// Whether any layer is made of the terms of L9.
+    pub(super) fn want_terms(&self) -> bool {
+        self.lights.is_some() || self.spectral.is_some()
+    }
+
+    /// Adds the terms of the points of a packet. Packets come in order.
+    pub(super) fn add(&mut self, batch: NumberedSamples<'_>, terms: &Terms) {
+        if let Some(lights) = &mut self.lights {
+            // Within, not by calls of `next`, which would take half as long again.
+            terms.iter().for_each(|term| {
+                if batch.contains(term.point) {
                     lights.add(batch.pixel(term.point), &term);
                 }
-                if let Some(spectral) = spectral {
-                    spectral.add(&term);
-                }
-            }
-        })
-    }
-
-    /// Of the pixels before `end` no more samples come.
-    pub(super) fn finish(&mut self, end: usize) {
+            });
+        }
         if let Some(spectral) = &mut self.spectral {
-            spectral.finish(end);
+            spectral.add(batch, terms);
         }
     }
 
-    /// The values of a finished pixel with so many samples, `misses` of which hit nothing, in the
-    /// order of [`Layers::channels`]; how many are beyond the largest f32.
+    /// Ends the pass for the pixels before `end`.
+    pub(super) fn finish(&mut self, end: usize, further: Further) {
+        if let Some(spectral) = &mut self.spectral {
+            spectral.finish(end, further);
+        }
+    }
+
+    /// The values of a pixel with so many samples, `misses` of which hit nothing, in the order of [`Layers::channels`]; how many are beyond the largest f32.
     pub(super) fn means(
         &mut self,
         pixel: usize,
@@ -128,7 +139,7 @@ impl<'w> LayerSums<'w> {
             rest: values,
             clamped: 0,
         };
-        let samples = f64::from(samples);
+        let samples = f64::from(samples.max(1));
         if let Some(lights) = &self.lights {
             for share in lights.of(pixel) {
                 output.put(share, samples);
@@ -167,13 +178,13 @@ impl Output<'_> {
 
 /// Tells of each sample of a batch that hits something its pixel, and what the columns have of it.
 fn for_each_hit(
-    batch: SampleRange,
+    batch: NumberedSamples<'_>,
     points: &Points,
     vectors: &[Column; 3],
     mut each: impl FnMut(usize, DVec3),
 ) {
     let [xs, ys, zs] = vectors;
-    for (slot, pixel) in batch.pixels().enumerate() {
+    for (slot, pixel) in batch.iter() {
         if points.is_hit(slot) {
             each(pixel, DVec3::new(xs[slot], ys[slot], zs[slot]));
         }
@@ -207,9 +218,9 @@ impl<'w> LightSums<'w> {
         (0..self.shares).map(move |share| &self.sums[share * self.pixels + pixel])
     }
 
+    #[inline]
     fn add(&mut self, pixel: usize, term: &Term) {
-        let reflected = self.world.reflected(term.light, term.material);
-        let (diffuse, specular) = (reflected.diffuse.0.0, reflected.specular.0.0);
+        let (diffuse, specular) = (term.reflected.diffuse.0.0, term.reflected.specular.0.0);
         let sum = &mut self.sums[term.light * self.pixels + pixel];
         for (channel, sum) in sum.iter_mut().enumerate() {
             *sum += diffuse[channel] * term.geometry.diffuse
@@ -217,13 +228,13 @@ impl<'w> LightSums<'w> {
         }
     }
 
-    fn add_background(&mut self, batch: SampleRange, points: &Points) {
+    fn add_background(&mut self, batch: NumberedSamples<'_>, points: &Points) {
         let lights = self.world.lights().len();
         if self.shares == lights {
             return;
         }
         let background = self.world.background().0.0;
-        for (slot, pixel) in batch.pixels().enumerate() {
+        for (slot, pixel) in batch.iter() {
             if !points.is_hit(slot) {
                 let sum = &mut self.sums[lights * self.pixels + pixel];
                 for (sum, channel) in sum.iter_mut().zip(background) {
@@ -244,8 +255,7 @@ struct Depths {
 }
 
 impl Depths {
-    fn new(world: &World, pixels: usize) -> Self {
-        let camera = world.camera();
+    fn new(camera: &Camera, pixels: usize) -> Self {
         Self {
             eye: camera.eye().0,
             forward: camera.forward().get(),
@@ -253,7 +263,7 @@ impl Depths {
         }
     }
 
-    fn add(&mut self, batch: SampleRange, points: &Points) {
+    fn add(&mut self, batch: NumberedSamples<'_>, points: &Points) {
         let Self {
             eye,
             forward,
@@ -279,49 +289,57 @@ impl Depths {
 
 /// The bands of a tile's pixels.
 struct SpectralSums<'b> {
-    bands: &'b Bands,
+    bands: &'b Bands<'b>,
     geometry: Geometry,
-    /// Where the terms of each sample of the batch belong.
+    /// Where the terms of each of [`Terms::reflecting`] belong.
     places: Vec<Option<Place>>,
-    /// Pixel by pixel, band by band.
+    /// Of pixels with all samples, pixel by pixel, band by band.
     sums: Vec<f64>,
+    /// Of one pixel, whatever it has.
+    pixel: Vec<f64>,
 }
 
 impl<'b> SpectralSums<'b> {
-    fn new(bands: &'b Bands, pixels: usize) -> Self {
+    fn new(bands: &'b Bands<'b>, pixels: usize) -> Self {
         Self {
             bands,
             geometry: Geometry::new(bands.lights()),
             places: Vec::new(),
             sums: vec![0.0; pixels * bands.wavelengths().count()],
+            pixel: Vec::new(),
         }
     }
 
-    fn see(&mut self, batch: SampleRange, points: &Points) {
-        let geometry = &mut self.geometry;
-        let samples = batch.pixels().enumerate();
-        let places = samples.map(|(slot, pixel)| {
-            let material = points.material[slot] as usize;
-            let place = || geometry.place(pixel, material);
-            points.is_hit(slot).then(place)
-        });
+    fn add(&mut self, batch: NumberedSamples<'_>, terms: &Terms) {
         self.places.clear();
-        self.places.extend(places);
+        for of_point in terms.reflecting() {
+            let pixel = batch.pixel(of_point.point);
+            let is_here = batch.contains(of_point.point);
+            let place = is_here.then(|| self.geometry.place(pixel, of_point.reflectance));
+            self.places.push(place);
+        }
+        let Self {
+            geometry, places, ..
+        } = self;
+        terms.iter().for_each(|term| {
+            if let Some(place) = places[term.place] {
+                geometry.add(place, &term);
+            }
+        });
     }
 
-    fn add(&mut self, term: &Term) {
-        let place = self.places[term.point].expect("a term is of a point that is hit");
-        self.geometry.add(place, term);
+    fn finish(&mut self, end: usize, further: Further) {
+        self.geometry
+            .finish(end, further, self.bands, &mut self.sums);
     }
 
-    fn finish(&mut self, end: usize) {
-        self.geometry.finish(end, self.bands, &mut self.sums);
-    }
-
-    /// The sums of a finished pixel, with the background where samples miss.
+    /// The sums of a pixel, with the background where samples miss.
     fn of(&mut self, pixel: usize, misses: u32) -> &[f64] {
         let count = self.bands.wavelengths().count();
-        let sums = &mut self.sums[pixel * count..][..count];
+        let sums = &mut self.pixel;
+        sums.clear();
+        sums.extend_from_slice(&self.sums[pixel * count..][..count]);
+        self.geometry.add_kept(pixel, self.bands, sums);
         bands::add_scaled(sums, f64::from(misses), self.bands.background());
         sums
     }

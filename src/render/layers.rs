@@ -144,7 +144,9 @@ mod tests {
     ";
 
     fn names(layers: Layers, scene: &str) -> Vec<String> {
-        let world = World::new(&Scene::parse(scene, "scene.toml").unwrap()).unwrap();
+        let world = World::new(&Scene::parse(scene, "scene.toml").unwrap())
+            .unwrap()
+            .0;
         let channels = layers.channels(&world);
         channels.list.into_iter().map(|c| c.name).collect()
     }
@@ -158,7 +160,7 @@ mod tests {
 
     #[test]
     fn nothing_asked_for_is_nothing() {
-        let world = World::new(&Scene::builtin()).unwrap();
+        let world = World::new(&Scene::builtin()).unwrap().0;
         assert_eq!(Layers::default().channels(&world), Channels::default());
         assert!(Layers::default().names().is_empty());
     }
@@ -202,7 +204,7 @@ mod tests {
         assert_eq!(layers.names(), ["depth", "spectral"]);
         let expected = ["Z", "S0.550,000000nm", "S0.600,000000nm", "S0.650,000000nm"];
         assert_eq!(names(layers, SCENE), expected);
-        let world = World::new(&Scene::builtin()).unwrap();
+        let world = World::new(&Scene::builtin()).unwrap().0;
         assert_eq!(
             layers.channels(&world).attributes[0].1,
             r#"{"first":550,"last":650,"step":50,"unit":"W.m^-2.sr^-1.nm^-1","weights":"hat"}"#

@@ -1,20 +1,47 @@
-//! Radiance to pixels: tiles, their samples, the box filter, and where finished tiles go.
+//! Radiance to pixels: tiles, their samples, the box filter, and where rendered tiles go.
+//!
+//! ```text
+//! scheduler ─ tile ─ passes ─ batches ─ sums ─ means ─ sink
+//!     │        │       │         │        │      │       │
+//!     │        │       │         │        │      │       a film in memory, or strips of a file
+//!     │        │       │         │        │      the box filter, narrowed to f32
+//!     │        │       │         │        f64, in the order of a pixel's samples
+//!     │        │       │         256 samples that are traced and shaded together
+//!     │        │       ranges of samples, of some pixels
+//!     │        16 × 16 pixels in Z order
+//!     row by row, by all threads, until the job is canceled
+//! ```
 
 mod bands;
 mod batch;
 mod counts;
-mod film;
+mod exr_sink;
+mod film_sink;
+mod job;
 mod layer_sums;
 mod layers;
 mod options;
+mod renderer;
 mod sampling;
-mod setup;
-mod strips;
+mod scheduler;
+mod sink;
+mod statistics;
 mod sums;
+#[cfg(test)]
+mod tests;
 mod tile;
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 pub use counts::{Counts, SCREEN_WHITE};
-pub use film::{render, render_with};
+pub use exr_sink::memory;
+pub use job::Job;
 pub use layers::{BACKGROUND_LIGHT, Layers};
-pub use options::{MAX_SAMPLES, Options};
-pub use strips::{memory, render_exr};
+pub use options::{MAX_SAMPLES, Options, OptionsError};
+pub use renderer::{RenderError, RenderedExr, Renderer, render};
+pub use sink::{RenderedTile, Sink};
+
+/// A panic elsewhere ends the render in any case.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,8 +1,10 @@
 //! How to render.
 
 use super::layers::Layers;
+use crate::camera::Camera;
 use crate::image::Window;
 use crate::simd::SimdLevel;
+use crate::world::World;
 
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
@@ -29,6 +31,65 @@ impl Default for Options {
             window: None,
             layers: Layers::default(),
             simd: SimdLevel::default(),
+        }
+    }
+}
+
+/// Options that a world cannot be rendered with, or a camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OptionsError {
+    /// [`Options::samples`] is out of range.
+    #[error("{0} samples of a pixel are out of range; choose 1 to {MAX_SAMPLES}")]
+    Samples(u32),
+    /// [`Options::window`] is not inside the image, or has no pixels.
+    #[error(
+        "the window of {} × {} pixels at ({}, {}) is not inside the image of {} × {}; choose a part of it",
+        window.width, window.height, window.x, window.y, resolution[0], resolution[1]
+    )]
+    Window {
+        /// What was asked for.
+        window: Window,
+        /// Width and height of the whole image.
+        resolution: [u32; 2],
+    },
+    /// [`Options::layers`] has [`Layers::spectral`], but the world carries light as RGB.
+    #[error(
+        "there are no bands where light is carried as RGB; leave the layer `spectral` out, or \
+         set the image's `transport` to \"spectral\""
+    )]
+    Bands,
+    /// The camera is [placed](World::place) in a world with another anchor.
+    #[error(
+        "the camera is of another world, whose positions have another anchor; place it in this one"
+    )]
+    Camera,
+}
+
+impl Options {
+    /// What of the camera's image is rendered.
+    ///
+    /// # Errors
+    /// If the world cannot be rendered with these options, or through this camera.
+    pub fn check(&self, world: &World, camera: &Camera) -> Result<Window, OptionsError> {
+        if !(1..=MAX_SAMPLES).contains(&self.samples) {
+            return Err(OptionsError::Samples(self.samples));
+        }
+        if self.layers.spectral.is_some() && world.spectra().is_none() {
+            return Err(OptionsError::Bands);
+        }
+        if camera.anchor() != world.anchor() {
+            return Err(OptionsError::Camera);
+        }
+        let resolution @ [width, height] = camera.resolution();
+        let window = self.window.unwrap_or(Window::whole(resolution));
+        let ends_in = |first: u32, count: u32, end| {
+            count > 0 && first.checked_add(count).is_some_and(|last| last <= end)
+        };
+        if ends_in(window.x, window.width, width) && ends_in(window.y, window.height, height) {
+            Ok(window)
+        } else {
+            Err(OptionsError::Window { window, resolution })
         }
     }
 }

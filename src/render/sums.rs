@@ -28,6 +28,53 @@ impl PixelSums {
         *self = Self::default();
     }
 
+    /// The sums of some pixels, by their numbers, in this order.
+    pub(super) fn gather(&mut self, all: &Self, numbers: &[u32]) {
+        let columns = self.radiance.iter_mut().zip(&all.radiance);
+        for (sums, all) in columns {
+            for (sum, &number) in sums.iter_mut().zip(numbers) {
+                *sum = all[number as usize];
+            }
+        }
+        for (hits, &number) in self.hits.iter_mut().zip(numbers) {
+            *hits = all.hits[number as usize];
+        }
+    }
+
+    /// Puts the sums of some pixels back in their places.
+    pub(super) fn scatter(&self, all: &mut Self, numbers: &[u32]) {
+        let columns = self.radiance.iter().zip(&mut all.radiance);
+        for (sums, all) in columns {
+            for (&sum, &number) in sums.iter().zip(numbers) {
+                all[number as usize] = sum;
+            }
+        }
+        for (&hits, &number) in self.hits.iter().zip(numbers) {
+            all.hits[number as usize] = hits;
+        }
+    }
+
+    /// Σ L of a pixel.
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "for estimates of the error, which are still to come"
+        )
+    )]
+    pub(super) fn radiance(&self, pixel: usize) -> [f64; 3] {
+        let [r, g, b] = &self.radiance;
+        [r[pixel], g[pixel], b[pixel]]
+    }
+
+    /// Adds the radiance of one sample of a pixel.
+    pub(super) fn add_sample(&mut self, pixel: usize, radiance: [f64; 3], is_hit: bool) {
+        for (sums, radiance) in self.radiance.iter_mut().zip(radiance) {
+            sums[pixel] += radiance;
+        }
+        self.hits[pixel] += u32::from(is_hit);
+    }
+
     /// Adds the radiance of some samples, those of each pixel in their order.
     #[inline(always)]
     pub(super) fn add<S: Simd>(
@@ -67,16 +114,18 @@ impl PixelSums {
         }
     }
 
-    /// R, G, B, A of sixteen pixels, and what of [`Counts`] is known of the first `count` by then.
+    /// R, G, B, A of sixteen pixels with so many samples each, and what of [`Counts`] is known of the first
+    /// `count` by then. A pixel without samples is 0.
     #[inline(always)]
     pub(super) fn means<S: Simd>(
         &self,
         simd: S,
         first: usize,
         count: usize,
-        samples: u32,
+        samples: &[u32; PIXELS],
     ) -> ([[f32; 4]; LANES], Counts) {
-        let samples = f64::from(samples);
+        let one = F64x16::splat(simd, 1.0);
+        let samples = U32x16::load(simd, &samples[first..]).widened(simd).max(one);
         let hits = U32x16::load(simd, &self.hits[first..]).widened(simd);
         let alpha = (hits / samples).narrowed(simd);
         let mut means = [alpha; 4];

@@ -1,135 +1,329 @@
-//! Tiles: the samples of their pixels, batch by batch, from rays to means.
+//! Tiles: running sums of their pixels, to which passes add samples.
+
+use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::batch::Batch;
+use super::bands::Further;
+use super::batch::{Batch, PIXELS, Selection, TilePixels};
 use super::counts::Counts;
-use super::layer_sums::RequestedLayers;
+use super::layer_sums::{LayerSums, RequestedLayers};
 use super::sampling::Sampler;
+use super::sink::RenderedTile;
+use super::statistics::Statistics;
 use super::sums::PixelSums;
+use crate::camera::Camera;
 use crate::image::Window;
-use crate::shading::{self, Shaded, Terms};
+use crate::shading::{self, Shaded};
 use crate::simd::{Kernel, LANES, SimdLevel};
-use crate::visibility::{Points, Visibility, Workspace};
+use crate::visibility::{PACKETS, Points, Visibility, Workspace};
 use crate::world::World;
-
-/// A part of the film that one thread fills.
-pub(super) struct Tile<'f> {
-    /// Its place in the image.
-    pub(super) window: Window,
-    /// Its pixels, row by row.
-    pub(super) rows: Vec<&'f mut [[f32; 4]]>,
-    /// The values of its pixels' further channels, row by row, pixel by pixel within; empty where
-    /// there are none.
-    pub(super) values: Vec<&'f mut [f32]>,
-}
 
 /// What all tiles have in common.
 #[derive(Clone, Copy)]
-pub(super) struct Work<'w> {
+pub(super) struct Setup<'w> {
     pub(super) world: &'w World,
+    pub(super) camera: &'w Camera,
     pub(super) visibility: &'w Visibility<'w>,
-    pub(super) samples: u32,
     pub(super) simd: SimdLevel,
+    /// Where all samples of a pixel are, of which a pass takes a range.
     pub(super) sampler: &'w Sampler,
     pub(super) layers: Option<RequestedLayers<'w>>,
+    pub(super) sums: Kept,
 }
 
-/// What a thread needs for a tile, to be used for the next as well.
+/// What is kept of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// Their sums.
+    Sums,
+    /// [`Statistics`] beside these.
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "for estimates of the error, which are still to come"
+        )
+    )]
+    SumsAndStatistics,
+}
+
+/// The running sums of a tile's pixels, in the order of their samples.
+///
+/// Passes over ranges of samples that follow each other come to the bits of one pass over all of
+/// them, whichever pixels each pass is over.
+#[derive(Default)]
+pub(super) struct Tile<'w> {
+    pixels: TilePixels,
+    /// Samples that each pixel has had.
+    taken: Taken,
+    sums: PixelSums,
+    layers: Option<LayerSums<'w>>,
+    statistics: Option<Box<Statistics<'w>>>,
+}
+
+/// A count for each pixel of a tile.
+struct Taken([u32; PIXELS]);
+
+impl Default for Taken {
+    fn default() -> Self {
+        Self([0; PIXELS])
+    }
+}
+
+/// What a thread needs for a pass, to be used for the next as well.
 #[derive(Default)]
 pub(super) struct Space {
     batch: Batch,
-    sums: PixelSums,
+    /// The sums of the pixels of a pass that is not over all.
+    selected: PixelSums,
     tracing: Workspace,
     points: Points,
     shaded: Shaded,
 }
 
-/// One tile, on whatever instructions.
-struct TileKernel<'t, 'w, 'f> {
-    work: Work<'w>,
-    tile: &'t mut Tile<'f>,
-    space: &'t mut Space,
-}
-
-impl Kernel for TileKernel<'_, '_, '_> {
-    type Output = Counts;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Counts {
-        self.work.render(simd, self.tile, self.space)
+impl<'w> Tile<'w> {
+    /// Begins a tile, without samples.
+    pub(super) fn begin(&mut self, setup: &Setup<'w>, window: Window) {
+        self.pixels.begin(window);
+        self.taken.0.fill(0);
+        self.sums.clear();
+        let pixels = self.pixels.iter().len();
+        self.layers = setup.layers.map(|layers| layers.sums(pixels));
+        self.statistics = match setup.sums {
+            Kept::Sums => None,
+            Kept::SumsAndStatistics => Some(Box::new(Statistics::new(setup.layers, pixels))),
+        };
     }
-}
 
-impl Work<'_> {
-    /// Fills a tile.
-    pub(super) fn tile(self, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
-        self.simd.run(TileKernel {
-            work: self,
-            tile,
+    /// Adds these samples of some pixels, which have had all samples before these and no others.
+    pub(super) fn pass(
+        &mut self,
+        setup: &Setup<'w>,
+        samples: Range<u32>,
+        selection: &Selection,
+        space: &mut Space,
+    ) -> Counts {
+        setup.simd.run(Pass {
+            setup: *setup,
+            tile: self,
+            samples,
+            selection,
             space,
         })
     }
 
-    /// Renders all samples of a tile's pixels, batch by batch.
+    /// The means of the samples so far.
+    pub(super) fn means(&mut self, setup: &Setup<'w>, rendered: &mut RenderedTile) -> Counts {
+        setup.simd.run(Means {
+            tile: self,
+            rendered,
+        })
+    }
+
+    /// What is kept beside the sums, where it was asked for.
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "for estimates of the error, which are still to come"
+        )
+    )]
+    pub(super) fn statistics(&mut self) -> Option<&mut Statistics<'w>> {
+        self.statistics.as_deref_mut()
+    }
+
+    /// Whether anything is made of the terms of L9.
+    fn wants_terms(&self) -> bool {
+        self.layers.as_ref().is_some_and(LayerSums::want_terms)
+    }
+}
+
+#[cfg(test)]
+impl Tile<'_> {
+    /// Column and row of each pixel, by its number.
+    pub(super) fn places(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
+        self.pixels.iter()
+    }
+
+    /// Σ L of a pixel, and its hits.
+    pub(super) fn sums_of(&self, pixel: usize) -> ([f64; 3], u32) {
+        (self.sums.radiance(pixel), self.sums.hits[pixel])
+    }
+}
+
+#[cfg(test)]
+impl Setup<'_> {
+    /// Channels beside R, G, B, A.
+    pub(super) fn channels(&self) -> usize {
+        let layers = self.layers.map(|layers| layers.sums(0).channels());
+        layers.unwrap_or(0)
+    }
+}
+
+/// A pass over a tile, on whatever instructions.
+struct Pass<'t, 'w> {
+    setup: Setup<'w>,
+    tile: &'t mut Tile<'w>,
+    samples: Range<u32>,
+    selection: &'t Selection,
+    space: &'t mut Space,
+}
+
+impl Kernel for Pass<'_, '_> {
+    type Output = Counts;
+
     #[inline(always)]
-    fn render<S: Simd>(self, simd: S, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
+    fn run<S: Simd>(self, simd: S) -> Counts {
         let Self {
-            world,
+            setup,
+            tile,
             samples,
-            sampler,
-            ..
+            selection,
+            space,
         } = self;
-        let Space {
-            batch,
-            sums,
-            tracing,
-            points,
-            shaded,
-        } = space;
-        batch.begin(simd, sampler, tile.window);
-        sums.clear();
-        let mut layers = self.layers.map(|layers| layers.sums(batch.pixels().len()));
-        let mut counts = Counts::default();
-        while batch.next(simd, sampler) {
-            self.visibility.see(simd, batch.samples(), tracing, points);
-            {
-                let layers = layers.as_mut();
-                let mut each = layers.and_then(|layers| layers.see(batch.range(), points));
-                let each = each.as_mut().map(|each| each as &mut dyn FnMut(Terms<'_>));
-                shading::radiance(simd, world, self.visibility, points, tracing, shaded, each);
-            }
-            sums.add(simd, batch.range(), points, &shaded.radiance);
-            if let Some(layers) = &mut layers {
-                // The last pixel may have samples in the next batch.
-                layers.finish(batch.range().last_pixel());
-            }
-            counts = counts.and(Counts {
-                primary_rays: batch.len() as u64,
-                shadow_rays: shaded.shadow_rays,
-                lit: shaded.lit_points,
-                singular: shaded.singular,
-                ..Counts::default()
-            });
+        let sampler = setup.sampler;
+        let further = if samples.end == sampler.samples() {
+            Further::None
+        } else {
+            Further::MayCome
+        };
+        let count = samples.end - samples.start;
+        space
+            .batch
+            .begin(simd, sampler, &tile.pixels, selection, samples.clone());
+        let is_over_all = space.batch.is_over_all();
+        if !is_over_all {
+            space.selected.gather(&tile.sums, space.batch.numbers());
         }
-        let mut pixels = batch.pixels();
-        for first in (0..pixels.len()).step_by(LANES) {
-            let count = pixels.len().min(LANES);
-            let (means, met) = sums.means(simd, first, count, samples);
-            for (mean, [column, row]) in means.into_iter().zip(pixels.by_ref()) {
-                tile.rows[row as usize][column as usize] = mean;
+        let mut counts = Counts::default();
+        while space.batch.next(simd, sampler) {
+            counts = counts.and(shade(simd, &setup, tile, space));
+            let Space {
+                batch,
+                selected,
+                points,
+                shaded,
+                ..
+            } = &mut *space;
+            let sums = if is_over_all {
+                &mut tile.sums
+            } else {
+                selected
+            };
+            sums.add(simd, batch.range(), points, &shaded.radiance);
+            if let Some(statistics) = &mut tile.statistics {
+                statistics.add(batch.numbered(), points, &shaded.radiance);
+            }
+            // The last pixel may have samples in the next batch.
+            finish(tile, batch.numbered().last_pixel(), further);
+        }
+        finish(tile, PIXELS, further);
+        let numbers = space.batch.numbers();
+        if !is_over_all {
+            space.selected.scatter(&mut tile.sums, numbers);
+        }
+        for &pixel in numbers {
+            let taken = &mut tile.taken.0[pixel as usize];
+            debug_assert_eq!(*taken, samples.start, "samples follow each other");
+            *taken += count;
+        }
+        counts
+    }
+}
+
+/// Traces and shades a batch, and adds what layers are made of.
+#[inline(always)]
+fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut Space) -> Counts {
+    let Setup {
+        world,
+        camera,
+        visibility,
+        ..
+    } = *setup;
+    let Space {
+        batch,
+        tracing,
+        points,
+        shaded,
+        ..
+    } = space;
+    visibility.see(simd, batch.samples(camera), tracing, points);
+    if let Some(layers) = &mut tile.layers {
+        layers.see(batch.numbered(), points);
+    }
+    if let Some(statistics) = &mut tile.statistics {
+        statistics.see(batch.numbered(), points);
+    }
+    if tile.wants_terms() {
+        shading::ask_lights(simd, world, visibility, points, tracing, shaded);
+        for packet in 0..PACKETS {
+            let terms = shading::packet_terms(simd, world, points, packet, shaded);
+            if let Some(layers) = &mut tile.layers {
+                layers.add(batch.numbered(), terms);
+            }
+            if let Some(statistics) = &mut tile.statistics {
+                statistics.add_terms(batch.numbered(), terms);
+            }
+        }
+    } else {
+        shading::radiance(simd, world, visibility, points, tracing, shaded);
+    }
+    Counts {
+        primary_rays: batch.len() as u64,
+        shadow_rays: shaded.shadow_rays,
+        lit: shaded.lit_points,
+        singular: shaded.singular,
+        ..Counts::default()
+    }
+}
+
+/// Ends a pass for the pixels before `end`.
+#[inline(always)]
+fn finish(tile: &mut Tile<'_>, end: usize, further: Further) {
+    if let Some(layers) = &mut tile.layers {
+        layers.finish(end, further);
+    }
+    if let Some(statistics) = &mut tile.statistics {
+        statistics.finish(end, further);
+    }
+}
+
+/// The means of a tile, on whatever instructions.
+struct Means<'t, 'w> {
+    tile: &'t mut Tile<'w>,
+    rendered: &'t mut RenderedTile,
+}
+
+impl Kernel for Means<'_, '_> {
+    type Output = Counts;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Counts {
+        let Self { tile, rendered } = self;
+        let Tile {
+            pixels,
+            taken: Taken(taken),
+            sums,
+            layers,
+            ..
+        } = tile;
+        rendered.begin(pixels.window());
+        let mut counts = Counts::default();
+        let mut places = pixels.iter();
+        for first in (0..places.len()).step_by(LANES) {
+            let count = places.len().min(LANES);
+            let (means, met) = sums.means(simd, first, count, taken);
+            for (mean, place) in means.into_iter().zip(places.by_ref()) {
+                rendered.set(place, mean);
             }
             counts = counts.and(met);
         }
-        if let Some(mut layers) = layers {
-            layers.finish(batch.pixels().len());
-            for (pixel, [column, row]) in batch.pixels().enumerate() {
-                let values = tile.values[row as usize]
-                    .chunks_exact_mut(layers.channels())
-                    .nth(column as usize)
-                    .expect("the film has room for the layers of every pixel");
-                let misses = samples - sums.hits[pixel];
-                counts.clamped += layers.means(pixel, misses, samples, values);
+        if let Some(layers) = layers {
+            for (pixel, place) in pixels.iter().enumerate() {
+                let misses = taken[pixel] - sums.hits[pixel];
+                let values = rendered.values_mut(place);
+                counts.clamped += layers.means(pixel, misses, taken[pixel], values);
             }
         }
         counts

@@ -7,11 +7,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::mesh::MeshFile;
 use super::{
-    Camera, ColorSpace, Entry, Image, Light, Lobes, Material, Object, Scene, ShadowTerminator,
-    Source, Span, Transport, Unit, Value, View,
+    Aim, Camera, ColorSpace, Entry, Falloff, Image, Light, Lobes, Material, Object, Scene,
+    ShadowTerminator, Source, Span, Transport, Unit, Value, View,
 };
+use crate::mesh::MeshFile;
 use crate::spectrum::{Curve, Illuminant, Lines, Observer};
 
 impl Scene {
@@ -30,9 +30,10 @@ impl Scene {
     /// .light("lamp", Light::point([0.0, 2.0, 0.0], 10.0))
     /// .object("floor", Object::plane("chalk", [0.0; 3], [0.0, 1.0, 0.0]));
     ///
-    /// let film = render(&World::new(&scene)?, &Options::default());
+    /// let (world, camera) = World::new(&scene)?;
+    /// let film = render(&world, &camera, &Options::default())?;
     /// assert!((film.pixels()[9 * 4 + 4][0] - 1.25).abs() < 1e-6);
-    /// # Ok::<(), candela::scene::Diagnostics>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(image: Image, camera: Camera) -> Self {
         let source = Source {
@@ -231,6 +232,31 @@ impl Light {
         Self::Point {
             position: position.into(),
             intensity: intensity.into().into(),
+        }
+    }
+
+    /// A spot that shines from a point to another, into a cone of half-angles in degrees: its full intensity up
+    /// to `inner`, nothing from `outer` on.
+    ///
+    /// ```
+    /// use candela::scene::{Light, Value};
+    ///
+    /// let lamp = Light::spot([0.0, 3.0, 0.0], [0.0, 0.0, 0.0], Value::lumens(800.0, 1.0), [20.0, 30.0]);
+    /// # assert_ne!(lamp, Light::point([0.0, 3.0, 0.0], 800.0));
+    /// ```
+    pub fn spot(
+        position: [f64; 3],
+        look_at: [f64; 3],
+        intensity: impl Into<Value>,
+        [inner, outer]: [f64; 2],
+    ) -> Self {
+        Self::Spot {
+            position: position.into(),
+            aim: Aim::LookAt(look_at.into()),
+            intensity: intensity.into().into(),
+            inner: inner.into(),
+            outer: outer.into(),
+            falloff: Falloff::default(),
         }
     }
 }

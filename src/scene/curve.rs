@@ -5,10 +5,9 @@ use std::fmt;
 use std::io::{self, Read};
 use std::path::Path;
 
-use super::diagnostic::shortened;
-use super::encoding::Foreign;
-use super::inputs::Hash;
-use super::opening::{self, NotAFile};
+use crate::input::Hash;
+use crate::input::{self, Foreign, NotAFile};
+use crate::printable::shortened;
 use crate::spectrum::{Curve, CurveProblem};
 
 /// The largest curve file in bytes; a million points fit. Reading one takes at most six times its
@@ -74,7 +73,7 @@ impl CurveError {
     /// short, or reading failed.
     pub fn is_transient(&self) -> bool {
         match self {
-            Self::Unreadable(error) => opening::is_transient(error),
+            Self::Unreadable(error) => input::is_transient(error),
             Self::NotAFile(_)
             | Self::TooLarge
             | Self::Foreign { .. }
@@ -128,7 +127,7 @@ fn way_out(text: &str) -> &'static str {
 /// A file that cannot be read, lines of other than two numbers, and points that do not make a
 /// [`Curve`].
 pub(super) fn load(path: &Path) -> Result<(Curve, Hash), CurveError> {
-    let (file, size) = opening::open::<CurveError>(path)?;
+    let (file, size) = input::open::<CurveError>(path)?;
     if size > LARGEST_FILE {
         return Err(CurveError::TooLarge);
     }

@@ -7,10 +7,7 @@
 mod build;
 mod curve;
 pub mod diagnostic;
-mod encoding;
 mod inputs;
-pub mod mesh;
-mod opening;
 mod read;
 mod schema;
 mod value;
@@ -21,16 +18,15 @@ use std::sync::Arc;
 pub use build::{NotAColor, Placement};
 pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
-pub use encoding::Foreign;
-pub use inputs::{Hash, Input};
-pub use mesh::MeshFile;
-pub use opening::NotAFile;
-pub(crate) use opening::is_transient;
+pub use inputs::Input;
 pub(crate) use read::name_objection;
 pub use read::{Broken, Reading};
 pub use schema::schema;
-pub use value::{ColorSpace, ShadowTerminator, Transport, Unit, Value};
+pub use value::{Falloff, ShadowTerminator, Transport, Unit, Value};
 
+pub use crate::color::ColorSpace;
+pub use crate::input::{Foreign, Hash, NotAFile};
+pub use crate::mesh::MeshFile;
 use crate::spectrum::Observer;
 
 /// The text that a scene was read from, kept so that errors can show their line.
@@ -153,6 +149,47 @@ pub enum Light {
         /// I: a number and `[r, g, b]` in candela, a curve in W·sr⁻¹·nm⁻¹. Range: 0 or more.
         intensity: Spanned<Value>,
     },
+    /// `[lights.NAME.spot]`: a point that shines into a cone.
+    Spot {
+        /// p_L
+        position: Spanned<[f64; 3]>,
+        /// Where its middle points.
+        aim: Aim,
+        /// I on the axis: as that of a point light; a flux is what leaves the lamp. Range: 0 or more.
+        intensity: Spanned<Value>,
+        /// The angle from the axis up to which it has its full intensity, in degrees. Range: 0 to `outer`.
+        /// Default 0.
+        inner: Spanned<f64>,
+        /// The angle from the axis where it is dark, in degrees. Range: 1e-6 to 90.
+        outer: Spanned<f64>,
+        /// How it falls off between them. Default [`Falloff::Smooth`].
+        falloff: Falloff,
+    },
+}
+
+/// Where a light points.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Aim {
+    /// `look_at`: at this point, which is not where the light is.
+    LookAt(Spanned<[f64; 3]>),
+    /// `direction`: along this vector, of any length but 0.
+    Direction(Spanned<[f64; 3]>),
+}
+
+impl Light {
+    /// Its intensity, where it was written.
+    pub fn intensity(&self) -> &Spanned<Value> {
+        match self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+        }
+    }
+
+    /// Its intensity, to be changed.
+    pub fn intensity_mut(&mut self) -> &mut Spanned<Value> {
+        match self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+        }
+    }
 }
 
 /// `[objects.NAME.VARIANT]`: what light falls on (L2).

@@ -1,5 +1,6 @@
 //! Values for light and color, as written.
 
+use crate::color::ColorSpace;
 use std::sync::Arc;
 
 use crate::spectrum::{Curve, Illuminant, Lines};
@@ -56,35 +57,6 @@ pub enum Unit {
     Watts,
 }
 
-/// The RGB color spaces that a scene can name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum ColorSpace {
-    /// Linear, with the primaries and white of ITU-R BT.709.
-    #[default]
-    Rec709,
-    /// Linear, Display P3 primaries, D65.
-    P3D65,
-    /// Linear, ITU-R BT.2020 primaries, D65.
-    Rec2020,
-    /// Linear, ACES AP1 primaries, the ACES white.
-    AcesCg,
-}
-
-impl ColorSpace {
-    /// Every space, in the order of the documentation.
-    pub const ALL: [Self; 4] = [Self::Rec709, Self::P3D65, Self::Rec2020, Self::AcesCg];
-
-    /// The name in a scene file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rec709 => "rec709",
-            Self::P3D65 => "p3-d65",
-            Self::Rec2020 => "rec2020",
-            Self::AcesCg => "acescg",
-        }
-    }
-}
-
 /// What a scene asks for about the way of light, `transport`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Transport {
@@ -134,6 +106,32 @@ impl ShadowTerminator {
         match self {
             Self::Geometric => "geometric",
             Self::Hanika => "hanika",
+        }
+    }
+}
+
+/// How a spot's intensity falls off between its inner and its outer angle, `falloff`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Falloff {
+    /// x²(3 − 2x), with x linear in the cosine of the angle: pbrt and Cycles.
+    #[default]
+    Smooth,
+    /// x²: glTF, KHR_lights_punctual.
+    Gltf,
+    /// Linear in the angle: Mitsuba.
+    LinearAngle,
+}
+
+impl Falloff {
+    /// Every choice, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Smooth, Self::Gltf, Self::LinearAngle];
+
+    /// The name in a scene file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::Gltf => "gltf",
+            Self::LinearAngle => "linear_angle",
         }
     }
 }

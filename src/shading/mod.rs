@@ -1,17 +1,24 @@
 //! L3 and L5 to L9: how much light each point sends to the viewer.
 
+mod groups;
 mod power;
 mod reflectance;
+mod spot;
+mod terms;
+#[cfg(test)]
+mod tests;
 
 use fearless_simd::Simd;
 
+use groups::Groups;
 pub use power::power;
-use reflectance::{Ends, Gloss, geometry};
+use reflectance::{Ends, geometry};
+pub use terms::{Reflecting, Term, Terms};
 
 use crate::math::Point;
-use crate::simd::{F64x16, LANES, Mask64x16, ones};
+use crate::simd::{F64x16, LANES, Mask64x16};
 use crate::visibility::{Column, Facing, PACKETS, Points, Visibility, Workspace};
-use crate::world::{Lobes, World};
+use crate::world::{Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
 #[derive(Clone, Debug)]
@@ -25,6 +32,9 @@ pub struct Shaded {
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
     lit: Vec<Lit>,
+    groups: Groups,
+    terms: Terms,
+    recent: RecentProducts,
 }
 
 /// A light that is above some points of a batch.
@@ -32,9 +42,14 @@ pub struct Shaded {
 struct Lit {
     /// An index into [`World::lights`].
     light: usize,
-    position: Point,
+    /// Which of its points the light comes from.
+    origin: Point,
     /// For each packet one bit for each point that it reaches.
     points: [u32; PACKETS],
+    /// V at each of these points, where something takes a part of the light; `None` is 1 at all of them, which
+    /// multiplies nothing. A V that differs by wavelength is a weighted sum of several, each with products of
+    /// its own.
+    transmitted: Option<Box<Column>>,
 }
 
 impl Default for Shaded {
@@ -45,55 +60,14 @@ impl Default for Shaded {
             lit_points: 0,
             singular: 0,
             lit: Vec::new(),
+            groups: Groups::default(),
+            terms: Terms::default(),
+            recent: RecentProducts::default(),
         }
     }
 }
 
-/// Terms of L9 without their color, of one light at the points of a packet.
-#[derive(Clone, Copy, Debug)]
-pub struct Terms<'t> {
-    /// The first point of the packet, by its place in the batch.
-    first: usize,
-    /// One bit for each point that the light reaches.
-    bits: u32,
-    light: usize,
-    materials: &'t [u32],
-    geometry: &'t Lobes<[f64; LANES]>,
-}
-
-impl Terms<'_> {
-    /// One after the other.
-    pub fn iter(&self) -> impl Iterator<Item = Term> {
-        ones(self.bits).map(|lane| Term {
-            point: self.first + lane,
-            light: self.light,
-            material: self.materials[lane] as usize,
-            geometry: Lobes {
-                diffuse: self.geometry.diffuse[lane],
-                specular: self.geometry.specular[lane],
-            },
-        })
-    }
-}
-
-/// One term of L9 without its color: what a light that is seen does at a point, by geometry alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
-    /// The point, by its place in the batch.
-    pub point: usize,
-    /// An index into [`World::lights`].
-    pub light: usize,
-    /// An index into [`World::materials`].
-    pub material: usize,
-    /// The cosine term of each lobe over d², in m⁻², at most [`f64::MAX`]: times I · k it is the
-    /// radiance that the lobe sends to the viewer.
-    pub geometry: Lobes<f64>,
-}
-
 /// L9: L_o(ω_o) = Σ_s L_i^s(p) r(ω_i^s, ω_o) V^s(p) over a batch of points.
-///
-/// `each`, if there is one, is told of all terms of the sum that are not hidden (L4): packet by packet,
-/// light by light within.
 #[inline(never)]
 pub(crate) fn radiance<S: Simd>(
     simd: S,
@@ -102,15 +76,55 @@ pub(crate) fn radiance<S: Simd>(
     points: &Points,
     space: &mut Workspace,
     shaded: &mut Shaded,
-    each: Option<&mut dyn FnMut(Terms<'_>)>,
 ) {
     simd.vectorize(
         #[inline(always)]
         || {
             shaded.ask(simd, world, visibility, points, space);
-            shaded.sum(simd, world, points, each);
+            for packet in 0..PACKETS {
+                shaded.sum(simd, world, points, packet, KeepsTerms::No);
+            }
         },
     );
+}
+
+/// L4 alone: which lights reach the points of a batch, for [`packet_terms`] after it.
+#[inline(never)]
+pub(crate) fn ask_lights<S: Simd>(
+    simd: S,
+    world: &World,
+    visibility: &Visibility<'_>,
+    points: &Points,
+    space: &mut Workspace,
+    shaded: &mut Shaded,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || shaded.ask(simd, world, visibility, points, space),
+    );
+}
+
+/// L9 over the points of a packet of the batch, and the terms of the sum that are not hidden (L4).
+#[inline(never)]
+pub(crate) fn packet_terms<'s, S: Simd>(
+    simd: S,
+    world: &World,
+    points: &Points,
+    packet: usize,
+    shaded: &'s mut Shaded,
+) -> &'s Terms {
+    simd.vectorize(
+        #[inline(always)]
+        || shaded.sum(simd, world, points, packet, KeepsTerms::Yes),
+    );
+    &shaded.terms
+}
+
+/// Whether a sum keeps its terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum KeepsTerms {
+    No,
+    Yes,
 }
 
 impl Shaded {
@@ -130,143 +144,143 @@ impl Shaded {
             return;
         }
         for (index, light) in world.lights().iter().enumerate() {
-            let position = light.value.position;
-            let Facing { above, at } = points.facing(simd, world, position);
-            let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
-            self.shadow_rays += u64::from(asked);
-            self.singular += u64::from(at);
-            if asked > 0 {
-                let lit = visibility.lit(simd, position, points, &above, space);
-                let reached: u32 = lit.iter().map(|bits| bits.count_ones()).sum();
-                self.lit_points += u64::from(reached);
-                self.lit.push(Lit {
-                    light: index,
-                    position,
-                    points: lit,
-                });
+            let inside = match &light.value {
+                Light::Point(_) => points.hit,
+                light @ Light::Spot(spot) => {
+                    if light.misses(points.bounds()) {
+                        continue;
+                    }
+                    spot::inside(simd, spot, points)
+                }
+            };
+            for origin in light.value.origins() {
+                let Facing { mut above, at } = points.facing(simd, world, origin);
+                for (above, inside) in above.iter_mut().zip(inside) {
+                    *above &= inside;
+                }
+                let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
+                self.shadow_rays += u64::from(asked);
+                self.singular += u64::from(at);
+                if asked > 0 {
+                    let lit = visibility.lit(simd, origin, points, &above, space);
+                    let reached: u32 = lit.iter().map(|bits| bits.count_ones()).sum();
+                    self.lit_points += u64::from(reached);
+                    self.lit.push(Lit {
+                        light: index,
+                        origin,
+                        points: lit,
+                        transmitted: None,
+                    });
+                }
             }
         }
     }
 
-    /// Sums the terms of the lights that reach points, packet by packet.
+    /// Sums the terms of the lights that reach the points of a packet.
     #[inline(always)]
     fn sum<S: Simd>(
         &mut self,
         simd: S,
         world: &World,
         points: &Points,
-        mut each: Option<&mut dyn FnMut(Terms<'_>)>,
+        packet: usize,
+        keeps: KeepsTerms,
     ) {
-        let zero = F64x16::splat(simd, 0.0);
-        let background = world.background().0.0;
-        for (packet, &hit) in points.hit.iter().enumerate() {
-            let first = packet * LANES;
+        let hit = points.hit[packet];
+        let first = packet * LANES;
+        if hit != 0 {
             let materials = &points.material[first..first + LANES];
-            let mut sums = [zero; 3];
-            if hit != 0 {
-                let mut groups = Groups::default();
-                groups.take(world, materials, hit, points.is_uniform[packet]);
-                let ends = Ends::load(simd, points, packet);
-                for &Lit {
-                    light,
-                    position,
-                    points: ref lit,
-                } in &self.lit
-                {
-                    let bits = lit[packet];
-                    if bits == 0 {
-                        continue;
-                    }
-                    let geometry = geometry(simd, &ends, position, groups.get());
-                    let reflected = world.reflected_from(light);
-                    for &Group {
-                        material, members, ..
-                    } in groups.get()
-                    {
-                        let is_lit = Mask64x16::from_bits(simd, bits & members);
-                        let diffuse = is_lit.select(geometry.diffuse, zero);
-                        let specular = is_lit.select(geometry.specular, zero);
-                        let reflected = reflected(material as usize);
-                        let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
+            let is_uniform = points.is_uniform[packet];
+            self.groups.take(world, materials, hit, is_uniform);
+        }
+        if keeps == KeepsTerms::Yes {
+            self.terms.begin(first, hit, &self.groups);
+        }
+        let sums = if hit == 0 {
+            [F64x16::splat(simd, 0.0); 3]
+        } else {
+            self.sum_lights(simd, world, points, packet, keeps)
+        };
+        let is_hit = Mask64x16::from_bits(simd, hit);
+        let background = world.background().0.0;
+        for channel in 0..3 {
+            let background = F64x16::splat(simd, background[channel]);
+            let radiance = is_hit.select(sums[channel], background);
+            radiance.store(&mut self.radiance[channel][first..]);
+        }
+    }
+
+    /// Σ geometry × weight × I · k of the groups' shares.
+    #[inline(always)]
+    fn sum_lights<S: Simd>(
+        &mut self,
+        simd: S,
+        world: &World,
+        points: &Points,
+        packet: usize,
+        keeps: KeepsTerms,
+    ) -> [F64x16<S>; 3] {
+        let zero = F64x16::splat(simd, 0.0);
+        let mut sums = [zero; 3];
+        let ends = Ends::load(simd, points, packet);
+        let Self {
+            lit,
+            groups,
+            terms,
+            recent,
+            ..
+        } = self;
+        for Lit {
+            light,
+            origin,
+            points: lit,
+            transmitted,
+        } in lit.iter()
+        {
+            let (light, bits) = (*light, lit[packet]);
+            if bits == 0 {
+                continue;
+            }
+            let source = &world.lights()[light].value;
+            let mut geometry = geometry(simd, &ends, source, *origin, groups.get());
+            if let Some(transmitted) = transmitted {
+                let part = F64x16::load(simd, &transmitted[packet * LANES..]);
+                geometry.diffuse = geometry.diffuse * part;
+                geometry.specular = geometry.specular * part;
+            }
+            let mut reflected = world.reflected_from(light, Some(recent));
+            for share in groups.shares() {
+                let is_lit = Mask64x16::from_bits(simd, bits & share.members);
+                let reflected = reflected(share.reflectance as usize);
+                let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
+                let mut diffuse = is_lit.select(geometry.diffuse, zero);
+                let mut specular = is_lit.select(geometry.specular, zero);
+                match &share.weights {
+                    None => {
                         sums[0] = sums[0] + (diffuse * kd[0] + specular * ks[0]);
                         sums[1] = sums[1] + (diffuse * kd[1] + specular * ks[1]);
                         sums[2] = sums[2] + (diffuse * kd[2] + specular * ks[2]);
                     }
-                    if let Some(each) = &mut each {
-                        each(Terms {
-                            first,
-                            bits,
-                            light,
-                            materials,
-                            geometry: &Lobes {
-                                diffuse: geometry.diffuse.to_array(),
-                                specular: geometry.specular.to_array(),
-                            },
-                        });
+                    Some(weights) => {
+                        let weights = F64x16::load(simd, weights);
+                        let counts = is_lit & !weights.eq(zero);
+                        diffuse = diffuse * weights;
+                        specular = specular * weights;
+                        for channel in 0..3 {
+                            let more = diffuse * kd[channel] + specular * ks[channel];
+                            sums[channel] = counts.select(sums[channel] + more, sums[channel]);
+                        }
                     }
                 }
             }
-            let is_hit = Mask64x16::from_bits(simd, hit);
-            for channel in 0..3 {
-                let background = F64x16::splat(simd, background[channel]);
-                let radiance = is_hit.select(sums[channel], background);
-                radiance.store(&mut self.radiance[channel][first..]);
+            if keeps == KeepsTerms::Yes {
+                let geometry = Lobes {
+                    diffuse: geometry.diffuse.to_array(),
+                    specular: geometry.specular.to_array(),
+                };
+                terms.add(light, bits, geometry, groups, reflected);
             }
         }
-    }
-}
-
-/// The points of a packet with one material.
-#[derive(Clone, Copy, Debug, Default)]
-struct Group {
-    material: u32,
-    /// One bit for each.
-    members: u32,
-    gloss: Gloss,
-}
-
-impl Group {
-    fn new(world: &World, material: u32, members: u32) -> Self {
-        Self {
-            material,
-            members,
-            gloss: Gloss::of(&world.materials()[material as usize].value),
-        }
-    }
-}
-
-/// The points of a packet, material by material.
-#[derive(Clone, Copy, Debug, Default)]
-struct Groups {
-    groups: [Group; LANES],
-    count: usize,
-}
-
-impl Groups {
-    /// Takes the points with a bit.
-    #[inline(always)]
-    fn take(&mut self, world: &World, materials: &[u32], bits: u32, are_uniform: bool) {
-        if are_uniform {
-            let material = materials[bits.trailing_zeros() as usize];
-            self.groups[0] = Group::new(world, material, bits);
-            self.count = 1;
-            return;
-        }
-        for lane in ones(bits) {
-            let material = materials[lane];
-            let known = &mut self.groups[..self.count];
-            match known.iter_mut().find(|group| group.material == material) {
-                Some(group) => group.members |= 1 << lane,
-                None => {
-                    self.groups[self.count] = Group::new(world, material, 1 << lane);
-                    self.count += 1;
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn get(&self) -> &[Group] {
-        &self.groups[..self.count]
+        sums
     }
 }

@@ -2,19 +2,19 @@
 
 use fearless_simd::Simd;
 
-use super::Group;
+use super::groups::Group;
 use super::power::{powers, whole_exponent, whole_powers};
-use crate::math::{Point, SAFE_SQUARES};
+use super::spot::{falloff, inverse_roots};
+use crate::math::Point;
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
 use crate::visibility::{Points, columns};
 use crate::world::material::Model;
-use crate::world::{Lobes, Material};
+use crate::world::{Light, Lobes, Material};
 
 /// The specular lobe of a material.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Gloss {
     /// There is none.
-    #[default]
     None,
     /// cosⁿ of L7, with the cosine of the incident light as a factor or without.
     Lobe {
@@ -75,32 +75,30 @@ impl<S: Simd> Ends<S> {
     }
 }
 
-/// The cosine terms of L5 and L7 over d², in m⁻², of points that a light reaches.
+/// The cosine terms of L5 and L7 over d², in m⁻², of points that a light reaches from one of its origins; of a
+/// spot times f(θ).
 #[inline(always)]
 pub(super) fn geometry<S: Simd>(
     simd: S,
     ends: &Ends<S>,
-    light: Point,
+    light: &Light,
+    origin: Point,
     groups: &[Group],
 ) -> Lobes<F64x16<S>> {
     let zero = F64x16::splat(simd, 0.0);
-    let to_light = -ends.position.minus(light.0);
-    let square = to_light.dot(to_light);
-    let is_safe = square.is_within(simd, SAFE_SQUARES);
-    let mut inverse = square.nearly_inverse_root(simd);
-    let mut inverse_square = inverse * inverse;
-    if (!is_safe).any() {
-        let one = F64x16::splat(simd, 1.0);
-        inverse = is_safe.select(inverse, one / square.sqrt());
-        inverse_square = is_safe.select(inverse_square, one / square);
-    }
+    let to_light = -ends.position.minus(origin.0);
+    let [inverse, inverse_square] = inverse_roots(simd, to_light.dot(to_light));
+    let received = match light {
+        Light::Point(_) => inverse_square,
+        Light::Spot(spot) => inverse_square * falloff(simd, spot, to_light, inverse),
+    };
     let height = ends.normal.dot(to_light);
     let cos_incident = (height * inverse).max(zero);
     // L6: ω_o·ω_r = 2 (n·ω_i) (n·ω_o) − ω_i·ω_o, the second factor of which is the same for all lights.
     let along = height * ends.cos_viewer * 2.0 - to_light.dot(ends.to_viewer);
     let cos_reflected = along * inverse;
     let mut specular = zero;
-    for &Group { members, gloss, .. } in groups {
+    for &Group { members, gloss } in groups {
         let Gloss::Lobe {
             shininess,
             has_cosine,
@@ -123,7 +121,7 @@ pub(super) fn geometry<S: Simd>(
     // Closer than 1e-154 to a light the quotient is beyond f64, and would make a black channel NaN.
     let largest = F64x16::splat(simd, f64::MAX);
     Lobes {
-        diffuse: (cos_incident * inverse_square).min(largest),
-        specular: (specular * inverse_square).min(largest),
+        diffuse: (cos_incident * received).min(largest),
+        specular: (specular * received).min(largest),
     }
 }

@@ -73,6 +73,7 @@ pub(super) fn offsets<S: Simd>(
 }
 
 /// One bit for each of the first `count` lanes of a packet.
+#[inline]
 pub(super) fn first_lanes(count: usize, packet: usize) -> u32 {
     let left = count.saturating_sub(packet * LANES).min(LANES);
     (1_u32 << left) - 1
@@ -118,6 +119,7 @@ pub(super) fn ranges<S: Simd>(
 }
 
 /// The largest component of any direction in a range.
+#[inline]
 pub(super) fn longest([least, most]: &[DVec3; 2]) -> f64 {
     least.abs().max(most.abs()).max_element()
 }

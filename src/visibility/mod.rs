@@ -9,6 +9,16 @@
 //! Every number of a point is computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
 //! are asked together, nor on the instruction set.
+//!
+//! On floors, of which each uses only those before it:
+//! 1. `batch`, `primitive`: the columns of a batch; which shape it is.
+//! 2. `rays`, `question`: the rays of a packet, what they ask, and what is known of the answer.
+//! 3. `tree`: a bounding volume hierarchy and the beams that go down it. It knows boxes, not shapes.
+//! 4. `projection`: the samples of a batch on a plane, and the depth test that fragments pass there.
+//! 5. `shape`: spheres, triangles and planes, each with its set-up before a projection and its test in f64.
+//! 6. `packet`: how a packet goes down a tree and puts its question to shapes.
+//! 7. `search`, `shapes`: all shapes of a kind, and all of a world.
+//! 8. `points`, and here: the answers.
 
 mod batch;
 mod incoherent;
@@ -35,16 +45,17 @@ pub(crate) use incoherent::{Candidates, Hits, RayBatch, SegmentBatch};
 pub(crate) use points::Facing;
 pub use points::Points;
 
+use crate::camera::{Camera, Projection};
 use crate::math::{DVec3, Point, both};
 use crate::memory::{self, OutOfMemory};
 use crate::simd::{DVec3x16, F64x16, LANES};
-use crate::world::{Camera, Plan, Projection, World};
+use crate::world::{Plan, World};
 use batch::{first_lanes, longest, offsets, ranges};
 use points::{Known, Only};
 use projection::{BatchProjection, NearestHitTest, OcclusionTest, State};
 use question::NearestHit;
 use rays::{ROUNDING, Rays};
-use shapes::{Segments, Setups, Shapes};
+use shapes::{Parts, Segments, Setups, Shapes};
 use tree::{EMPTY_STACK, Stack};
 
 /// Rays whose directions differ by more than this part of their length do not share a projection: at a
@@ -63,7 +74,7 @@ const BYTES_OF_SPHERE: u64 = 130;
 /// Fewer rays than this are not worth a projection.
 const FEW: u32 = 8;
 
-/// The shapes of a world, arranged for tracing.
+/// A world and its shapes, as rays ask them.
 #[derive(Debug)]
 pub struct Visibility<'w> {
     shapes: Shapes<'w>,
@@ -78,9 +89,10 @@ pub struct Visibility<'w> {
     uses_projection: bool,
 }
 
-/// Points of the image whose primary rays are traced together, in pixels.
+/// Points of the image of a camera whose primary rays are traced together, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Samples<'s> {
+    pub(crate) camera: &'s Camera,
     /// x and y of each.
     pub(crate) places: [&'s Column; 2],
     pub(crate) count: usize,
@@ -92,11 +104,12 @@ impl Samples<'_> {
     /// What differs among the primary rays of a packet: their directions, of an orthographic camera where they
     /// start.
     #[inline(always)]
-    fn varying<S: Simd>(&self, simd: S, camera: &Camera, packet: usize) -> DVec3x16<S> {
+    fn varying<S: Simd>(&self, simd: S, packet: usize) -> DVec3x16<S> {
         let [x, y] = self.places;
         let first = packet * LANES;
         let x = F64x16::load(simd, &x[first..]);
-        camera.varying(simd, x, F64x16::load(simd, &y[first..]))
+        self.camera
+            .varying(simd, x, F64x16::load(simd, &y[first..]))
     }
 
     /// Projects the primary rays of the packets' samples with a bit; `somewhere` is amid the
@@ -105,11 +118,11 @@ impl Samples<'_> {
     fn project<S: Simd>(
         &self,
         simd: S,
-        camera: &Camera,
         somewhere: DVec3,
         asked: &[u32; PACKETS],
         projection: &mut BatchProjection,
     ) {
+        let camera = self.camera;
         match camera.projection() {
             Projection::Perspective { .. } => {
                 let [x, y] = both(self.places, |places| places[self.count / 2]);
@@ -119,7 +132,7 @@ impl Samples<'_> {
                     camera.ray(x, y).direction,
                     asked,
                     #[inline(always)]
-                    |packet| self.varying(simd, camera, packet),
+                    |packet| self.varying(simd, packet),
                 );
             }
             Projection::Orthographic { .. } => {
@@ -130,14 +143,15 @@ impl Samples<'_> {
                     somewhere,
                     asked,
                     #[inline(always)]
-                    |packet| self.varying(simd, camera, packet),
+                    |packet| self.varying(simd, packet),
                 );
             }
         }
     }
 
     /// The directions of the primary rays around all of them.
-    fn corners(&self, camera: &Camera) -> [DVec3; 4] {
+    fn corners(&self) -> [DVec3; 4] {
+        let camera = self.camera;
         let [[left, right], [top, bottom]] = self.window;
         let direction = |x, y| camera.ray(x, y).direction;
         [
@@ -173,7 +187,12 @@ impl Default for Workspace {
 impl<'w> Visibility<'w> {
     /// Arranges the shapes of a world as its plan says; builds the trees.
     pub fn new(world: &'w World, plan: &Plan) -> Self {
-        let shapes = Shapes::new(world, plan);
+        Self::of(world, Parts::new(world, plan))
+    }
+
+    /// A world and the parts that were built of it.
+    fn of(world: &'w World, parts: Parts) -> Self {
+        let shapes = Shapes::of(world, parts);
         let meshes = world.triangles().meshes();
         let count = world.triangles().len() + world.spheres().len();
         Self {
@@ -230,8 +249,7 @@ impl<'w> Visibility<'w> {
         space: &mut Workspace,
         points: &mut Points,
     ) {
-        let count = samples.count;
-        let camera = self.shapes.world.camera();
+        let Samples { camera, count, .. } = samples;
         let Workspace {
             projection,
             setups,
@@ -251,7 +269,7 @@ impl<'w> Visibility<'w> {
             let may_resolve_whole = self.are_few || points.only != Only::Many;
             let is_bounded = is_perspective
                 && may_resolve_whole
-                && projection.bound_between(eye.0, samples.corners(camera));
+                && projection.bound_between(eye.0, samples.corners());
             if is_bounded {
                 self.shapes
                     .rasterize(simd, projection, setups, stack, NearestHitTest);
@@ -259,7 +277,7 @@ impl<'w> Visibility<'w> {
             if is_bounded && projection.state == State::Bounded {
                 projection.resolve_whole();
             } else {
-                samples.project(simd, camera, self.somewhere, &asked, projection);
+                samples.project(simd, self.somewhere, &asked, projection);
                 if projection.state == State::Projected {
                     self.shapes
                         .rasterize(simd, projection, setups, stack, NearestHitTest);
@@ -284,7 +302,7 @@ impl<'w> Visibility<'w> {
                 points.hit[packet] = 0;
                 continue;
             }
-            let varying = samples.varying(simd, camera, packet);
+            let varying = samples.varying(simd, packet);
             let rays = if is_perspective {
                 Rays::from_point(simd, eye, varying)
             } else {
@@ -333,42 +351,24 @@ impl<'w> Visibility<'w> {
         facing: &[u32; PACKETS],
         space: &mut Workspace,
     ) -> [u32; PACKETS] {
-        let Workspace {
-            projection,
-            setups,
-            stack,
-            groups,
-            ..
-        } = space;
-        let starts = points.starts();
-        let ends = Segments {
-            position: starts.position,
-            error: starts.error,
-            primitive: &points.primitive,
-        };
         let mut lit = [0; PACKETS];
-        let mut facing = *facing;
-        // A projection takes it that no sphere hides points of its own that are seen from outside and face the
-        // light. Those with a normal on the wrong side it does hide.
-        for (packet, bits) in facing.iter_mut().enumerate() {
-            let edge_on = *bits & points.edge_on[packet];
-            if edge_on != 0 {
-                *bits &= !edge_on;
-                lit[packet] = self
-                    .shapes
-                    .ask_reached(simd, light, ends, packet, edge_on, stack);
-            }
-        }
+        let facing = self.lit_edge_on(simd, light, points, facing, space, &mut lit);
         if facing.iter().all(|&bits| bits == 0) {
             return lit;
         }
-        groups.clear();
-        groups.push(facing);
+        let mut within = 0;
+        for (bits, seen_within) in facing.iter().zip(points.within) {
+            within |= bits & seen_within;
+        }
+        space.projection.has_points_within = within != 0;
+        space.groups.clear();
+        space.groups.push(facing);
+        let starts = points.starts();
         // All points of the batch will often do.
         let [least, most] = starts.bounds;
         let mut range =
             Some([least - light.0, most - light.0]).filter(|range| !self.is_wide(range));
-        while let Some(group) = groups.pop() {
+        while let Some(group) = space.groups.pop() {
             let range = range.take().or_else(|| {
                 ranges(
                     simd,
@@ -378,7 +378,7 @@ impl<'w> Visibility<'w> {
                     |packet| offsets(simd, starts.position, packet, light.0),
                 )
             });
-            let Some([least, most]) = range else {
+            let Some(range) = range else {
                 continue;
             };
             let mut members = 0;
@@ -386,79 +386,154 @@ impl<'w> Visibility<'w> {
                 members += bits.count_ones();
             }
             let is_worth = members >= FEW;
-            if is_worth && self.is_wide(&[least, most]) {
-                let widest = (most - least).max_position();
-                // Points too far apart for one beam part into groups.
-                let middle = F64x16::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
-                let mut lower = group;
-                for (packet, bits) in lower.iter_mut().enumerate() {
-                    if *bits != 0 {
-                        let offset = offsets(simd, starts.position, packet, light.0);
-                        *bits &= offset.component(widest).lt(middle).to_bits();
-                    }
-                }
-                // Neither part is empty, unless rounding makes it so.
-                if lower != group && lower != [0; PACKETS] {
-                    let mut upper = group;
-                    for (upper, lower) in upper.iter_mut().zip(lower) {
-                        *upper &= !lower;
-                    }
-                    groups.push(lower);
-                    groups.push(upper);
-                    continue;
-                }
+            if is_worth
+                && self.is_wide(&range)
+                && let Some(halves) = halves(simd, starts.position, light, &group, range)
+            {
+                space.groups.extend(halves);
+                continue;
             }
-            let occlusion = OcclusionTest {
-                light,
-                starts: starts.position,
-                primitives: &points.primitive,
-                only: points.only.one(),
-                asked: &group,
+            let state = if self.uses_projection && is_worth {
+                self.project_occlusion(simd, light, points, &group, range, space)
+            } else {
+                State::Unfit
             };
-            projection.error = starts.largest_error + light.0.length() * (2.0 * ROUNDING);
-            let is_turned = self.uses_projection
-                && is_worth
-                && projection.orient_to_ends(light.0, [least, most]);
-            // Around a point of a mesh, neighbors are always on the way to the box.
-            let may_resolve_whole = self.are_few || points.only != Only::Many;
-            if is_turned && !(may_resolve_whole && projection.bound()) {
-                occlusion.project(simd, projection);
-            }
-            let is_fit = is_turned && projection.state != State::Unfit;
-            if is_fit {
-                self.shapes
-                    .rasterize(simd, projection, setups, stack, occlusion);
-            }
-            if is_fit && projection.state == State::Occluded {
-                continue;
-            }
-            if is_fit && projection.state == State::Bounded {
+            match state {
+                State::Occluded => {}
                 // There is nothing between the light and the points.
-                for (lit, bits) in lit.iter_mut().zip(group) {
-                    *lit |= bits;
+                State::Bounded => {
+                    for (lit, bits) in lit.iter_mut().zip(group) {
+                        *lit |= bits;
+                    }
                 }
-                continue;
-            }
-            let is_projected = is_fit && projection.state == State::Projected;
-            for (packet, bits) in group.into_iter().enumerate() {
-                if bits == 0 {
-                    continue;
+                State::Projected => {
+                    self.gather_lit(simd, light, points, &group, space, &mut lit);
                 }
-                let (reached, fallback) = if is_projected {
-                    let reached = projection.reached(simd, packet) & bits;
-                    (reached, projection.falls_back(packet) & reached)
-                } else {
-                    (bits, bits)
-                };
-                lit[packet] |= reached & !fallback;
-                if fallback != 0 {
-                    lit[packet] |= self
-                        .shapes
-                        .ask_reached(simd, light, ends, packet, fallback, stack);
+                State::Overlapping | State::Unfit => {
+                    for (packet, &bits) in group.iter().enumerate() {
+                        if bits != 0 {
+                            lit[packet] |=
+                                self.ask_reached(simd, light, points, packet, bits, space);
+                        }
+                    }
                 }
             }
         }
         lit
+    }
+
+    /// L4 in f64 for the points of spheres that are seen edge-on; the others that face the light.
+    ///
+    /// A projection takes it that no sphere hides points of its own that are seen from outside and face the
+    /// light. Those with a normal on the wrong side it does hide.
+    #[inline(always)]
+    fn lit_edge_on<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        facing: &[u32; PACKETS],
+        space: &mut Workspace,
+        lit: &mut [u32; PACKETS],
+    ) -> [u32; PACKETS] {
+        let mut others = *facing;
+        for (packet, bits) in others.iter_mut().enumerate() {
+            let edge_on = *bits & points.edge_on[packet];
+            if edge_on != 0 {
+                *bits &= !edge_on;
+                lit[packet] = self.ask_reached(simd, light, points, packet, edge_on, space);
+            }
+        }
+        others
+    }
+
+    /// Projects the shadow rays of a group, whose ends are in a range as seen from the light, and rasterizes all
+    /// that may be on their way; what is known then.
+    #[inline(always)]
+    fn project_occlusion<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        group: &[u32; PACKETS],
+        range: [DVec3; 2],
+        space: &mut Workspace,
+    ) -> State {
+        let Workspace {
+            projection,
+            setups,
+            stack,
+            ..
+        } = space;
+        let starts = points.starts();
+        let occlusion = OcclusionTest {
+            light,
+            starts: starts.position,
+            primitives: &points.primitive,
+            only: points.only.one(),
+            within: &points.within,
+            asked: group,
+        };
+        projection.error = starts.largest_error + light_error(light);
+        if !projection.orient_to_ends(light.0, range) {
+            return State::Unfit;
+        }
+        // Around a point of a mesh, neighbors are always on the way to the box.
+        let may_resolve_whole = self.are_few || points.only != Only::Many;
+        if !(may_resolve_whole && projection.bound()) {
+            occlusion.project(simd, projection);
+        }
+        if projection.state != State::Unfit {
+            self.shapes
+                .rasterize(simd, projection, setups, stack, occlusion);
+        }
+        projection.state
+    }
+
+    /// Takes which points of a group the light reaches from a projection, and asks in f64 where that does not
+    /// tell.
+    #[inline(always)]
+    fn gather_lit<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        group: &[u32; PACKETS],
+        space: &mut Workspace,
+        lit: &mut [u32; PACKETS],
+    ) {
+        for (packet, &bits) in group.iter().enumerate() {
+            if bits == 0 {
+                continue;
+            }
+            let reached = space.projection.reached(simd, packet) & bits;
+            let fallback = space.projection.falls_back(packet) & reached;
+            lit[packet] |= reached & !fallback;
+            if fallback != 0 {
+                lit[packet] |= self.ask_reached(simd, light, points, packet, fallback, space);
+            }
+        }
+    }
+
+    /// L4 in f64 for some points of a packet.
+    #[inline(always)]
+    fn ask_reached<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        packet: usize,
+        bits: u32,
+        space: &mut Workspace,
+    ) -> u32 {
+        let starts = points.starts();
+        let ends = Segments {
+            position: starts.position,
+            error: starts.error,
+            primitive: &points.primitive,
+        };
+        self.shapes
+            .ask_reached(simd, light, ends, packet, bits, &mut space.stack)
     }
 
     /// Whether directions in a range are too far apart for one projection.
@@ -471,4 +546,37 @@ impl<'w> Visibility<'w> {
     pub fn memory(&self) -> usize {
         self.shapes.memory()
     }
+}
+
+/// How far the offsets from a light to points may be off by its own place: rounding it to the f64 of its
+/// coordinates and the differences, in scene units.
+#[inline(always)]
+fn light_error(light: Point) -> f64 {
+    light.0.length() * (2.0 * ROUNDING)
+}
+
+/// Points too far apart for one beam, in two groups: by where along the widest side of their range, seen from
+/// the light, they are. `None` where rounding makes one of them empty.
+#[inline(always)]
+fn halves<S: Simd>(
+    simd: S,
+    starts: &[Column; 3],
+    light: Point,
+    group: &[u32; PACKETS],
+    [least, most]: [DVec3; 2],
+) -> Option<[[u32; PACKETS]; 2]> {
+    let widest = (most - least).max_position();
+    let middle = F64x16::splat(simd, least[widest] * 0.5 + most[widest] * 0.5);
+    let mut lower = *group;
+    for (packet, bits) in lower.iter_mut().enumerate() {
+        if *bits != 0 {
+            let offset = offsets(simd, starts, packet, light.0);
+            *bits &= offset.component(widest).lt(middle).to_bits();
+        }
+    }
+    let mut upper = *group;
+    for (upper, lower) in upper.iter_mut().zip(lower) {
+        *upper &= !lower;
+    }
+    (lower != *group && lower != [0; PACKETS]).then_some([lower, upper])
 }

@@ -56,6 +56,8 @@ pub struct Points {
     /// For each packet one bit for each point of a sphere that is seen so nearly edge-on that rounding may have
     /// turned its normal to the wrong side.
     pub(super) edge_on: [u32; PACKETS],
+    /// For each packet one bit for each other point of a sphere that is seen from within.
+    pub(super) within: [u32; PACKETS],
     /// What is hit.
     pub(crate) primitive: [u64; BATCH],
     /// What all of them are on.
@@ -85,6 +87,7 @@ impl Default for Points {
             shading_normal: [NONE; 3],
             cos_viewer: NONE,
             edge_on: [0; PACKETS],
+            within: [0; PACKETS],
             primitive: [0; BATCH],
             only: Only::Nothing,
             largest_error: 0.0,
@@ -134,6 +137,16 @@ pub(super) struct Known<'s, S: Simd> {
     pub(super) last: &'s mut Option<KnownShape<S>>,
 }
 
+/// Where the rays of a packet meet shapes.
+struct Met<S: Simd> {
+    t: F64x16<S>,
+    /// The center of a curved shape, or the normal of a flat one.
+    reference: DVec3x16<S>,
+    /// A point of a flat shape.
+    tangent: DVec3x16<S>,
+    is_curved: Mask64x16<S>,
+}
+
 impl Points {
     /// Forgets all points.
     pub(super) fn begin(&mut self, is_smooth: bool) {
@@ -161,79 +174,136 @@ impl Points {
         packet: usize,
         rays: &Rays<S>,
         nearest: &NearestHit<S>,
-        Known { slots, met, last }: Known<'_, S>,
+        known: Known<'_, S>,
     ) {
-        let world = shapes.world;
-        let first_lane = packet * LANES;
         let infinite = F64x16::splat(simd, f64::INFINITY);
         let asked = (nearest.t.lt(infinite) & nearest.asked).to_bits();
-        let found = below(simd, slots, NOTHING);
-        let bits = asked | found & met;
+        let found = below(simd, known.slots, NOTHING) & known.met;
+        let bits = asked | found;
         self.hit[packet] = bits;
         if bits == 0 {
             return;
         }
-        let first = bits.trailing_zeros() as usize;
-        let is_one = asked == 0 && {
-            let one = U32x16::splat(simd, slots[first]);
-            U32x16::load(simd, slots).eq(one).to_bits() & bits == bits
-        };
-        let (reference, tangent, is_curved, t);
-        if is_one {
-            let slot = slots[first];
-            if rays.shared_origin.is_none() || last.is_none_or(|last| last.slot != slot) {
-                *last = Some(KnownShape::new(simd, shapes, slot, rays));
-            }
-            let known_shape = last.as_ref().expect("it is there now");
-            let KnownShape {
-                primitive, surface, ..
-            } = *known_shape;
-            self.only = self.only.and(primitive);
-            t = known_shape.met(simd, shapes, rays, bits);
-            reference = DVec3x16::splat(simd, surface.reference);
-            tangent = DVec3x16::splat(simd, surface.tangent);
-            is_curved = Mask64x16::from_bits(simd, if surface.is_curved { bits } else { 0 });
-            let lanes = first_lane..first_lane + LANES;
-            self.primitive[lanes.clone()].fill(primitive.0);
-            self.material[lanes].fill(surface.material);
-            self.is_uniform[packet] = true;
-        } else if asked == 0 && below(simd, slots, SPHERES) & bits == bits {
-            self.only = Only::Many;
-            let triangles = &shapes.triangles;
-            (t, reference, tangent) = meet_triangles(simd, triangles, rays, slots, bits);
-            is_curved = Mask64x16::from_bits(simd, 0);
-            let (mut object, mut material) = (u32::MAX, 0);
-            let mut are_uniform = true;
-            for lane in ones(bits) {
-                let primitive = triangles.get(slots[lane]).primitive();
-                self.primitive[first_lane + lane] = primitive.0;
-                let (of, _) = primitive.parts();
-                if of != object {
-                    let its = world.objects()[of as usize].material as u32;
-                    are_uniform &= object == u32::MAX || its == material;
-                    (object, material) = (of, its);
-                }
-                self.material[first_lane + lane] = material;
-            }
-            self.is_uniform[packet] = are_uniform;
+        let slot = known.slots[bits.trailing_zeros() as usize];
+        let are_all_known = asked == 0;
+        let met = if are_all_known && are_equal(simd, known.slots, slot) & bits == bits {
+            self.meet_one(simd, shapes, packet, rays, bits, slot, known.last)
+        } else if are_all_known && below(simd, known.slots, SPHERES) & bits == bits {
+            self.meet_triangles(simd, shapes, packet, rays, bits, known.slots)
         } else {
-            self.only = Only::Many;
             let mut surfaces = SurfaceRecords::new(nearest);
-            surfaces.ask(simd, shapes, rays, slots, found & met);
-            surfaces.take(world, asked);
-            let lanes = first_lane..first_lane + LANES;
-            self.primitive[lanes.clone()].copy_from_slice(&surfaces.primitive);
-            self.material[lanes].copy_from_slice(&surfaces.material);
-            let material = surfaces.material[first];
-            self.is_uniform[packet] = ones(bits).all(|lane| surfaces.material[lane] == material);
-            let [x, y, z] = &surfaces.reference;
-            reference = DVec3x16::load(simd, [x, y, z]);
-            let [x, y, z] = &surfaces.tangent;
-            tangent = DVec3x16::load(simd, [x, y, z]);
-            is_curved = Mask64x16::from_bits(simd, surfaces.curved);
-            t = F64x16::load(simd, &surfaces.t);
-        }
+            surfaces.ask(simd, shapes, rays, known.slots, found);
+            surfaces.take(shapes.world, asked);
+            self.meet_several(simd, packet, bits, &surfaces)
+        };
+        self.place(simd, packet, rays, bits, met);
+    }
 
+    /// L2 for rays that are known to hit one shape.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a step of `fill`")]
+    fn meet_one<S: Simd>(
+        &mut self,
+        simd: S,
+        shapes: &Shapes<'_>,
+        packet: usize,
+        rays: &Rays<S>,
+        bits: u32,
+        slot: u32,
+        last: &mut Option<KnownShape<S>>,
+    ) -> Met<S> {
+        if rays.shared_origin.is_none() || last.is_none_or(|last| last.slot != slot) {
+            *last = Some(KnownShape::new(simd, shapes, slot, rays));
+        }
+        let shape = last.as_ref().expect("it is there now");
+        let KnownShape {
+            primitive, surface, ..
+        } = *shape;
+        self.only = self.only.and(primitive);
+        let lanes = packet * LANES..(packet + 1) * LANES;
+        self.primitive[lanes.clone()].fill(primitive.0);
+        self.material[lanes].fill(surface.material);
+        self.is_uniform[packet] = true;
+        Met {
+            t: shape.met(simd, shapes, rays, bits),
+            reference: DVec3x16::splat(simd, surface.reference),
+            tangent: DVec3x16::splat(simd, surface.tangent),
+            is_curved: Mask64x16::from_bits(simd, if surface.is_curved { bits } else { 0 }),
+        }
+    }
+
+    /// L2 for rays that are known to hit triangles, each its own.
+    #[inline(always)]
+    fn meet_triangles<S: Simd>(
+        &mut self,
+        simd: S,
+        shapes: &Shapes<'_>,
+        packet: usize,
+        rays: &Rays<S>,
+        bits: u32,
+        slots: &[u32],
+    ) -> Met<S> {
+        self.only = Only::Many;
+        let triangles = &shapes.triangles;
+        let (t, reference, tangent) = meet_triangles(simd, triangles, rays, slots, bits);
+        let first_lane = packet * LANES;
+        let (mut object, mut material) = (u32::MAX, 0);
+        let mut are_uniform = true;
+        for lane in ones(bits) {
+            let primitive = triangles.get(slots[lane]).primitive();
+            self.primitive[first_lane + lane] = primitive.0;
+            let (of, _) = primitive.parts();
+            if of != object {
+                let its = shapes.world.objects()[of as usize].material as u32;
+                are_uniform &= object == u32::MAX || its == material;
+                (object, material) = (of, its);
+            }
+            self.material[first_lane + lane] = material;
+        }
+        self.is_uniform[packet] = are_uniform;
+        Met {
+            t,
+            reference,
+            tangent,
+            is_curved: Mask64x16::from_bits(simd, 0),
+        }
+    }
+
+    /// What was found of rays that hit shapes of any kind.
+    #[inline(always)]
+    fn meet_several<S: Simd>(
+        &mut self,
+        simd: S,
+        packet: usize,
+        bits: u32,
+        surfaces: &SurfaceRecords,
+    ) -> Met<S> {
+        self.only = Only::Many;
+        let lanes = packet * LANES..(packet + 1) * LANES;
+        self.primitive[lanes.clone()].copy_from_slice(&surfaces.primitive);
+        self.material[lanes].copy_from_slice(&surfaces.material);
+        let material = surfaces.material[bits.trailing_zeros() as usize];
+        self.is_uniform[packet] = ones(bits).all(|lane| surfaces.material[lane] == material);
+        let [x, y, z] = &surfaces.reference;
+        let reference = DVec3x16::load(simd, [x, y, z]);
+        let [x, y, z] = &surfaces.tangent;
+        Met {
+            t: F64x16::load(simd, &surfaces.t),
+            reference,
+            tangent: DVec3x16::load(simd, [x, y, z]),
+            is_curved: Mask64x16::from_bits(simd, surfaces.curved),
+        }
+    }
+
+    /// Places the points of a packet where its rays meet shapes: p, ω_o and n of each.
+    #[inline(always)]
+    fn place<S: Simd>(&mut self, simd: S, packet: usize, rays: &Rays<S>, bits: u32, met: Met<S>) {
+        let Met {
+            t,
+            reference,
+            tangent,
+            is_curved,
+        } = met;
         let offset = rays.direction.times(t);
         let position = rays.origin + offset;
         let inverse = rays.square.nearly_inverse_root(simd);
@@ -254,17 +324,15 @@ impl Points {
         let is_turned = normal.dot(to_viewer).lt(F64x16::splat(simd, 0.0));
         let geometric = is_turned.select_vectors(-normal, normal);
         let cos_viewer = geometric.dot(to_viewer);
-        let is_edge_on = is_turned & cos_viewer.lt(F64x16::splat(simd, EDGE_ON));
-        self.edge_on[packet] = is_edge_on.to_bits() & curved;
+        let turned = is_turned.to_bits() & curved;
+        let edge_on = cos_viewer.lt(F64x16::splat(simd, EDGE_ON)).to_bits();
+        self.edge_on[packet] = turned & edge_on;
+        self.within[packet] = turned & !edge_on;
         let tangent = is_curved.select_vectors(position, tangent);
-        // t comes from the way to the shape's own reference, and is rounded with it; then one rounding
-        // for the product and one for the sum.
-        let magnitude =
-            rays.origin.taxicab() + offset.taxicab() + (tangent - rays.origin).taxicab();
-        let error = magnitude * ROUNDING;
 
+        let first_lane = packet * LANES;
         position.store(columns_mut(&mut self.position, packet));
-        error.store(&mut self.error[first_lane..]);
+        position_error(rays, offset, tangent).store(&mut self.error[first_lane..]);
         to_viewer.store(columns_mut(&mut self.to_viewer, packet));
         geometric.store(columns_mut(&mut self.geometric_normal, packet));
         geometric.dot(tangent).store(&mut self.plane[first_lane..]);
@@ -317,4 +385,23 @@ impl Points {
             count + (self.hit[packet] & lanes).count_ones()
         })
     }
+}
+
+/// One bit for each slot of a packet that is this one.
+#[inline(always)]
+fn are_equal<S: Simd>(simd: S, slots: &[u32], slot: u32) -> u32 {
+    let slot = U32x16::splat(simd, slot);
+    U32x16::load(simd, slots).eq(slot).to_bits()
+}
+
+/// A bound on the rounding error of p = o + t ω, beside which a point of the surface is known, in scene units.
+///
+/// t comes from the offset between o and that point, and is rounded with it; then there is one rounding for the
+/// product t ω and one for the sum. Each is relative to one of three lengths, for which the sums of their
+/// components' magnitudes stand: at least the length, at most √3 times as much.
+#[inline(always)]
+fn position_error<S: Simd>(rays: &Rays<S>, offset: DVec3x16<S>, tangent: DVec3x16<S>) -> F64x16<S> {
+    let to_surface = tangent - rays.origin;
+    let magnitude = rays.origin.taxicab() + offset.taxicab() + to_surface.taxicab();
+    magnitude * ROUNDING
 }

@@ -10,16 +10,19 @@ pub(super) struct Primitive(pub(super) u64);
 
 impl Primitive {
     /// An object of one shape.
+    #[inline]
     pub(super) fn whole(object: u32) -> Self {
         Self(u64::from(object) << 32)
     }
 
     /// A triangle, by its index in the world.
+    #[inline]
     pub(super) fn triangle(object: u32, index: u32) -> Self {
         Self(u64::from(object) << 32 | u64::from(index))
     }
 
     /// The object, and the triangle.
+    #[inline]
     pub(super) fn parts(self) -> (u32, u32) {
         ((self.0 >> 32) as u32, self.0 as u32)
     }

@@ -1,5 +1,7 @@
 //! All shapes of a world, kind by kind.
 
+use std::sync::Arc;
+
 use fearless_simd::Simd;
 
 use super::batch::{BATCH, Column, columns, offsets};
@@ -14,12 +16,19 @@ use crate::math::{DVec3, Point};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
 use crate::world::{Plan, World};
 
-/// The shapes of a world, arranged for tracing.
+/// The shapes of a world, arranged for tracing, whatever looks at them. Copies share what was built.
+#[derive(Clone, Debug)]
+pub(super) struct Parts {
+    spheres: Arc<Search<Sphere>>,
+    triangles: Arc<Search<Triangle>>,
+}
+
+/// A world with its shapes, as rays ask them.
 #[derive(Debug)]
 pub(super) struct Shapes<'w> {
     pub(super) world: &'w World,
-    pub(super) spheres: Search<Sphere>,
-    pub(super) triangles: Search<Triangle>,
+    pub(super) spheres: Arc<Search<Sphere>>,
+    pub(super) triangles: Arc<Search<Triangle>>,
 }
 
 /// What a projection makes of the blocks of each kind.
@@ -42,9 +51,9 @@ pub(super) struct Segments<'p> {
     pub(super) primitive: &'p [u64; BATCH],
 }
 
-impl<'w> Shapes<'w> {
+impl Parts {
     /// Arranges the shapes of a world as its plan says; builds the trees.
-    pub(super) fn new(world: &'w World, plan: &Plan) -> Self {
+    pub(super) fn new(world: &World, plan: &Plan) -> Self {
         let triangles = world.triangles();
         let meshes = triangles.meshes();
         let triangle = |index| {
@@ -52,11 +61,24 @@ impl<'w> Shapes<'w> {
             let primitive = Primitive::triangle(meshes[mesh].object, index);
             Triangle::new(primitive, triangles.vertices(index))
         };
-        let sphere = |index: u32| Sphere::new(&world.spheres()[index as usize], world.camera());
+        let triangles = Search::new(triangles.len() as u32, triangle, plan.triangles());
+        let sphere = |index: u32| Sphere::new(&world.spheres()[index as usize]);
+        let spheres = Search::new(world.spheres().len() as u32, sphere, plan.spheres());
+        Self {
+            spheres: Arc::new(spheres),
+            triangles: Arc::new(triangles),
+        }
+    }
+}
+
+impl<'w> Shapes<'w> {
+    /// A world and the parts that were built of it.
+    pub(super) fn of(world: &'w World, parts: Parts) -> Self {
+        let Parts { spheres, triangles } = parts;
         Self {
             world,
-            triangles: Search::new(triangles.len() as u32, triangle, plan.triangles()),
-            spheres: Search::new(world.spheres().len() as u32, sphere, plan.spheres()),
+            spheres,
+            triangles,
         }
     }
 

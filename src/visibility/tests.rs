@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::*;
-use crate::scene::mesh::{MeshFile, MeshNormals};
+use crate::mesh::{MeshFile, MeshNormals};
 use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
 use crate::simd::{Kernel, SimdLevel};
 
@@ -162,7 +162,7 @@ impl Writer {
         let text = format!("{}{camera}", self.text);
         let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
         lifted::add_meshes(&mut scene, &self.meshes);
-        let world = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let (world, camera) = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let plan = Plan::new(&world);
         let projection = Visibility::new(&world, &plan);
         let packets = Visibility {
@@ -171,6 +171,7 @@ impl Writer {
         };
         let compare = Compare {
             world: &world,
+            camera: &camera,
             ways: [&projection, &packets],
         };
         let mut bits = None;
@@ -188,6 +189,7 @@ impl Writer {
 #[derive(Clone, Copy)]
 struct Compare<'w> {
     world: &'w World,
+    camera: &'w Camera,
     ways: [&'w Visibility<'w>; 2],
 }
 
@@ -221,6 +223,7 @@ impl Kernel for Compare<'_> {
             for way in 0..2 {
                 let (space, points) = (&mut spaces[way], &mut points[way]);
                 let samples = Samples {
+                    camera: self.camera,
                     places: [&places[0], &places[1]],
                     count: BATCH,
                     window: corner.map(|least| [f64::from(least), f64::from(least + 16)]),
@@ -253,7 +256,7 @@ impl Kernel for Compare<'_> {
                 all.extend(bits(seen).as_flattened());
             }
             for light in self.world.lights() {
-                let light = light.value.position;
+                let light = light.value.position();
                 let facing = seen.facing(simd, self.world, light).above;
                 let [lit, expected] = [0, 1].map(|way: usize| {
                     self.ways[way].lit(simd, light, &points[way], &facing, &mut spaces[way])
@@ -271,7 +274,7 @@ impl Kernel for Compare<'_> {
 const EYE: [f64; 3] = [0.3, 1.1, 3.0];
 
 #[test]
-fn an_ordinary_scene_is_decided_by_the_canvas() {
+fn an_ordinary_scene_is_decided_by_the_projection() {
     let mut scene = Writer::new(1.0, [0.0; 3], 40.0, EYE);
     scene.clutter(300, 60, 0.2);
     scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);

@@ -11,28 +11,17 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use crate::color::Primaries;
 use crate::color::adaptation::{bradford, conversion};
 use crate::scene::ColorSpace;
 use crate::spectrum::upsample;
 use crate::spectrum::{Illuminant, Observer, SAMPLES, Spectrum};
-
-/// The primaries and white of a space.
-pub const fn primaries(space: ColorSpace) -> Primaries {
-    match space {
-        ColorSpace::Rec709 => Primaries::REC709,
-        ColorSpace::P3D65 => Primaries::P3_D65,
-        ColorSpace::Rec2020 => Primaries::REC2020,
-        ColorSpace::AcesCg => Primaries::AP1,
-    }
-}
 
 /// Linear RGB of one space in another, whites adapted.
 pub fn converted(rgb: [f64; 3], from: ColorSpace, to: ColorSpace) -> [f64; 3] {
     if from == to {
         return rgb;
     }
-    let matrix = conversion(&primaries(from), &primaries(to));
+    let matrix = conversion(&from.primaries(), &to.primaries());
     (matrix * DVec3::from_array(rgb)).to_array()
 }
 
@@ -57,7 +46,7 @@ impl Colorimetry {
     pub fn new(observer: Observer, space: ColorSpace) -> Self {
         let d65 = Illuminant::D65.spectrum();
         let white = d65.scaled(1.0 / observer.luminous(&d65));
-        let primaries = primaries(space);
+        let primaries = space.primaries();
         let seen = DVec3::from_array(observer.xyz(&white));
         let matrix: DMat3 = primaries.from_xyz() * bradford(seen, primaries.white_xyz());
         let xyz = observer.color_matching();
@@ -219,7 +208,7 @@ mod tests {
     fn luminous_intensity_survives_the_way_to_rgb() {
         for space in ColorSpace::ALL {
             let colorimetry = Colorimetry::new(Observer::Cie1931, space);
-            let weights = primaries(space).luminance_weights();
+            let weights = space.primaries().luminance_weights();
             for illuminant in Illuminant::ALL {
                 let spectrum = illuminant.spectrum();
                 let rgb = colorimetry.light(&spectrum);

@@ -103,7 +103,7 @@ impl Lights {
     fn new(world: &World) -> Self {
         let lights = world.lights().iter().enumerate();
         let mut places: Vec<(DVec3, usize)> = lights
-            .map(|(index, light)| (light.value.position.0, index))
+            .map(|(index, light)| (light.value.position().0, index))
             .collect();
         let root = Node::new(&mut places, 0);
         Self { places, root }

@@ -1,6 +1,5 @@
 //! How differently a scene looks if light is carried in another way.
 
-use super::colorimetry::primaries;
 use super::{Lobes, World};
 use crate::color::Primaries;
 use crate::color::difference::{Lab, delta_e_2000};
@@ -29,12 +28,12 @@ pub struct Difference {
 /// the specular lobe), scaled so that a white surface would have Y = 1, seen by an eye that is
 /// adapted to the light.
 pub fn differences(one: &World, other: &World) -> Vec<Difference> {
-    let space = primaries(one.color_space());
+    let space = one.color_space().primaries();
     let used = one.used_materials();
     let lights = one.lights().iter().enumerate();
     lights
         .filter_map(|(light, entry)| {
-            let white = xyz(entry.value.intensity.0, &space);
+            let white = xyz(entry.value.intensity().0, &space);
             if white.y <= 0.0 {
                 return None;
             }

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use crate::math::{DVec3, Normal, Point, all_three};
+use crate::mesh::MeshRemarks;
 use crate::scene::ShadowTerminator;
-use crate::scene::mesh::MeshRemarks;
 
 /// ‖p − c‖ = R. Range: R above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]

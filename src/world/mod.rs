@@ -1,32 +1,38 @@
 //! What is legal: a scene resolved and validated, ready to render.
 //!
-//! [`World::new`] is the only door. Behind it nothing is missing, out of range or a name to look
+//! [`World::new`] is the only way in. Behind it nothing is missing, out of range or a name to look
 //! up: materials are indices, values are linear RGB in the working space, meshes are transformed
-//! triangles. Positions are kept in f64 relative to an [anchor](World::anchor) near what the
-//! camera looks at, so that a scene far from the origin renders like one at the origin.
+//! triangles. Positions are kept in f64 relative to an [anchor](World::anchor), the point that the
+//! scene's camera looks at, so that a scene far from the origin renders like one at the origin.
+//!
+//! A world has no camera: [`World::new`] gives the scene's beside it, and [`World::place`] places others.
+//! The anchor is the scene's, whatever camera looks: a camera that is moved in a world shows
+//! the bits that it shows in a world that was made anew.
 
-mod camera;
+mod build;
 pub mod colorimetry;
 mod containment;
 pub mod difference;
 pub(crate) mod geometry;
+pub mod light;
 pub mod material;
 pub mod physics;
 pub mod plan;
 pub mod spectra;
-mod validate;
 
 use std::path::Path;
 
-pub use camera::{Camera, Projection};
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
+pub use light::{Light, PointLight, SpotLight};
 pub use material::Material;
 pub use plan::Plan;
+pub(crate) use spectra::RecentProducts;
 pub use spectra::{Bands, Spectra, Wavelengths};
 
-use crate::math::{DVec3, Point};
+use crate::camera::Camera;
+use crate::math::DVec3;
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
-use crate::units::{Intensity, Radiance, ReflectedIntensity};
+use crate::units::{Radiance, ReflectedIntensity};
 use spectra::Products;
 
 /// A legal scene.
@@ -36,13 +42,11 @@ pub struct World {
     scene_hash: String,
     /// SHA-256 of all that the picture depends on, in hexadecimal digits.
     inputs_hash: String,
-    resolution: [u32; 2],
     color_space: ColorSpace,
     background: Radiance,
     anchor: DVec3,
-    camera: Camera,
     materials: Vec<Named<Material>>,
-    lights: Vec<Named<PointLight>>,
+    lights: Vec<Named<Light>>,
     objects: Vec<Object>,
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
@@ -56,6 +60,17 @@ pub struct World {
     /// The curves that leave out a part of the visible range, by the names of their entries, with
     /// their ranges in nm.
     gaps: Vec<Named<[f64; 2]>>,
+}
+
+/// A scene file as it was read, and what was made of it.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What was written.
+    pub scene: Scene,
+    /// What is legal.
+    pub world: World,
+    /// The scene's camera.
+    pub camera: Camera,
 }
 
 /// Something with the name that the user gave it.
@@ -74,15 +89,6 @@ pub struct Lobes<T> {
     pub diffuse: T,
     /// Of the specular lobe (L7).
     pub specular: T,
-}
-
-/// A diffuse point light (L3).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointLight {
-    /// p_L, relative to the anchor.
-    pub position: Point,
-    /// I
-    pub intensity: Intensity,
 }
 
 /// An object: its name, what it is made of and what it became.
@@ -108,13 +114,39 @@ pub enum Shape {
 }
 
 impl World {
-    /// Validates a scene.
+    /// Validates a scene: its world, and the camera that the scene has in it.
     ///
     /// # Errors
     /// Every value that is out of range, every name that is not there, and a scene without
     /// objects, each with its place.
-    pub fn new(scene: &Scene) -> Result<Self, Diagnostics> {
-        validate::validate(scene)
+    pub fn new(scene: &Scene) -> Result<(Self, Camera), Diagnostics> {
+        build::world(scene)
+    }
+
+    /// Another camera in this world, with the width and height of its image in pixels. Nothing is
+    /// built for it.
+    ///
+    /// ```
+    /// use candela::scene::Camera;
+    /// use candela::{Options, Scene, World, render};
+    ///
+    /// let (world, camera) = World::new(&Scene::builtin())?;
+    /// let above = Camera::perspective([0.0, 6.0, 0.1], [0.0; 3], 40.0);
+    /// let above = world.place(&above, [64, 36])?;
+    /// assert_eq!(above.anchor(), camera.anchor());
+    /// let film = render(&world, &above, &Options::default())?;
+    /// assert_eq!(film.pixels().len(), 64 * 36);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Every value that is out of range.
+    pub fn place(
+        &self,
+        camera: &scene::Camera,
+        resolution: [u32; 2],
+    ) -> Result<Camera, Diagnostics> {
+        build::place(camera, resolution, self.anchor)
     }
 
     /// Reads a scene file and validates it; what is wrong with its form and with its values is
@@ -122,7 +154,7 @@ impl World {
     ///
     /// # Errors
     /// As [`Scene::load`] and [`World::new`].
-    pub fn load(path: impl AsRef<Path>) -> Result<(Scene, Self), Diagnostics> {
+    pub fn load(path: impl AsRef<Path>) -> Result<Loaded, Diagnostics> {
         Self::load_with(path, |_| {})
     }
 
@@ -134,7 +166,7 @@ impl World {
     pub fn load_with(
         path: impl AsRef<Path>,
         change: impl FnOnce(&mut Scene),
-    ) -> Result<(Scene, Self), Diagnostics> {
+    ) -> Result<Loaded, Diagnostics> {
         Self::of_reading(Reading::of_file(path.as_ref()), change)
     }
 
@@ -145,11 +177,11 @@ impl World {
     pub fn of_reading(
         mut reading: Reading,
         change: impl FnOnce(&mut Scene),
-    ) -> Result<(Scene, Self), Diagnostics> {
+    ) -> Result<Loaded, Diagnostics> {
         if let Some(scene) = &mut reading.scene {
             change(scene);
         }
-        validate::validate_reading(reading)
+        build::world_of_reading(reading)
     }
 
     /// SHA-256 of the scene file's text, in hexadecimal digits, as `sha256sum` prints it; of a scene
@@ -164,11 +196,6 @@ impl World {
         &self.inputs_hash
     }
 
-    /// Width and height of the image in pixels.
-    pub fn resolution(&self) -> [u32; 2] {
-        self.resolution
-    }
-
     /// The working space, in which all colors of the world are.
     pub fn color_space(&self) -> ColorSpace {
         self.color_space
@@ -179,14 +206,9 @@ impl World {
         self.background
     }
 
-    /// What is subtracted from every position of the scene, in f64: the point looked at.
+    /// What is subtracted from every position of the scene, in f64: the `look_at` of the scene's own camera.
     pub fn anchor(&self) -> DVec3 {
         self.anchor
-    }
-
-    /// The camera.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
     }
 
     /// The materials in the order of the file.
@@ -195,7 +217,7 @@ impl World {
     }
 
     /// The lights in the order of the file, which is the order of the sum (L9).
-    pub fn lights(&self) -> &[Named<PointLight>] {
+    pub fn lights(&self) -> &[Named<Light>] {
         &self.lights
     }
 
@@ -240,27 +262,33 @@ impl World {
         &self.gaps
     }
 
-    /// I · k of both lobes of a material, lit by a light. Zero for a material that no object has,
-    /// where light is carried spectrally.
+    /// T: I · k of both lobes of a reflectance, that of a material, lit by a light. Zero for a material that no
+    /// object has, where light is carried spectrally.
     ///
-    /// Where light is carried as RGB, it is the product of three numbers, made when it is asked
-    /// for: a table of it would be as large as lights times materials.
+    /// Where light is carried as RGB, it is the product of three numbers, made when it is asked for; where it
+    /// is spectral, an integral, made when it is first asked for. Whenever and wherever it is made, it has the
+    /// same bits.
     #[inline]
     pub fn reflected(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
-        self.reflected_from(light)(material)
+        self.reflected_from(light, None)(material)
     }
 
-    /// [`World::reflected`] of one light, for each material that is asked for.
+    /// [`World::reflected`] of one light, for each material that is asked for. Products that no table has room
+    /// for are kept in `recent`, if that is there.
     #[inline(always)]
-    pub(crate) fn reflected_from(
-        &self,
+    pub(crate) fn reflected_from<'w>(
+        &'w self,
         light: usize,
-    ) -> impl Fn(usize) -> Lobes<ReflectedIntensity> + '_ {
+        mut recent: Option<&'w mut RecentProducts>,
+    ) -> impl FnMut(usize) -> Lobes<ReflectedIntensity> + 'w {
         let products = self.products.as_ref();
-        let intensity = self.lights[light].value.intensity;
+        let intensity = self.lights[light].value.intensity();
         #[inline(always)]
         move |material| match products {
-            Some(products) => products.of(light, material),
+            Some(products) => match products.known(light, material) {
+                Some(product) => *product,
+                None => self.integrated(products, light, material, recent.as_deref_mut()),
+            },
             None => {
                 let reflectance = self.materials[material].value.reflectance();
                 Lobes {
@@ -271,10 +299,35 @@ impl World {
         }
     }
 
+    /// A product that is not known yet.
+    #[cold]
+    #[inline(never)]
+    fn integrated(
+        &self,
+        products: &Products,
+        light: usize,
+        material: usize,
+        recent: Option<&mut RecentProducts>,
+    ) -> Lobes<ReflectedIntensity> {
+        let spectra = self.spectra.as_ref();
+        let spectra = spectra.expect("products are of spectra");
+        let intensity = self.lights[light].value.intensity();
+        let integrate = || spectra.product(light, intensity, material);
+        products.make(light, material, recent, integrate)
+    }
+
     /// Bytes of the table of I · k of lights and materials; `None` where light is carried as RGB,
-    /// which takes none.
+    /// which takes none, 0 where a table would be too large, and products are made where they are needed.
     pub fn products_memory(&self) -> Option<u64> {
         self.products.as_ref().map(Products::memory)
+    }
+
+    /// Has products made where they are needed, as if there were too many for a table.
+    #[cfg(test)]
+    pub(crate) fn drop_table(&mut self) {
+        if let Some(products) = &mut self.products {
+            products.drop_table();
+        }
     }
 
     /// The materials that objects have, as indices into [`World::materials`], ascending.

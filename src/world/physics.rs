@@ -75,7 +75,7 @@ pub enum Warning {
         triangles: usize,
     },
     /// A mesh file is not taken as written in places: one of its
-    /// [remarks](crate::scene::mesh::MeshRemarks::list).
+    /// [remarks](crate::mesh::MeshRemarks::list).
     Mended {
         /// The mesh's name.
         object: String,
@@ -264,7 +264,10 @@ fn outside(world: &World) -> impl Iterator<Item = Warning> {
         })
     };
     let lights = world.lights().iter().filter_map(move |light| {
-        warning(format!("light `{}`", light.name), light.value.intensity.0.0)
+        warning(
+            format!("light `{}`", light.name),
+            light.value.intensity().0.0,
+        )
     });
     let materials = world.materials().iter().filter_map(move |material| {
         let Reflectance(Rgb(diffuse)) = material.value.reflectance().diffuse;
@@ -300,7 +303,9 @@ mod tests {
             let entry = format!("[objects.s{sphere}.sphere]\nmaterial = 'm'\ncenter = [{x}, 0, 0]");
             writeln!(text, "{entry}\nradius = 0.5").unwrap();
         }
-        let world = World::new(&Scene::parse(&text, "scene.toml").unwrap()).unwrap();
+        let world = World::new(&Scene::parse(&text, "scene.toml").unwrap())
+            .unwrap()
+            .0;
         let found = warnings(&world).into_iter().map(|warning| match warning {
             Warning::LightInside {
                 light,

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Mesh, World};
+use super::{Light, Mesh, World};
+use crate::printable::counted;
 use crate::scene;
 
 /// Up to this many triangles are gone through one by one: a tree over fewer costs more than it saves.
@@ -29,8 +30,8 @@ pub enum Acceleration {
 pub enum Transport {
     /// As one value per primary of the working space.
     Rgb,
-    /// Wavelength by wavelength: products of lights and reflectances are integrated over 1 nm once,
-    /// before rendering.
+    /// Wavelength by wavelength: products of lights and reflectances are integrated over 1 nm when they are
+    /// first needed.
     Spectral,
 }
 
@@ -39,12 +40,20 @@ pub enum Transport {
 pub struct Plan {
     transport: Transport,
     lights: usize,
+    /// How many of the lights are spots.
+    #[serde(skip_serializing_if = "is_none")]
+    spots: usize,
     planes: usize,
     spheres: Acceleration,
     triangles: Acceleration,
     specular: bool,
     interpolated_normals: bool,
     lifted_shadow_rays: bool,
+}
+
+/// Scenes without spots have the plan that they had before there were any.
+fn is_none(count: &usize) -> bool {
+    *count == 0
 }
 
 /// One line of the plan as people read it.
@@ -74,6 +83,11 @@ impl Plan {
                 Transport::Rgb
             },
             lights: world.lights().len(),
+            spots: world
+                .lights()
+                .iter()
+                .filter(|light| matches!(light.value, Light::Spot(_)))
+                .count(),
             planes: world.planes().len(),
             spheres: acceleration(world.spheres().len(), LONGEST_LIST_OF_SPHERES),
             triangles: acceleration(world.triangles().len(), LONGEST_LIST),
@@ -175,9 +189,13 @@ impl Plan {
             decision(
                 "lights (L3)",
                 self.lights > 0,
-                match self.lights {
-                    0 => "the scene has none: every surface is black".to_owned(),
-                    count => format!("{count}, in the order of the file"),
+                match (self.lights, self.spots) {
+                    (0, _) => "the scene has none: every surface is black".to_owned(),
+                    (count, 0) => format!("{count}, in the order of the file"),
+                    (count, spots) => format!(
+                        "{count}, in the order of the file; {}, asked of points inside of their cones alone",
+                        counted(spots, "spot", "spots")
+                    ),
                 },
             ),
             yes_or_no(

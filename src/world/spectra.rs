@@ -1,14 +1,14 @@
 //! Light that is carried wavelength by wavelength, as far as the renderer needs to know: the
-//! products of every light with every reflectance, integrated once, and, for spectral images, band
+//! products of lights with reflectances, integrated when they are first needed, and, for spectral images, band
 //! by band. `docs/spectral-images.md` says how exact a picture the bands give.
 
-use rayon::prelude::*;
+use std::sync::OnceLock;
 
+use super::Lobes;
 use super::colorimetry::{Colorimetry, SpectralReflectance};
-use super::{Lobes, Named, PointLight};
 use crate::memory::{self, OutOfMemory};
 use crate::spectrum::{FIRST, LAST, Spectrum};
-use crate::units::{ReflectedIntensity, Rgb};
+use crate::units::{Intensity, ReflectedIntensity, Rgb};
 
 /// The spectra of a world's lights, materials and background.
 #[derive(Clone, Debug)]
@@ -43,17 +43,66 @@ impl Spectra {
     }
 }
 
-/// I · k of every light on every material that objects have, where that takes an integral:
+/// The most pairs of a light and a reflectance whose products have a table: 235 MB. Of more, each thread keeps
+/// those that it has made last.
+const LARGEST_TABLE: u64 = 1 << 22;
+
+/// How many products a thread keeps where there is no table: 7 MB. One tile sees few reflectances, by all
+/// lights: so these are the products of a tile of two reflectances and 60 000 lights.
+const RECENT: usize = 1 << 17;
+
+/// I · k of lights and the materials that objects have, where that takes an integral:
 ///
 /// T = K_m ∫ I(λ) k(λ) m(λ) dλ, with the working space's color matching functions m.
+///
+/// A product is made when it is first asked for. It depends on its light and its material alone, so that it
+/// has the same bits whichever thread makes it, and however often.
 #[derive(Clone, Debug)]
 pub(super) struct Products {
-    /// Each material's column, if any object has it.
-    columns: Vec<Option<usize>>,
-    /// How many columns there are.
-    used: usize,
-    /// Light by light, column by column within.
-    table: Vec<Lobes<ReflectedIntensity>>,
+    columns: Columns,
+    lights: usize,
+    /// Light by light, column by column within; empty where it would be too large.
+    table: Vec<OnceLock<Lobes<ReflectedIntensity>>>,
+}
+
+/// Products that one thread has made last, where a table of all would be too large.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RecentProducts {
+    /// Each with the number of its pair plus 1; a place for each remainder of that number.
+    slots: Vec<(u64, Lobes<ReflectedIntensity>)>,
+}
+
+impl Spectra {
+    /// I · k of a light, whose R, G, B are `intensity`, on a material. A gray k takes these, which are as they
+    /// were written.
+    pub(super) fn product(
+        &self,
+        light: usize,
+        Intensity(Rgb(intensity)): Intensity,
+        material: usize,
+    ) -> Lobes<ReflectedIntensity> {
+        let mut seen = None;
+        let mut integrated = |lobe: &ScaledReflectance| {
+            let rgb = match &lobe.reflectance {
+                SpectralReflectance::Flat(value) => {
+                    intensity.map(|channel| channel * (value * lobe.factor))
+                }
+                SpectralReflectance::Spectrum(reflectance) => {
+                    let seen =
+                        seen.get_or_insert_with(|| self.colorimetry.seen(&self.lights[light]));
+                    [0, 1, 2].map(|channel: usize| {
+                        reflectance.integral(seen[channel].values()) * lobe.factor
+                    })
+                }
+            };
+            ReflectedIntensity(Rgb(rgb))
+        };
+        let Lobes { diffuse, specular } = &self.materials[material];
+        Lobes {
+            diffuse: integrated(diffuse),
+            specular: integrated(specular),
+        }
+    }
 }
 
 impl Products {
@@ -62,71 +111,89 @@ impl Products {
         size_of_val(self.table.as_slice()) as u64
     }
 
-    /// The products of `spectra`. A gray k takes the light's own R, G, B, which are as they were
-    /// written.
+    /// Room for the products of `spectra`.
     ///
     /// # Errors
     /// If there is not so much memory.
-    pub(super) fn new(
-        spectra: &Spectra,
-        lights: &[Named<PointLight>],
-    ) -> Result<Self, OutOfMemory> {
-        let mut used = 0;
-        let columns = spectra.used.iter().map(|is_used| {
-            is_used.then(|| {
-                used += 1;
-                used - 1
-            })
-        });
-        let columns = columns.collect();
+    pub(super) fn new(spectra: &Spectra) -> Result<Self, OutOfMemory> {
+        Self::with_table(spectra, LARGEST_TABLE)
+    }
+
+    /// With a table of at most so many pairs.
+    fn with_table(spectra: &Spectra, largest: u64) -> Result<Self, OutOfMemory> {
+        let columns = Columns::of(spectra);
+        let pairs = spectra.lights.len() as u64 * columns.used as u64;
         let mut table = Vec::new();
-        memory::reserve(&mut table, lights.len().saturating_mul(used))?;
-        table.resize(lights.len() * used, Lobes::default());
-        let materials = spectra.materials.iter().zip(&spectra.used);
-        let materials: Vec<_> = materials
-            .filter_map(|(m, used)| used.then_some(m))
-            .collect();
-        // No chunk may be of length 0; without materials that are used there is none.
-        let rows = table.par_chunks_mut(used.max(1));
-        rows.zip(&spectra.lights)
-            .zip(lights)
-            .for_each(|((row, spectrum), light)| {
-                let seen = spectra.colorimetry.seen(spectrum);
-                let rgb = light.value.intensity.0.0;
-                let integrated = |lobe: &ScaledReflectance| {
-                    let rgb = match &lobe.reflectance {
-                        SpectralReflectance::Flat(value) => {
-                            rgb.map(|channel| channel * (value * lobe.factor))
-                        }
-                        SpectralReflectance::Spectrum(reflectance) => {
-                            [0, 1, 2].map(|channel: usize| {
-                                reflectance.integral(seen[channel].values()) * lobe.factor
-                            })
-                        }
-                    };
-                    ReflectedIntensity(Rgb(rgb))
-                };
-                for (product, lobes) in row.iter_mut().zip(&materials) {
-                    *product = Lobes {
-                        diffuse: integrated(&lobes.diffuse),
-                        specular: integrated(&lobes.specular),
-                    };
-                }
-            });
+        if pairs <= largest {
+            let pairs = spectra.lights.len() * columns.used;
+            memory::reserve(&mut table, pairs)?;
+            table.resize_with(pairs, OnceLock::new);
+        }
         Ok(Self {
             columns,
-            used,
+            lights: spectra.lights.len(),
             table,
         })
     }
 
-    /// Of one light on one material; zero where no object has it.
-    #[inline]
-    pub(super) fn of(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
-        let column = self.columns[material];
-        column.map_or_else(Lobes::default, |column| {
-            self.table[light * self.used + column]
-        })
+    #[cfg(test)]
+    pub(super) fn drop_table(&mut self) {
+        self.table = Vec::new();
+    }
+
+    /// Of one light on one material, if there is a table, and it is made.
+    #[inline(always)]
+    pub(super) fn known(
+        &self,
+        light: usize,
+        material: usize,
+    ) -> Option<&Lobes<ReflectedIntensity>> {
+        let column = self.columns.of_materials[material]?;
+        self.table.get(light * self.columns.used + column)?.get()
+    }
+
+    /// One that is not known, made by `integrate`; zero where no object has the material.
+    pub(super) fn make(
+        &self,
+        light: usize,
+        material: usize,
+        recent: Option<&mut RecentProducts>,
+        integrate: impl FnOnce() -> Lobes<ReflectedIntensity>,
+    ) -> Lobes<ReflectedIntensity> {
+        let Some(column) = self.columns.of_materials[material] else {
+            return Lobes::default();
+        };
+        match (self.table.get(light * self.columns.used + column), recent) {
+            (Some(place), _) => *place.get_or_init(integrate),
+            (None, None) => integrate(),
+            (None, Some(recent)) => {
+                // All lights of one material side by side: a tile's products do not push each other out.
+                let lights = self.lights as u64;
+                recent.get_or_make(column as u64 * lights + light as u64, integrate)
+            }
+        }
+    }
+}
+
+impl RecentProducts {
+    fn get_or_make(
+        &mut self,
+        pair: u64,
+        integrate: impl FnOnce() -> Lobes<ReflectedIntensity>,
+    ) -> Lobes<ReflectedIntensity> {
+        if self.slots.is_empty() && memory::reserve(&mut self.slots, RECENT).is_ok() {
+            self.slots.resize(RECENT, Default::default());
+        }
+        // Where there is no memory for them, none are kept.
+        let place = (pair % RECENT as u64) as usize;
+        match self.slots.get_mut(place) {
+            Some((known, product)) if *known == pair + 1 => *product,
+            Some(slot) => {
+                *slot = (pair + 1, integrate());
+                slot.1
+            }
+            None => integrate(),
+        }
     }
 }
 
@@ -217,66 +284,52 @@ impl Wavelengths {
     }
 }
 
-/// What the pixels of a spectral image are made of: I · k of every light and every material that
-/// objects have, and the background, band by band.
+/// The most numbers of 8 bytes that a table of I · k band by band may take, 256 MB. Of more, each pixel makes those of the lights and
+/// materials that it shows.
+const LARGEST_BANDS: u64 = 1 << 25;
+
+/// What the pixels of a spectral image are made of: I · k of lights and the materials that objects have, and the
+/// background, band by band. As [products](Products), they are made when they are first asked for.
 #[derive(Clone, Debug)]
-pub struct Bands {
+pub struct Bands<'w> {
+    spectra: &'w Spectra,
     wavelengths: Wavelengths,
-    lights: usize,
-    /// Each material's place among those that are used.
-    places: Vec<Option<usize>>,
-    used: usize,
-    /// Light by light, used material by used material within, diffuse and specular, band by band.
-    transport: Vec<f64>,
+    columns: Columns,
+    /// Light by light, used material by used material within: diffuse and specular, band by band. Empty where
+    /// it would be too large.
+    table: Vec<OnceLock<Box<[f64]>>>,
     background: Vec<f64>,
 }
 
-impl Bands {
+impl<'w> Bands<'w> {
     /// The products of `spectra` at `wavelengths`.
-    pub fn new(spectra: &Spectra, wavelengths: Wavelengths) -> Self {
-        let mut used = 0;
-        let places = spectra.used.iter().map(|is_used| {
-            is_used.then(|| {
-                used += 1;
-                used - 1
-            })
-        });
-        let places = places.collect();
-        let rows = spectra.lights.par_iter();
-        let transport = rows.flat_map_iter(|light| {
-            let of_light = wavelengths.means(light);
-            let reflected = move |lobe: &ScaledReflectance| {
-                let (mut means, scale) = match &lobe.reflectance {
-                    SpectralReflectance::Flat(value) => (of_light.clone(), value * lobe.factor),
-                    SpectralReflectance::Spectrum(reflectance) => {
-                        (wavelengths.means(&light.times(reflectance)), lobe.factor)
-                    }
-                };
-                for mean in &mut means {
-                    *mean *= scale;
-                }
-                means
-            };
-            let used = spectra.materials.iter().zip(&spectra.used);
-            let lobes = used.filter_map(|(lobes, used)| used.then_some(lobes));
-            let lobes = lobes.flat_map(|lobes| [&lobes.diffuse, &lobes.specular]);
-            lobes.flat_map(reflected)
-        });
+    pub fn new(spectra: &'w Spectra, wavelengths: Wavelengths) -> Self {
+        let columns = Columns::of(spectra);
+        let pairs = spectra.lights.len() * columns.used;
+        let has_table = Self::table_size(spectra, wavelengths) > 0;
+        let mut table = Vec::new();
+        table.resize_with(if has_table { pairs } else { 0 }, OnceLock::new);
         Self {
+            spectra,
             wavelengths,
-            lights: spectra.lights.len(),
-            places,
-            used,
-            transport: transport.collect(),
+            columns,
+            table,
             background: wavelengths.means(&spectra.background),
         }
     }
 
-    /// How many numbers, of 8 bytes, the products of `spectra` at `wavelengths` are.
-    pub fn size(spectra: &Spectra, wavelengths: Wavelengths) -> u64 {
+    /// How many numbers of 8 bytes the table takes, once all of it is made; 0 where there is none.
+    fn table_size(spectra: &Spectra, wavelengths: Wavelengths) -> u64 {
         let used = spectra.used.iter().filter(|used| **used).count() as u64;
-        let lobes = 2 * used * spectra.lights.len() as u64;
-        (lobes + 1) * wavelengths.count() as u64
+        let place = size_of::<OnceLock<Box<[f64]>>>().div_ceil(size_of::<f64>());
+        let size = 2 * wavelengths.count() + place;
+        let table = (used * spectra.lights.len() as u64).saturating_mul(size as u64);
+        if table > LARGEST_BANDS { 0 } else { table }
+    }
+
+    /// How many numbers, of 8 bytes, the products of `spectra` at `wavelengths` may take.
+    pub fn size(spectra: &Spectra, wavelengths: Wavelengths) -> u64 {
+        Self::table_size(spectra, wavelengths) + wavelengths.count() as u64
     }
 
     /// Where the bands are.
@@ -286,26 +339,80 @@ impl Bands {
 
     /// How many lights there are.
     pub fn lights(&self) -> usize {
-        self.lights
+        self.spectra.lights.len()
     }
 
-    /// I · k of both lobes of a material under a light in W·sr⁻²·nm⁻¹, band by band.
+    /// I · k of both lobes of a material under a light in W·sr⁻²·nm⁻¹, band by band; in `room` where no table
+    /// has it.
     ///
     /// # Panics
     /// If no object has the material.
-    pub fn transport(&self, light: usize, material: usize) -> Lobes<&[f64]> {
-        let bands = self.wavelengths.count();
-        let place = self.places[material].expect("only materials of objects are seen");
-        let start = 2 * bands * (light * self.used + place);
-        Lobes {
-            diffuse: &self.transport[start..start + bands],
-            specular: &self.transport[start + bands..start + 2 * bands],
-        }
+    pub fn transport<'b>(
+        &'b self,
+        light: usize,
+        material: usize,
+        room: &'b mut Vec<f64>,
+    ) -> Lobes<&'b [f64]> {
+        let column = self.columns.of_materials[material];
+        let column = column.expect("only materials of objects are seen");
+        let bands: &[f64] = match self.table.get(light * self.columns.used + column) {
+            Some(place) => place.get_or_init(|| self.product(light, material).collect()),
+            None => {
+                room.clear();
+                room.extend(self.product(light, material));
+                room
+            }
+        };
+        let (diffuse, specular) = bands.split_at(self.wavelengths.count());
+        Lobes { diffuse, specular }
+    }
+
+    /// Diffuse and specular, band by band.
+    fn product(&self, light: usize, material: usize) -> impl Iterator<Item = f64> {
+        let light = &self.spectra.lights[light];
+        let Lobes { diffuse, specular } = &self.spectra.materials[material];
+        [diffuse, specular].into_iter().flat_map(move |lobe| {
+            let (means, scale) = match &lobe.reflectance {
+                SpectralReflectance::Flat(value) => {
+                    (self.wavelengths.means(light), value * lobe.factor)
+                }
+                SpectralReflectance::Spectrum(reflectance) => {
+                    let product = light.times(reflectance);
+                    (self.wavelengths.means(&product), lobe.factor)
+                }
+            };
+            means.into_iter().map(move |mean| mean * scale)
+        })
     }
 
     /// Radiance where nothing is hit, in W·m⁻²·sr⁻¹·nm⁻¹, band by band.
     pub fn background(&self) -> &[f64] {
         &self.background
+    }
+}
+
+/// A place in a table for each material that objects have.
+#[derive(Clone, Debug)]
+struct Columns {
+    /// Each material's column, if any object has it.
+    of_materials: Vec<Option<usize>>,
+    /// How many columns there are.
+    used: usize,
+}
+
+impl Columns {
+    fn of(spectra: &Spectra) -> Self {
+        let mut used = 0;
+        let columns = spectra.used.iter().map(|is_used| {
+            is_used.then(|| {
+                used += 1;
+                used - 1
+            })
+        });
+        Self {
+            of_materials: columns.collect(),
+            used,
+        }
     }
 }
 
@@ -353,17 +460,26 @@ mod tests {
             background: Spectrum::constant(0.0),
         };
         let bands = Bands::new(&spectra, Wavelengths::default());
-        assert_eq!(bands.transport.len(), 2 * 2 * 2 * 41);
-        let numbers = bands.transport.len() + bands.background.len();
+        assert_eq!(bands.table.len(), 2 * 2);
+        let room = 3 * bands.table.len() + bands.background.len();
         let size = Bands::size(&spectra, Wavelengths::default());
-        assert_eq!(size, numbers as u64);
+        assert_eq!(size, (2 * 2 * 2 * 41 + room) as u64);
+        let mut without_table = bands.clone();
+        without_table.table.clear();
         for (light, material, expected) in [(0, 1, 0.2), (0, 2, 0.3), (1, 1, 0.4), (1, 2, 0.6)] {
-            for band in bands.transport(light, material).diffuse {
+            let (mut room, mut other) = (Vec::new(), Vec::new());
+            let of_pair = bands.transport(light, material, &mut room);
+            assert_eq!(
+                of_pair,
+                without_table.transport(light, material, &mut other)
+            );
+            for band in of_pair.diffuse {
                 assert!(
                     (band - expected).abs() < 1e-14,
                     "{light} {material}: {band}"
                 );
             }
+            assert!(room.is_empty() && other.len() == 82);
         }
     }
 

@@ -183,6 +183,22 @@ fn a_preview_is_developed_as_tonemap_does() {
         let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
         assert!(bytes("preview.png") == bytes("tonemapped.png"), "{options}");
     }
+    // It is not read back from the file, but is what the file shows: rounded to halves, with what a lossy
+    // compression has made of it, amid layers.
+    for storing in [
+        "--half",
+        "--compression dwaa",
+        "--half --compression dwab --layers lights,depth,normal",
+        "--compression pxr24 --chromaticities",
+    ] {
+        let render = format!("render ball.toml --preview preview.png --auto-exposure {storing}");
+        succeeds(folder, &render);
+        // A lossy compression leaves traces of light beside the ball.
+        let tonemap = "tonemap ball.exr -o tonemapped.png --auto-exposure --alpha keep";
+        succeeds(folder, tonemap);
+        let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+        assert!(bytes("preview.png") == bytes("tonemapped.png"), "{storing}");
+    }
     // Without a preview there is nothing to develop.
     for options in [
         "--exposure 1",
@@ -432,7 +448,7 @@ fn warnings_of_check_are_those_of_render() {
     assert_eq!(warnings.len(), 6);
 }
 
-/// A stream keeps nothing to make a preview of; a copy does.
+/// What a stream has taken cannot be read back.
 #[test]
 fn a_preview_is_made_where_the_exr_goes_to_a_stream() {
     let folder = folder();

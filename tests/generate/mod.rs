@@ -15,6 +15,9 @@ use candela::scene::Scene;
 use colors::Palette;
 use mesh::{MeshFormat, Patch};
 
+/// How many kinds of scenes there are.
+pub(crate) const KINDS: usize = 10;
+
 /// How many scenes there are, unless `CANDELA_SCENES` says otherwise.
 const COUNT: u64 = 200;
 
@@ -103,15 +106,53 @@ pub(crate) fn terminators(count: u64, folder: &Path) -> Vec<(String, Scene)> {
     // Seeds that no other scene has.
     let seeds = (0..count).map(|seed| seed + (1 << 40));
     seeds
-        .map(|seed| compose(seed, "terminators", Draft::terminators, folder))
+        .map(|seed| {
+            compose(
+                seed,
+                "terminators",
+                Draft::terminators,
+                Bulbs::Points,
+                folder,
+            )
+        })
         .collect()
+}
+
+/// So many scenes of all kinds whose lights are mostly spots, beside those of [`scenes`].
+pub(crate) fn spots(count: u64, folder: &Path) -> Vec<(String, Scene)> {
+    // Seeds that no other scene has.
+    let seeds = (0..count).map(|seed| seed + (1 << 41));
+    let scenes = seeds.map(|seed| {
+        let (kind, composition) = kind(seed);
+        compose(
+            seed,
+            &format!("{kind} under spots"),
+            composition,
+            Bulbs::Spots,
+            folder,
+        )
+    });
+    scenes.collect()
+}
+
+/// What the lights of a scene are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bulbs {
+    Points,
+    /// Most of them.
+    Spots,
 }
 
 /// Writes a kind of scene.
 type Compose<'f> = fn(&mut Draft<'f>);
 
-fn scene<'f>(seed: u64, folder: &'f Path) -> (String, Scene) {
-    let kinds: [(&str, Compose<'f>); 10] = [
+fn scene(seed: u64, folder: &Path) -> (String, Scene) {
+    let (kind, composition) = kind(seed);
+    compose(seed, kind, composition, Bulbs::Points, folder)
+}
+
+fn kind<'f>(seed: u64) -> (&'static str, Compose<'f>) {
+    let kinds: [(&str, Compose<'f>); KINDS] = [
         ("still life", Draft::still_life),
         ("crowd", Draft::crowd),
         ("shards", Draft::shards),
@@ -123,17 +164,17 @@ fn scene<'f>(seed: u64, folder: &'f Path) -> (String, Scene) {
         ("grazing", Draft::grazing),
         ("room", Draft::room),
     ];
-    let (kind, composition) = kinds[(seed % kinds.len() as u64) as usize];
-    compose(seed, kind, composition, folder)
+    kinds[(seed % KINDS as u64) as usize]
 }
 
 fn compose<'f>(
     seed: u64,
     kind: &str,
     composition: Compose<'f>,
+    bulbs: Bulbs,
     folder: &'f Path,
 ) -> (String, Scene) {
-    let mut draft = Draft::new(seed, folder);
+    let mut draft = Draft::new(seed, bulbs, folder);
     composition(&mut draft);
     let name = format!("{seed} {kind}");
     let scene = Scene::parse(&draft.text, folder.join("generated.toml"))
@@ -145,6 +186,7 @@ fn compose<'f>(
 struct Draft<'f> {
     seed: u64,
     random: Random,
+    bulbs: Bulbs,
     folder: &'f Path,
     palette: Palette,
     /// Scene units for one unit of the compositions below.
@@ -160,7 +202,7 @@ struct Draft<'f> {
 }
 
 impl<'f> Draft<'f> {
-    fn new(seed: u64, folder: &'f Path) -> Self {
+    fn new(seed: u64, bulbs: Bulbs, folder: &'f Path) -> Self {
         let mut random = Random::new(seed);
         let scale = random.choice(&[1.0, 1.0, 1.0, 1e-6, 1e-3, 1e3, 1e6]);
         let far = random.choice(&[0.0, 0.0, 0.0, 10.0, 1e3, 1e6, 1e9]);
@@ -170,6 +212,7 @@ impl<'f> Draft<'f> {
         let mut draft = Self {
             seed,
             random,
+            bulbs,
             folder,
             palette,
             scale,
@@ -265,12 +308,45 @@ impl<'f> Draft<'f> {
         // Bright enough for the distances of the compositions, at any scale.
         let strength = self.random.log_between(1.0, 100.0) * self.scale * self.scale;
         let intensity = self.intensity(strength);
+        let (kind, cone) = if self.bulbs == Bulbs::Spots && self.random.chance(0.8) {
+            ("spot", self.cone(position))
+        } else {
+            ("point", String::new())
+        };
         let _ = write!(
             self.text,
-            "[lights.l{}.point]\nposition = {position:?}\nintensity = {intensity}\n\n",
+            "[lights.l{}.{kind}]\nposition = {position:?}\nintensity = {intensity}\n{cone}\n",
             self.lights
         );
         self.lights += 1;
+    }
+
+    /// Where a spot points, mostly to about the middle, and its angles.
+    fn cone(&mut self, position: Vector) -> String {
+        let target = self.random.point(1.5);
+        let target = self.place(target);
+        let aim = match self.random.count(0, 4) {
+            0 => format!("direction = {:?}", self.random.direction()),
+            1 => format!("direction = {:?}", along(target, position, -1.0)),
+            _ => format!("look_at = {target:?}"),
+        };
+        let outer = match self.random.count(0, 4) {
+            0 => 90.0,
+            1 => self.random.log_between(0.5, 5.0),
+            _ => self.random.between(5.0, 75.0),
+        };
+        let inner = match self.random.count(0, 4) {
+            0 => String::new(),
+            1 => format!("inner = {outer:?}\n"),
+            _ => format!("inner = {:?}\n", outer * self.random.unit()),
+        };
+        let falloff = match self.random.count(0, 3) {
+            0 => "",
+            1 => "falloff = \"smooth\"\n",
+            2 => "falloff = \"gltf\"\n",
+            _ => "falloff = \"linear_angle\"\n",
+        };
+        format!("{aim}\nouter = {outer:?}\n{inner}{falloff}")
     }
 
     /// Lights around the origin, at a distance of a few units.
@@ -431,4 +507,34 @@ fn scenes_are_legal_and_cover_the_format() {
     let lights = |text: &String| text.matches("[lights.").count();
     assert!(texts.iter().any(|text| lights(text) == 0));
     assert!(texts.iter().any(|text| lights(text) == 8));
+}
+
+#[test]
+fn spots_are_legal_and_cover_the_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let texts: Vec<String> = spots(40, folder.path())
+        .iter()
+        .map(|(name, scene)| {
+            if let Err(error) = candela::world::World::new(scene) {
+                panic!("{name}:\n{error}");
+            }
+            scene.source.text.clone()
+        })
+        .collect();
+    for part in [
+        ".spot]",
+        ".point]",
+        "\nlook_at = ",
+        "\ndirection = ",
+        "outer = 90.0",
+        "inner = ",
+        "falloff = \"smooth\"",
+        "falloff = \"gltf\"",
+        "falloff = \"linear_angle\"",
+        "{ lumens = ",
+        "transport = \"spectral\"",
+    ] {
+        let count = texts.iter().filter(|text| text.contains(part)).count();
+        assert!(count >= 3, "{part} is in {count} scenes");
+    }
 }

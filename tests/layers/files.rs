@@ -23,7 +23,7 @@ fn threads_and_instructions_give_the_same_file() {
         ..ALL
     };
     for (name, scene) in spectral(scenes(&folder, 10)) {
-        let world = World::new(&scene).unwrap();
+        let (world, camera) = World::new(&scene).unwrap();
         let file = |threads, simd| {
             let options = Options {
                 samples: 3,
@@ -34,7 +34,7 @@ fn threads_and_instructions_give_the_same_file() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             pool.build().unwrap().install(|| {
                 let mut file = Cursor::new(Vec::new());
-                let film = render::render(&world, &options);
+                let film = render::render(&world, &camera, &options).unwrap();
                 film.write_exr_to(&mut file, &ExrOptions::default())
                     .unwrap();
                 file.into_inner()

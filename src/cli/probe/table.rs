@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use candela::oracle::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, TransportUsed};
+use candela::oracle::{
+    Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, SpotTerms, TransportUsed,
+};
 use candela::printable::printable;
 
 use super::{Report, SpectralRadiance};
@@ -117,6 +119,7 @@ fn obstacle(light: &LightTerms) -> Option<String> {
         Outcome::Lit => None,
         Outcome::Occluded => Some(stands_between(light)),
         Outcome::Below => Some("below the surface".to_owned()),
+        Outcome::Outside => Some("outside of the cone".to_owned()),
         Outcome::AtPoint => Some("at p itself, d = 0".to_owned()),
     }
 }
@@ -205,6 +208,12 @@ impl Table {
                     printable(&light.name)
                 ));
             }
+            Outcome::Outside => {
+                self.text(format!(
+                    "Light `{}`, d = {distance} m, has p outside of its cone: it adds nothing",
+                    printable(&light.name)
+                ));
+            }
             Outcome::Lit | Outcome::Occluded => {
                 self.text(format!(
                     "Light `{}`, d = {distance} m",
@@ -219,6 +228,15 @@ impl Table {
             "    ω_i = {to_light:width$}    cos(n, ω_i)   = {cos_incident}"
         ));
         if light.outcome == Outcome::Below {
+            return;
+        }
+        if let Some(SpotTerms { angle, falloff }) = light.spot {
+            let (angle, falloff) = (number(angle), number(falloff));
+            self.text(format!(
+                "    θ = {angle}° from the axis    f(θ) = {falloff}"
+            ));
+        }
+        if light.outcome == Outcome::Outside {
             return;
         }
         self.text(format!(
@@ -244,8 +262,18 @@ impl Table {
                 format!("L7  r_s = {specular} · {cos_lobe}^{shininess}"),
             )
         };
-        self.row("    I", light.intensity, "cd");
-        self.row(format!("L3  L_i = I / {distance}²"), light.incident, "lx");
+        let (intensity, incident) = match light.spot {
+            None => ("    I", format!("L3  L_i = I / {distance}²")),
+            Some(SpotTerms { falloff, .. }) => {
+                let falloff = number(falloff);
+                (
+                    "    I, on the axis",
+                    format!("L3  L_i = I · {falloff} / {distance}²"),
+                )
+            }
+        };
+        self.row(intensity, light.intensity, "cd");
+        self.row(incident, light.incident, "lx");
         self.row(diffuse, light.diffuse, "1/sr");
         self.row(specular, light.specular, "1/sr");
         let reflectance = std::array::from_fn(|i| light.diffuse[i] + light.specular[i]);

@@ -108,7 +108,7 @@ fn arguments(pixel: &str, more: &[&str]) -> Arguments {
 
 fn output_of(scene: &Scene, arguments: &Arguments) -> Result<String, ProbeError> {
     let mut output = Vec::new();
-    let renderer = |_| [0.5, 0.25, 0.125];
+    let renderer = |_| Ok([0.5, 0.25, 0.125]);
     run(arguments, scene, renderer, &mut output)?;
     Ok(String::from_utf8(output).unwrap())
 }
@@ -242,6 +242,47 @@ renderer, in f32                                     0.5          0.25         0
 renderer − equation                                  0.377706     0.127706     0.00270622  cd/m²
 ";
     assert_eq!(output("32,24", false).unwrap(), expected);
+}
+
+/// Of a spot the table says where in its cone p is, and takes the falloff for a factor of L3.
+#[test]
+fn the_table_of_a_floor_under_spots() {
+    let spot = |direction: [f64; 3]| Light::Spot {
+        position: [0.0, 2.0, 1.0].into(),
+        aim: candela::scene::Aim::Direction(direction.into()),
+        intensity: Value::Uniform(40.0).into(),
+        inner: 20.0.into(),
+        outer: 30.0.into(),
+        falloff: candela::scene::Falloff::Gltf,
+    };
+    let mut scene = scene();
+    let (sin, cos) = 25.0_f64.to_radians().sin_cos();
+    scene.lights = vec![
+        entry("aslant", spot([sin, -cos, 0.0])),
+        entry("away", spot([0.0, 1.0, 0.0])),
+    ];
+    let table = output_of(&scene, &arguments("32,24", &[])).unwrap();
+    for expected in [
+        "Light `aslant`, d = 2 m\n",
+        "    θ = 25° from the axis    f(θ) = 0.299007\n",
+        "    I, on the axis ",
+        "L3  L_i = I · 0.299007 / 2² ",
+        "  2.99007 ",
+        "Light `away`, d = 2 m, has p outside of its cone: it adds nothing\n",
+        "    θ = 180° from the axis    f(θ) = 0\n",
+        "  outside of the cone\n",
+    ] {
+        assert!(table.contains(expected), "{expected:?} is not in\n{table}");
+    }
+    let json = output_of(&scene, &arguments("32,24", &["--json"])).unwrap();
+    let json: Json = serde_json::from_str(&json).unwrap();
+    let falloff = json["lights"][0]["spot"]["falloff"].as_f64().unwrap();
+    assert!((falloff - 0.2990072972446).abs() < 1e-12, "{falloff}");
+    assert_eq!(json["lights"][1]["outcome"], "outside");
+    assert_eq!(
+        json["lights"][1]["radiance"],
+        serde_json::json!([0.0, 0.0, 0.0])
+    );
 }
 
 #[test]

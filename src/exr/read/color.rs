@@ -2,7 +2,6 @@
 
 use crate::color::Primaries;
 use crate::color::adaptation::conversion;
-use crate::exr::primaries_of;
 use crate::printable::printable;
 
 /// What a file says about the color space of its R, G, B.
@@ -37,7 +36,7 @@ impl ColorTag {
     pub fn meaning(&self) -> ColorMeaning {
         let usable = |primaries: &Primaries| conversion(primaries, &Primaries::REC709).is_finite();
         let id = self.interop_id.as_deref();
-        let known = id.and_then(primaries_of);
+        let known = id.and_then(Primaries::of_interop_id);
         let named = printable(id.unwrap_or_default());
         let (primaries, warning) = match (known, self.chromaticities) {
             _ if id == Some("data") => (

@@ -41,8 +41,8 @@ use header::Headers;
 use source::Source;
 
 use crate::image::Window;
+use crate::input::is_transient;
 use crate::printable::{printable, printable_path};
-use crate::scene::is_transient;
 
 /// What an OpenEXR file shows: R, G, B, A inside the display window.
 #[derive(Clone, Debug)]
@@ -98,6 +98,7 @@ impl ExrError {
 
 /// Why an OpenEXR file could not be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExrProblem {
     /// The system reports an error.
     #[error("{0}")]

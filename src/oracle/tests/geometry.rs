@@ -1,8 +1,8 @@
 //! L1 and L2: cameras, hits, normals and transformed meshes.
 
 use super::*;
+use crate::mesh::{MeshGroup, MeshRemarks};
 use crate::oracle::vector::{dot, length, subtract, unit};
-use crate::scene::mesh::{MeshGroup, MeshRemarks};
 
 fn normal_and_geometric(scene: &Builder) -> ([f64; 3], [f64; 3]) {
     let hit = scene.oracle().explain(0.5, 0.5).hit.unwrap();

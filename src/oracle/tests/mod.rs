@@ -8,7 +8,7 @@ mod visibility;
 use std::sync::Arc;
 
 use super::{LightTerms, Oracle};
-use crate::scene::mesh::{MeshFile, MeshNormals, MeshRemarks};
+use crate::mesh::{MeshFile, MeshNormals, MeshRemarks};
 use crate::scene::{
     Camera, Entry, Image, Light, Lobes, Material, Object, Scene, ShadowTerminator, Source, Span,
     Spanned, Transport, Value, View,

@@ -10,10 +10,10 @@ use std::sync::Arc;
 
 use super::Source;
 use super::curve::CurveError;
-use super::mesh::MeshError;
-use super::opening::is_transient;
+use crate::input::is_transient;
 use crate::memory::OutOfMemory;
-use crate::printable::{printable, printable_path};
+use crate::mesh::MeshError;
+use crate::printable::{QUOTED_LENGTH, printable, printable_path, shortened};
 
 /// A range of bytes in the scene file; empty at 0 for what has no place in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -241,9 +241,6 @@ const EXPECTED_KEPT: usize = 12;
 /// How many names are compared with a misspelt one: enough for any scene written by hand.
 const NAMES_COMPARED: usize = 1_000;
 
-/// The length in characters above which a quoted name is shortened in messages.
-const QUOTED_LENGTH: usize = 60;
-
 impl Problem {
     /// An unknown `name` where one of `candidates` could stand, with the nearest of them.
     pub fn unknown<'a>(
@@ -379,14 +376,6 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         })
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
-}
-
-/// `text` for a message: [`printable`], and without its end where it is a long one.
-pub(super) fn shortened(text: &str) -> String {
-    match text.char_indices().nth(QUOTED_LENGTH) {
-        Some((end, _)) => printable(&text[..end]) + "…",
-        None => printable(text),
-    }
 }
 
 /// `name` in backquotes, or what it is where there is nothing to quote.

@@ -5,11 +5,13 @@ use std::borrow::Cow;
 use toml::de::{DeTable, DeValue};
 
 use super::super::Entry;
-use super::super::diagnostic::{Problem, Span, shortened};
+use super::super::diagnostic::{Problem, Span};
 use super::Node;
 use super::fields::{Fields, Reader};
 use super::key::{Elsewhere, Form, unknown};
+use super::syntax::header;
 use crate::memory::{self, OutOfMemory};
+use crate::printable::shortened;
 
 /// A kind of entry: its keys, and what reads them.
 pub(super) struct Variant<T> {
@@ -275,13 +277,6 @@ impl<T> Variants<T> {
         let names = self.list.iter().map(|variant| variant.name);
         unknown(what, name, names, self.elsewhere)
     }
-}
-
-/// The place of an entry: its `[header]`, or its key where it has none.
-pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
-    let span = Span::from(node.span());
-    let has_header = node.get_ref().is_table() && text[span.start..].starts_with('[');
-    if has_header { span } else { key }
 }
 
 /// Why `name` cannot be used, if so. Names come back in messages, mattes and on command lines; those

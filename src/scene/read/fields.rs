@@ -2,10 +2,11 @@
 
 use toml::de::{DeInteger, DeTable, DeValue};
 
-use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned, shortened};
+use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned};
 use super::key::{Form, Key};
 use super::syntax::Damage;
 use super::{Files, Node};
+use crate::printable::shortened;
 
 /// Reads a tree and collects what is wrong with it.
 pub(super) struct Reader<'a> {
@@ -167,6 +168,12 @@ impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
             Some(node) => spanned(self.reader.number(key, key.name, node), node).map(Some),
             None => Some(None),
         }
+    }
+
+    /// The number of `key`, or `default` where it is not there.
+    pub(super) fn number_or(&mut self, key: &Key, default: f64) -> Option<Spanned<f64>> {
+        let written = self.optional_number(key)?;
+        Some(written.unwrap_or(Spanned::new(default, self.header)))
     }
 
     pub(super) fn vector(&mut self, key: &'static Key) -> Option<Spanned<[f64; 3]>> {

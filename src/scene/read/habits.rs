@@ -1,7 +1,7 @@
 //! Lines in the manner of other formats (YAML, JSON, Python, pbrt, C), in a file that is not TOML for
 //! them: what to write instead.
 
-use super::super::diagnostic::shortened;
+use crate::printable::shortened;
 
 /// What to say of a line with a syntax error, where it is one that a habit makes.
 pub(super) fn way_out(line: &str) -> Option<String> {

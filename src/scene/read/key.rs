@@ -33,6 +33,8 @@ pub(in crate::scene) enum Presence {
     Default(&'static str),
     /// It must be there where the value of this other key is not zero.
     With(&'static str),
+    /// It must be there where this other key is not, and may not where it is.
+    InsteadOf(&'static str),
 }
 
 /// A range of numbers.
@@ -151,6 +153,11 @@ impl Key {
 
     pub(super) const fn with(mut self, other: &'static str) -> Self {
         self.presence = Presence::With(other);
+        self
+    }
+
+    pub(super) const fn instead_of(mut self, other: &'static str) -> Self {
+        self.presence = Presence::InsteadOf(other);
         self
     }
 

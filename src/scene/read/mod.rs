@@ -26,10 +26,11 @@ use std::sync::Arc;
 use toml::de::{DeString, DeTable, DeValue};
 
 use super::diagnostic::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span, Spanned};
-use super::inputs::{Hash, Input};
-use super::mesh::MeshFile;
+use super::inputs::Input;
 use super::{Scene, Source};
+use crate::input::Hash;
 use crate::memory;
+use crate::mesh::MeshFile;
 use crate::spectrum::Curve;
 
 use entries::Entries;

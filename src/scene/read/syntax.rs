@@ -6,10 +6,10 @@ use std::ops::Range;
 use toml::de::{DeTable, DeValue, Error};
 use toml_parser::lexer::TokenKind;
 
-use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, shortened};
+use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span};
 use super::Node;
-use super::entries::header;
 use super::habits;
+use crate::printable::shortened;
 
 /// The size in bytes up to which more than the first syntax error is looked for: text that is
 /// nothing but errors costs 300 times its size in messages.
@@ -516,4 +516,11 @@ fn next_statement(text: &str, offset: usize) -> Option<usize> {
         start += line.len();
     }
     None
+}
+
+/// The place of an entry: its `[header]`, or its key where it has none.
+pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
+    let span = Span::from(node.span());
+    let has_header = node.get_ref().is_table() && text[span.start..].starts_with('[');
+    if has_header { span } else { key }
 }

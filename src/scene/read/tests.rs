@@ -142,7 +142,10 @@ fn the_whole_format() {
     let Light::Point {
         position,
         intensity,
-    } = &scene.lights[0].value;
+    } = &scene.lights[0].value
+    else {
+        panic!("the light is a point");
+    };
     assert_eq!(scene.lights[0].name, "key");
     assert_eq!(position.value, [3.0, 4.0, 3.0]);
     assert_eq!(intensity.value, rgb([30.0; 3]));
@@ -249,7 +252,10 @@ fn toml_in_every_layout_is_one_scene() {
         let Light::Point {
             position,
             intensity,
-        } = &scene.lights[0].value;
+        } = &scene.lights[0].value
+        else {
+            panic!("the light is a point");
+        };
         let read = format!(
             "Point {{ position: {:?}, intensity: {:?} }}",
             position.value, intensity.value

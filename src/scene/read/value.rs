@@ -6,11 +6,13 @@ use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
-use super::super::diagnostic::{Problem, Span, Spanned, shortened};
-use super::super::value::{ColorSpace, Unit, Value};
+use super::super::diagnostic::{Problem, Span, Spanned};
+use super::super::value::{Unit, Value};
 use super::Node;
 use super::fields::{Fields, Reader, spanned};
 use super::key::{AMOUNT, BRIGHTEST, Form, Key, Kind, Purpose, Range, key};
+use crate::color::ColorSpace;
+use crate::printable::shortened;
 use crate::spectrum::{Curve, CurveProblem, Illuminant, Lines};
 
 const RGB: Key = key!("rgb", "three linear numbers", "[0.7, 0.3, 0.2]")

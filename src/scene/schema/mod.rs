@@ -181,6 +181,15 @@ fn keys(form: &Form<'_>, channels: Range) -> Members {
             members.push(("then", object([("required", names([key.name]))])));
         }
     }
+    // Of two that stand for each other, exactly one.
+    let mut pairs = form.keys.iter().filter_map(|key| match key.presence {
+        Presence::InsteadOf(other) => Some([key.name, other]),
+        Presence::Required | Presence::Default(_) | Presence::With(_) => None,
+    });
+    if let Some(pair) = pairs.next() {
+        let choices = pair.map(|name| object([("required", names([name]))]));
+        members.push(("oneOf", list(choices)));
+    }
     members
         .into_iter()
         .map(|(name, member)| (name.to_owned(), member))

@@ -21,6 +21,18 @@ pub(crate) struct Facing {
 }
 
 impl Points {
+    /// A box around all that are hit, from its least to its largest coordinates.
+    #[inline]
+    pub(crate) fn bounds(&self) -> [DVec3; 2] {
+        self.bounds
+    }
+
+    /// The normals of the surfaces, to be made by hand.
+    #[cfg(test)]
+    pub(crate) fn geometric_normals_mut(&mut self) -> &mut [crate::visibility::Column; 3] {
+        &mut self.geometric_normal
+    }
+
     /// For all points, whether a light is above the surface: on the viewer's side of the tangent plane (of
     /// lifted points the one across the interpolated normal), further from it than rounding errors. A light in
     /// the very plane of a floor is not above it. And whether it is at the point itself (d = 0), as far as can

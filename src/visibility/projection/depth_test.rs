@@ -47,13 +47,15 @@ pub(in crate::visibility) trait DepthTest: Copy {
         id: ShapeId,
     );
 
-    /// A shape that the end of a ray is on may hide it all the same: those fall back to f64.
+    /// A sphere that the end of a ray is on may hide it all the same: those fall back to f64 that are seen from
+    /// within, and of one that cannot be told all.
     fn leave_own_unresolved<S: Simd>(
         self,
         simd: S,
         projection: &mut BatchProjection,
         packet: usize,
         id: ShapeId,
+        is_untold: bool,
     );
 }
 
@@ -71,6 +73,8 @@ pub(in crate::visibility) struct OcclusionTest<'p> {
     /// What each point is on, and what all of them are on, if that is one.
     pub(in crate::visibility) primitives: &'p [u64; BATCH],
     pub(in crate::visibility) only: Option<Primitive>,
+    /// For each packet one bit for each point of a sphere that is seen from within.
+    pub(in crate::visibility) within: &'p [u32; PACKETS],
     pub(in crate::visibility) asked: &'p [u32; PACKETS],
 }
 
@@ -177,7 +181,15 @@ impl DepthTest for NearestHitTest {
     }
 
     #[inline(always)]
-    fn leave_own_unresolved<S: Simd>(self, _: S, _: &mut BatchProjection, _: usize, _: ShapeId) {}
+    fn leave_own_unresolved<S: Simd>(
+        self,
+        _: S,
+        _: &mut BatchProjection,
+        _: usize,
+        _: ShapeId,
+        _: bool,
+    ) {
+    }
 }
 
 impl DepthTest for OcclusionTest<'_> {
@@ -263,8 +275,11 @@ impl DepthTest for OcclusionTest<'_> {
         projection: &mut BatchProjection,
         packet: usize,
         id: ShapeId,
+        is_untold: bool,
     ) {
         let own = self.are_on(simd, packet, id);
-        projection.unresolved[packet] |= (projection.asking(simd, packet) & own).to_bits();
+        let own = (projection.asking(simd, packet) & own).to_bits();
+        let seen_so = if is_untold { own } else { self.within[packet] };
+        projection.unresolved[packet] |= own & seen_so;
     }
 }

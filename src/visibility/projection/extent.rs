@@ -82,12 +82,14 @@ impl Extents {
     }
 
     /// The range of the reciprocal depth of a shape that all rays of a bounded projection surely meet.
+    #[inline]
     pub(in crate::visibility) fn cover(&self, index: usize) -> Option<[f32; 2]> {
         let covers = self.covers >> index & 1 == 1;
         covers.then(|| [self.ranges[0].0[index], self.ranges[1].0[index]])
     }
 
     /// The largest reciprocal depth of a shape within a bounded projection.
+    #[inline]
     pub(in crate::visibility) fn most_within(&self, index: usize) -> f32 {
         self.ranges[1].0[index]
     }

@@ -97,6 +97,8 @@ pub(in crate::visibility) struct BatchProjection {
     pub(in crate::visibility) ends: Option<[DVec3; 2]>,
     /// How far the origin or the ends of the rays may be from where they should be.
     pub(in crate::visibility) error: f64,
+    /// Whether some of the ends are points of spheres seen from within.
+    pub(in crate::visibility) has_points_within: bool,
     pub(in crate::visibility) state: State,
     /// Of a projection bounded by what primary rays see the first shape so far, and of one bounded by the ends
     /// of rays the largest reciprocal depth of these.
@@ -183,6 +185,7 @@ impl Default for BatchProjection {
             unit: 1.0,
             ends: None,
             error: 0.0,
+            has_points_within: false,
             state: State::Unfit,
             cover: None,
             nearest_end: 0.0,
@@ -270,6 +273,7 @@ impl BatchProjection {
     }
 
     /// Takes a shape to be what all rays see first, as far as is known.
+    #[inline]
     pub(in crate::visibility) fn cover_with(&mut self, id: ShapeId, range: [f32; 2]) {
         self.cover = Some(Cover {
             slot: id.slot,
@@ -536,6 +540,7 @@ impl BatchProjection {
     }
 
     /// For each packet a bit for each ray that falls back to f64.
+    #[inline]
     pub(in crate::visibility) fn falls_back(&self, packet: usize) -> u32 {
         self.ambiguous[packet] | self.unresolved[packet]
     }
@@ -550,6 +555,7 @@ impl BatchProjection {
 
     /// What the primary rays of a packet meet first, [`NOTHING`] where they meet nothing; except for
     /// those that fall back to f64.
+    #[inline]
     pub(in crate::visibility) fn nearest_slots(&self, packet: usize) -> &[u32] {
         &self.slots[packet * LANES..(packet + 1) * LANES]
     }

@@ -9,11 +9,11 @@ use super::{Block, Shape};
 use crate::math::{DVec3, Point, all_three};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, ones};
 use crate::visibility::primitive::{Primitive, SPHERES, ShapeId};
-use crate::visibility::projection::{BatchProjection, DepthTest, NEGLIGIBLE};
+use crate::visibility::projection::{BatchProjection, DepthTest};
 use crate::visibility::question::{NearestHit, Occlusion};
 use crate::visibility::rays::{ROUNDING, Rays, ShearedRays};
 use crate::visibility::tree::{Beam, Bounds};
-use crate::world::{self, Camera, Projection};
+use crate::world;
 use conic::{ProjectedConics, SphereLanes};
 
 /// A sphere with its index in the world.
@@ -22,8 +22,6 @@ pub(in crate::visibility) struct Sphere {
     center: Point,
     radius: f64,
     object: u32,
-    /// Whether the camera is outside.
-    shows_outside: bool,
 }
 
 /// Both parameters at which a line meets a sphere, the nearer first.
@@ -71,17 +69,11 @@ fn crossings<S: Simd>(
 }
 
 impl Sphere {
-    pub(in crate::visibility) fn new(sphere: &world::Sphere, camera: &Camera) -> Self {
-        let from_eye = sphere.center.from(camera.eye());
-        let distance = match camera.projection() {
-            Projection::Perspective { .. } => from_eye.length(),
-            Projection::Orthographic { .. } => from_eye.dot(camera.forward().get()),
-        };
+    pub(in crate::visibility) fn new(sphere: &world::Sphere) -> Self {
         Self {
             center: sphere.center,
             radius: sphere.radius,
             object: sphere.object,
-            shows_outside: distance - sphere.radius > distance * NEGLIGIBLE,
         }
     }
 
@@ -143,8 +135,6 @@ pub(in crate::visibility) struct SphereBlock {
     center: [[f64; LANES]; 3],
     radius: [f64; LANES],
     object: [u32; LANES],
-    /// One bit for each.
-    shows_outside: u32,
 }
 
 impl SphereBlock {
@@ -154,7 +144,6 @@ impl SphereBlock {
         SphereLanes {
             center: DVec3x16::load(simd, [x, y, z]),
             radius: F64x16::load(simd, &self.radius),
-            shows_outside: self.shows_outside,
         }
     }
 }
@@ -167,7 +156,6 @@ impl Block<Sphere> for SphereBlock {
             center: [[0.0; LANES]; 3],
             radius: [1.0; LANES],
             object: [0; LANES],
-            shows_outside: 0,
         };
         for (place, sphere) in shapes.iter().enumerate() {
             for axis in 0..3 {
@@ -175,7 +163,6 @@ impl Block<Sphere> for SphereBlock {
             }
             block.radius[place] = sphere.radius;
             block.object[place] = sphere.object;
-            block.shows_outside |= u32::from(sphere.shows_outside) << place;
         }
         block
     }
@@ -186,7 +173,6 @@ impl Block<Sphere> for SphereBlock {
             center: all_three(self.center, |column| column[place]).into(),
             radius: self.radius[place],
             object: self.object[place],
-            shows_outside: self.shows_outside >> place & 1 == 1,
         }
     }
 
@@ -194,7 +180,7 @@ impl Block<Sphere> for SphereBlock {
 
     #[inline(always)]
     fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32 {
-        let SphereLanes { center, radius, .. } = self.spheres(simd);
+        let SphereLanes { center, radius } = self.spheres(simd);
         let center = center.minus(beam.center());
         let mut bits = u32::MAX;
         for plane in &beam.planes() {

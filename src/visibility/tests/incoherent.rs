@@ -20,7 +20,7 @@ pub(super) fn world_of(writer: &Writer) -> World {
     let text = format!("{}{}", writer.text, writer.cameras[0]);
     let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
     lifted::add_meshes(&mut scene, &writer.meshes);
-    World::new(&scene).unwrap_or_else(|e| panic!("{e}"))
+    World::new(&scene).unwrap_or_else(|e| panic!("{e}")).0
 }
 
 /// All shapes of a world in the order of their kinds.
@@ -40,9 +40,7 @@ impl<'w> Everything<'w> {
         let spheres = world.spheres().iter();
         Self {
             world,
-            spheres: spheres
-                .map(|sphere| Sphere::new(sphere, world.camera()))
-                .collect(),
+            spheres: spheres.map(|sphere| Sphere::new(sphere)).collect(),
             triangles: (0..triangles.len() as u32).map(triangle).collect(),
         }
     }

@@ -61,7 +61,7 @@ impl Writer {
 
 /// Coarse and fine balls, as lists and as trees, amid other shapes; beside flat ones in one batch.
 #[test]
-fn the_canvas_decides_by_where_shadow_rays_start() {
+fn the_projection_decides_by_where_shadow_rays_start() {
     for (size, place) in [
         (1.0, [0.0; 3]),
         (1e-6, [0.0; 3]),

@@ -6,9 +6,10 @@ use toml::de::{DeTable, DeValue};
 
 use super::super::super::diagnostic::{Problem, Span, Spanned};
 use super::super::super::{Camera, View};
-use super::super::entries::{Choice, Variant, Variants, header, one_variant};
+use super::super::entries::{Choice, Variant, Variants, one_variant};
 use super::super::fields::{Fields, Reader};
 use super::super::key::{Elsewhere, Form, Key, Kind, LENGTH, Range, key};
+use super::super::syntax::header;
 
 pub(in crate::scene::read) const CAMERAS: Variants<Camera> = Variants {
     list: &[

@@ -6,9 +6,9 @@ use super::super::super::diagnostic::{Problem, Span, Spanned};
 use super::super::super::value::{Transport, Value};
 use super::super::super::{Image, MAX_RESOLUTION};
 use super::super::Node;
-use super::super::entries::header;
 use super::super::fields::{Fields, Reader, spanned};
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
+use super::super::syntax::header;
 use super::super::value::space_names;
 use crate::spectrum::Observer;
 

@@ -1,6 +1,9 @@
 //! `[lights.NAME.VARIANT]`
 
-use super::super::super::Light;
+use std::ops::Bound;
+
+use super::super::super::diagnostic::Problem;
+use super::super::super::{Aim, Falloff, Light};
 use super::super::entries::{Section, Variant, Variants};
 use super::super::fields::Fields;
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
@@ -13,17 +16,27 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
     kind: "kind of light",
     example: "`[lights.NAME.point]` with a name of your choice",
     variants: Variants {
-        list: &[Variant {
-            name: "point",
-            about: "A point that sends the same light into all directions.",
-            also: &["omni", "pointlight", "point_light", "bulb"],
-            form: Form::new(&[&POSITION, &INTENSITY]).elsewhere(NOT_IN_LIGHTS),
-            read: point_light,
-        }],
+        list: &[
+            Variant {
+                name: "point",
+                about: "A point that sends the same light into all directions.",
+                also: &["omni", "pointlight", "point_light", "bulb"],
+                form: Form::new(&[&POSITION, &INTENSITY]).elsewhere(NOT_IN_POINTS),
+                read: point_light,
+            },
+            Variant {
+                name: "spot",
+                about: "A point that shines into a cone.",
+                also: &["spotlight", "spot_light", "cone"],
+                form: Form::new(&[
+                    &POSITION, &LOOK_AT, &DIRECTION, &ON_AXIS, &INNER, &OUTER, &FALLOFF,
+                ])
+                .elsewhere(NOT_IN_SPOTS),
+                read: spot_light,
+            },
+        ],
         elsewhere: &[Elsewhere {
             words: &[
-                "spot",
-                "spotlight",
                 "sun",
                 "directional",
                 "distant",
@@ -42,8 +55,8 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 "sky",
             ],
             key: None,
-            advice: "lights are `point`s; one far away has parallel rays, and `background` in `[image]` \
-                     is what is seen where nothing is",
+            advice: "lights are `point`s and `spot`s; one far away has parallel rays, and `background` in \
+                     `[image]` is what is seen where nothing is",
         }],
     },
 };
@@ -82,42 +95,157 @@ const INTENSITY: Key = key!(
     "luminance",
 ]);
 
-const NOT_IN_LIGHTS: &[Elsewhere] = &[
-    Elsewhere {
-        words: &["power", "energy", "flux", "watts", "lumens", "lm", "w"],
-        key: Some("intensity"),
-        advice: "write `intensity`, in candela or in a unit: `intensity = { lumens = 800 }`, \
-                 `intensity = { watts = 6 }`",
-    },
-    Elsewhere {
-        words: &[
-            "color",
-            "colour",
-            "rgb",
-            "temperature",
-            "blackbody",
-            "illuminant",
-            "spectrum",
-            "kelvin",
-        ],
-        key: Some("intensity"),
-        advice: "the color is a part of the intensity: `intensity = [30, 25, 20]`, or \
-                 `intensity = { candela = 30, color = { blackbody = 3200 } }`",
-    },
+const ON_AXIS: Key = INTENSITY.about(
+    "I on the axis: RGB in candela, a curve in W/(sr nm), or in a unit; a flux, such as `lumens`, is what leaves \
+     the lamp.",
+);
+const LOOK_AT: Key = key!(
+    "look_at",
+    "a point that the light points at, or a vector along its way, `direction`",
+    "[0, 0, 0]"
+)
+.of(Kind::Vector)
+.instead_of("direction")
+.about("A point on the axis. Either this or `direction`.")
+.also(&["target", "to", "aim", "at", "lookat"]);
+const DIRECTION: Key = key!("direction", "where the light points", "[0, -1, 0]")
+    .of(Kind::Direction)
+    .instead_of("look_at")
+    .about("A vector along the axis, of any length but 0. Either this or `look_at`.")
+    .also(&["dir", "axis", "normal", "d"]);
+const ANGLE: (Bound<f64>, Bound<f64>) = (Bound::Included(0.0), Bound::Included(90.0));
+const INNER: Key = key!("inner", "an angle from the axis in degrees", "20")
+    .of(Kind::Number(ANGLE))
+    .or("0")
+    .about(
+        "Up to this angle from the axis it has its full intensity: from 0 to `outer`, in degrees.",
+    )
+    .also(&[
+        "inner_angle",
+        "inner_cone_angle",
+        "innerconeangle",
+        "beam_width",
+        "hotspot",
+    ]);
+const OUTER: Key = key!("outer", "an angle from the axis in degrees", "30")
+    .of(Kind::Number((Bound::Included(1e-6), Bound::Included(90.0))))
+    .about(
+        "From this angle from the axis on it is dark: up to 90 degrees. A cone is twice as wide.",
+    )
+    .also(&[
+        "outer_angle",
+        "outer_cone_angle",
+        "outerconeangle",
+        "cutoff_angle",
+        "cutoff",
+        "coneangle",
+        "cone_angle",
+        "cone",
+        "half_angle",
+    ]);
+const FALLOFF: Key = key!(
+    "falloff",
+    "`\"smooth\"`, `\"gltf\"` or `\"linear_angle\"`",
+    "\"smooth\""
+)
+.of(Kind::Name(falloffs))
+.or("\"smooth\"")
+.about(
+    "How it falls off from `inner` to `outer`: with x linear in the cosine, x²(3 − 2x) (pbrt, Cycles) or x² \
+     (glTF); or linear in the angle (Mitsuba).",
+)
+.also(&["penumbra", "profile"]);
+
+fn falloffs() -> Vec<&'static str> {
+    Falloff::ALL.map(Falloff::name).to_vec()
+}
+
+const FLUX: Elsewhere = Elsewhere {
+    words: &["power", "energy", "flux", "watts", "lumens", "lm", "w"],
+    key: Some("intensity"),
+    advice: "write `intensity`, in candela or in a unit: `intensity = { lumens = 800 }`, \
+             `intensity = { watts = 6 }`",
+};
+
+const COLOR: Elsewhere = Elsewhere {
+    words: &[
+        "color",
+        "colour",
+        "rgb",
+        "temperature",
+        "blackbody",
+        "illuminant",
+        "spectrum",
+        "kelvin",
+    ],
+    key: Some("intensity"),
+    advice: "the color is a part of the intensity: `intensity = [30, 25, 20]`, or \
+             `intensity = { candela = 30, color = { blackbody = 3200 } }`",
+};
+
+const NOT_IN_POINTS: &[Elsewhere] = &[
+    FLUX,
+    COLOR,
     Elsewhere {
         words: &["radius", "size", "width", "height"],
         key: None,
         advice: "a point light has no size; many of them around one another make soft shadows",
     },
     Elsewhere {
-        words: &["direction", "look_at", "target", "angle", "cone", "falloff"],
+        words: &[
+            "direction",
+            "look_at",
+            "target",
+            "angle",
+            "cone",
+            "falloff",
+            "inner",
+            "outer",
+        ],
         key: None,
-        advice: "a point light sends the same light into all directions",
+        advice: "a point light sends the same light into all directions; a cone of light is \
+                 `[lights.NAME.spot]`",
     },
     Elsewhere {
         words: &["type", "kind"],
         key: None,
         advice: "the kind stands in the header: `[lights.NAME.point]`",
+    },
+];
+
+const NOT_IN_SPOTS: &[Elsewhere] = &[
+    FLUX,
+    COLOR,
+    Elsewhere {
+        words: &["radius", "size", "width", "height"],
+        key: None,
+        advice: "a spot has no size; many of them around one another make soft shadows",
+    },
+    Elsewhere {
+        words: &["angle", "spot_size", "fov", "aperture"],
+        key: Some("outer"),
+        advice: "write `outer`, the angle from the axis to the edge: a half of the whole cone's",
+    },
+    Elsewhere {
+        words: &[
+            "blend",
+            "spot_blend",
+            "conedeltaangle",
+            "cone_delta_angle",
+            "softness",
+        ],
+        key: Some("inner"),
+        advice: "write `inner`, the angle from the axis up to which the light has its full intensity",
+    },
+    Elsewhere {
+        words: &["up", "rotate", "rotation"],
+        key: Some("look_at"),
+        advice: "a cone is round: `look_at` or `direction` says all of where it points",
+    },
+    Elsewhere {
+        words: &["type", "kind"],
+        key: None,
+        advice: "the kind stands in the header: `[lights.NAME.spot]`",
     },
 ];
 
@@ -128,4 +256,37 @@ fn point_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
         position: position?,
         intensity: intensity?,
     })
+}
+
+fn spot_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
+    let position = fields.vector(&POSITION);
+    let aim = aim(fields);
+    let intensity = fields.value(&ON_AXIS, Purpose::Light);
+    let inner = fields.number_or(&INNER, 0.0);
+    let outer = fields.number(&OUTER);
+    let falloff = fields.choice(&FALLOFF, "falloff", &Falloff::ALL, Falloff::name);
+    Some(Light::Spot {
+        position: position?,
+        aim: aim?,
+        intensity: intensity?,
+        inner: inner?,
+        outer: outer?,
+        falloff: falloff?.value,
+    })
+}
+
+/// Either `look_at` or `direction`.
+fn aim(fields: &mut Fields<'_, '_, '_>) -> Option<Aim> {
+    match (fields.get(&LOOK_AT), fields.get(&DIRECTION)) {
+        (Some(_), Some(direction)) => {
+            let conflict =
+                "both `look_at` and `direction` say where the light points, expected one of them";
+            let problem = Problem::Conflict(conflict.to_owned());
+            fields.reader.report(direction.span().into(), problem);
+            None
+        }
+        (None, Some(_)) => fields.vector(&DIRECTION).map(Aim::Direction),
+        // Without either, `look_at` is said to be missing.
+        (Some(_) | None, None) => fields.vector(&LOOK_AT).map(Aim::LookAt),
+    }
 }

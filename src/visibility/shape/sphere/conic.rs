@@ -77,8 +77,6 @@ impl Default for ProjectedConics {
 pub(in crate::visibility) struct SphereLanes<S: Simd> {
     pub(in crate::visibility) center: DVec3x16<S>,
     pub(in crate::visibility) radius: F64x16<S>,
-    /// One bit for each that no viewer sees from within.
-    pub(in crate::visibility) shows_outside: u32,
 }
 
 impl<S: Simd> SphereLanes<S> {
@@ -95,6 +93,35 @@ impl<S: Simd> SphereLanes<S> {
         };
         (center, self.radius * over_unit)
     }
+}
+
+/// The discriminants of sixteen spheres, over the sum of the magnitudes of their terms.
+struct Discriminants<S: Simd> {
+    /// Of 1, x, y, x², x y and y².
+    coefficients: [F32x16<S>; 6],
+    magnitude: F32x16<S>,
+}
+
+/// The reciprocal depths of sixteen spheres.
+struct Roots<S: Simd> {
+    /// The coefficients of 1, x and y of oc · d.
+    along: [F32x16<S>; 3],
+    /// The factor of the root of the discriminant.
+    root_scale: F32x16<S>,
+    /// How far the reciprocal depth may be off.
+    error: F32x16<S>,
+    /// One bit for each that the point is in.
+    is_inside: u32,
+}
+
+/// The largest |x| and the largest |y| of any sample.
+#[inline(always)]
+fn extents<S: Simd>(simd: S, projection: &BatchProjection) -> [F32x16<S>; 2] {
+    both(
+        projection.extent,
+        #[inline(always)]
+        |extent| F32x16::splat(simd, extent as f32),
+    )
 }
 
 impl ProjectedConics {
@@ -124,8 +151,33 @@ impl ProjectedConics {
         let reach = center.taxicab() + radius;
         let fits = reach.is_within(simd, SQUARES_FIT).to_bits() & !is_tiny;
         self.set_up_boxes(simd, projection, center, radius, fits);
-        // oc × d = g₀ + g₁ x + g₂ y in the axes of the projection, g₀ = (y, −x, 0), g₁ = (0, z, −y),
-        // g₂ = (−z, 0, x).
+        let conics = self.set_up_discriminants(simd, projection, center, radius);
+        let roots = self.set_up_roots(simd, projection, center, radius, fits, conics.magnitude);
+        // Points that are seen from outside and face the light are not hidden by the sphere that they are
+        // on. Those seen from within are, unless the light is inside as well.
+        self.hides_own = self.untold;
+        if projection.has_points_within {
+            self.hides_own |= !roots.is_inside;
+        }
+        self.extents.covers = 0;
+        if projection.state == State::Bounded {
+            self.cover(simd, projection, conics, roots);
+        }
+    }
+
+    /// R²|d|² − |oc × d|² of spheres seen from a point, as a quadratic function of a sample, over the sum of the
+    /// magnitudes of its terms.
+    ///
+    /// oc × d = g₀ + g₁ x + g₂ y in the axes of the projection, g₀ = (y, −x, 0), g₁ = (0, z, −y),
+    /// g₂ = (−z, 0, x).
+    #[inline(always)]
+    fn set_up_discriminants<S: Simd>(
+        &mut self,
+        simd: S,
+        projection: &BatchProjection,
+        center: DVec3x16<S>,
+        radius: F64x16<S>,
+    ) -> Discriminants<S> {
         let DVec3x16 { x, y, z } = center;
         let [xx, yy, zz] = [x * x, y * y, z * z];
         let square = radius * radius;
@@ -153,11 +205,31 @@ impl ProjectedConics {
         for (row, coefficient) in self.discriminant.iter_mut().zip(coefficients) {
             coefficient.store(&mut row.0);
         }
-        // With b = oc · d and c = |oc|² − R², t = c / (b ± √…), the nearer root of which is before a point
-        // outside and behind one inside.
-        let distance_square = xx + yy + zz;
-        let power = distance_square - square;
-        let scale = one / power.narrowed(simd);
+        Discriminants {
+            coefficients,
+            magnitude,
+        }
+    }
+
+    /// The reciprocal depth as an affine function of a sample and the root of the discriminant, whose scale is
+    /// `magnitude`; which spheres can be told.
+    ///
+    /// With b = oc · d and c = |oc|² − R², t = c / (b ± √…), the nearer root of which is before a point outside
+    /// and behind one inside.
+    #[inline(always)]
+    fn set_up_roots<S: Simd>(
+        &mut self,
+        simd: S,
+        projection: &BatchProjection,
+        center: DVec3x16<S>,
+        radius: F64x16<S>,
+        fits: u32,
+        magnitude: F32x16<S>,
+    ) -> Roots<S> {
+        let DVec3x16 { x, y, z } = center;
+        let distance_square = x * x + y * y + z * z;
+        let power = distance_square - radius * radius;
+        let scale = F32x16::splat(simd, 1.0) / power.narrowed(simd);
         let along = [
             z.narrowed(simd) * scale,
             x.narrowed(simd) * scale,
@@ -166,50 +238,67 @@ impl ProjectedConics {
         for (row, coefficient) in self.along.iter_mut().zip(along) {
             coefficient.store(&mut row.0);
         }
-        let [ex, ey] = both(projection.extent, |extent| {
-            F32x16::splat(simd, extent as f32)
-        });
+        let [ex, ey] = extents(simd, projection);
         let along_size = along[0].abs() + along[1].abs() * ex + along[2].abs() * ey;
         let root_scale = magnitude.sqrt() * scale.abs();
         root_scale.store(&mut self.root_scale.0);
         let root_error = F32x16::splat(simd, ROOT_ERROR as f32);
         let give = F32x16::splat(simd, POLYNOMIAL_ERROR);
-        let reciprocal_depth_error = along_size * give + root_scale * root_error;
-        reciprocal_depth_error.store(&mut self.error.0);
+        let error = along_size * give + root_scale * root_error;
+        error.store(&mut self.error.0);
         let size = (along_size + root_scale).widened(simd);
         let distance = distance_square.narrowed(simd).sqrt().widened(simd);
-        let room = error / NEGLIGIBLE;
+        // Where points or the origin may be off by this much, c and the radius have to be clear of it.
+        let room = projection.error / projection.unit / NEGLIGIBLE;
         let is_told = power
             .abs()
             .gt(distance_square * CLEAR + (distance + radius) * room)
             & radius.gt(distance * NEGLIGIBLE + room)
             & size.is_within(simd, 1.0 / RECIPROCAL_DEPTH_LIMIT..RECIPROCAL_DEPTH_LIMIT);
         self.untold = !(is_told.to_bits() & fits);
-        // Seen from outside, a sphere does not hide points of its own that face the light.
-        let is_inside = power.lt(F64x16::splat(simd, 0.0)).to_bits();
-        self.hides_own = self.untold | !(spheres.shows_outside | is_inside);
-        self.extents.covers = 0;
-        if projection.state == State::Bounded {
-            let [c, cx, cy, cxx, cxy, cyy] = coefficients;
-            let zero = F32x16::splat(simd, 0.0);
-            let threshold = F32x16::splat(simd, 2.0 * SURELY);
-            let sides = cx.abs() * ex + cy.abs() * ey + cxy.abs() * (ex * ey);
-            let least = c - sides + cxx.min(zero) * (ex * ex) + cyy.min(zero) * (ey * ey);
-            let most = c + sides + cxx.max(zero) * (ex * ex) + cyy.max(zero) * (ey * ey);
-            let is_met = least.gt(threshold);
-            // Twice the error: for the sums of this.
-            let error = reciprocal_depth_error + reciprocal_depth_error;
-            let sides = along[1].abs() * ex + along[2].abs() * ey + error;
-            // Where it is not sure that the sphere is met, the root is below that of 2 · SURELY.
-            let roots = [least.max(zero).sqrt(), most.max(threshold).sqrt()];
-            let least = along[0] - sides + roots[0] * root_scale;
-            let most = along[0] + sides + roots[1] * root_scale;
-            let covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
-            let largest = F32x16::load(simd, &self.extents.most.0);
-            let told = Mask32x16::from_bits(simd, !self.untold & u32::from(u16::MAX));
-            let most = told.select(most.min(largest), largest);
-            self.extents.cover_with(covers, [least, most]);
+        Roots {
+            along,
+            root_scale,
+            error,
+            is_inside: power.lt(F64x16::splat(simd, 0.0)).to_bits(),
         }
+    }
+
+    /// Which spheres all rays of a bounded projection meet, and the ranges of their reciprocal depths.
+    #[inline(always)]
+    fn cover<S: Simd>(
+        &mut self,
+        simd: S,
+        projection: &BatchProjection,
+        conics: Discriminants<S>,
+        roots: Roots<S>,
+    ) {
+        let [c, cx, cy, cxx, cxy, cyy] = conics.coefficients;
+        let Roots {
+            along,
+            root_scale,
+            error,
+            ..
+        } = roots;
+        let [ex, ey] = extents(simd, projection);
+        let zero = F32x16::splat(simd, 0.0);
+        let threshold = F32x16::splat(simd, 2.0 * SURELY);
+        let sides = cx.abs() * ex + cy.abs() * ey + cxy.abs() * (ex * ey);
+        let least = c - sides + cxx.min(zero) * (ex * ex) + cyy.min(zero) * (ey * ey);
+        let most = c + sides + cxx.max(zero) * (ex * ex) + cyy.max(zero) * (ey * ey);
+        let is_met = least.gt(threshold);
+        // Twice the error: for the sums of this.
+        let error = error + error;
+        let sides = along[1].abs() * ex + along[2].abs() * ey + error;
+        // Where it is not sure that the sphere is met, the root is below that of 2 · SURELY.
+        let roots = [least.max(zero).sqrt(), most.max(threshold).sqrt()];
+        let least = along[0] - sides + roots[0] * root_scale;
+        let most = along[0] + sides + roots[1] * root_scale;
+        let covers = (is_met & least.gt(zero)).to_bits() & !self.untold;
+        let largest = F32x16::load(simd, &self.extents.most.0);
+        let told = Mask32x16::from_bits(simd, !self.untold & u32::from(u16::MAX));
+        let most = told.select(most.min(largest), largest);
+        self.extents.cover_with(covers, [least, most]);
     }
 
     /// The boxes of spheres on the projection: the planes through the origin and an axis that touch them (Mara &
@@ -299,7 +388,7 @@ impl ProjectedConics {
         let edge_error = root_scale * F32x16::splat(simd, (2.0 * SURELY).sqrt());
         for packet in ones(packets) {
             if hides_own {
-                depth_test.leave_own_unresolved(simd, projection, packet, id);
+                depth_test.leave_own_unresolved(simd, projection, packet, id, is_untold);
             }
             if is_untold {
                 depth_test.leave_unresolved(simd, projection, packet, id);

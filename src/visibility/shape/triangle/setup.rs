@@ -62,6 +62,120 @@ const NEAREST: f32 = 1.0 / (1 << 17) as f32;
 /// what an f64 may be off.
 const SMALLEST: f32 = 1.0 / (1_u64 << 44) as f32;
 
+/// Of the error of a reciprocal depth, over u and the flatness of the triangle: what that of V makes, over the
+/// distance, and what that of n makes. See [`TriangleSetups::set_up_planes`].
+const OF_VOLUME: f32 = 26.0;
+const OF_NORMAL: f32 = 20.0;
+
+/// What the factors k and 1/V, the products, the sums and the sample make of it, over u.
+const OF_FACTORS: f32 = 16.0;
+
+/// Sixteen triangles in the frame of their leaf block.
+#[derive(Clone, Copy)]
+struct Corners<S: Simd> {
+    a: SingleVectors<S>,
+    b: SingleVectors<S>,
+    c: SingleVectors<S>,
+    ab: SingleVectors<S>,
+    ac: SingleVectors<S>,
+    /// About the lengths of ab and ac.
+    ab_size: F32x16<S>,
+    ac_size: F32x16<S>,
+}
+
+impl<S: Simd> Corners<S> {
+    #[inline(always)]
+    fn new(simd: S, frame: &LeafFrame, projection: &BatchProjection, leaf: &LeafBlock) -> Self {
+        let [a, ab, ac] = frame.offsets(simd, projection, leaf);
+        Self {
+            a,
+            b: a.plus(ab),
+            c: a.plus(ac),
+            ab,
+            ac,
+            ab_size: ab.size(simd),
+            ac_size: ac.size(simd),
+        }
+    }
+
+    /// Which are larger than this. Corners that are one and the same as far as the rounding of their offset can
+    /// tell are anywhere.
+    #[inline(always)]
+    fn have_size(&self, simd: S, smallest: f32) -> Mask32x16<S> {
+        let size = self.ab_size.min(self.ac_size);
+        size.gt(F32x16::splat(simd, smallest))
+    }
+}
+
+/// The reciprocal depths of triangles, as affine functions of a sample.
+struct Planes<S: Simd> {
+    reciprocal_depth: SingleVectors<S>,
+    /// The sum of the magnitudes of its terms.
+    magnitude: F32x16<S>,
+    error: F32x16<S>,
+    /// Whether the triangle can be told from f32.
+    is_told: Mask32x16<S>,
+}
+
+/// The boxes of triangles seen from a point, left, right, bottom and top, and the largest of their reciprocal
+/// depths: anywhere, where not all corners are clearly before the projection's origin.
+///
+/// Corners drift, across and along; samples are off by 5 u, and divisions by 2 u.
+#[inline(always)]
+fn boxes_from_point<S: Simd>(
+    simd: S,
+    projection: &BatchProjection,
+    frame: &LeafFrame,
+    corners: &Corners<S>,
+    has_size: Mask32x16<S>,
+) -> ([F32x16<S>; 4], F32x16<S>) {
+    let Corners { a, b, c, .. } = *corners;
+    let one = F32x16::splat(simd, 1.0);
+    let zero = F32x16::splat(simd, 0.0);
+    let infinite = F32x16::splat(simd, f32::INFINITY);
+    let [extent_x, extent_y] = both(projection.extent, |extent| extent as f32);
+    let nearest = a.z.min(b.z).min(c.z);
+    let has_reciprocal_depth =
+        (1.0 / RECIPROCAL_DEPTH_LIMIT..RECIPROCAL_DEPTH_LIMIT).contains(&frame.reciprocal_depth);
+    let nearest_told = if has_reciprocal_depth {
+        frame.distance * NEAREST
+    } else {
+        f32::INFINITY
+    };
+    let is_before = has_size & nearest.gt(F32x16::splat(simd, nearest_told));
+    let (in_a, in_b, in_c) = (one / a.z, one / b.z, one / c.z);
+    let inverse = in_a.max(in_b).max(in_c);
+    let [drift_x, drift_y, drift_z] = frame.drift;
+    let give = F32x16::splat(simd, POLYNOMIAL_ERROR);
+    let slope = inverse.times_plus(F32x16::splat(simd, drift_z * F32_ROUNDING), give);
+    let noise = frame.distance * NOISE;
+    let room_x = inverse.times_plus(
+        F32x16::splat(simd, drift_x * F32_ROUNDING + noise),
+        F32x16::splat(simd, extent_x * POLYNOMIAL_ERROR),
+    );
+    let room_y = inverse.times_plus(
+        F32x16::splat(simd, drift_y * F32_ROUNDING + noise),
+        F32x16::splat(simd, extent_y * POLYNOMIAL_ERROR),
+    );
+    let (ax, bx, cx) = (a.x * in_a, b.x * in_b, c.x * in_c);
+    let (ay, by, cy) = (a.y * in_a, b.y * in_b, c.y * in_c);
+    let (left, right) = (ax.min(bx).min(cx), ax.max(bx).max(cx));
+    let (bottom, top) = (ay.min(by).min(cy), ay.max(by).max(cy));
+    let left = left - left.abs().times_plus(slope, room_x);
+    let right = right + right.abs().times_plus(slope, room_x);
+    let bottom = bottom - bottom.abs().times_plus(slope, room_y);
+    let top = top + top.abs().times_plus(slope, room_y);
+    let to_reciprocal_depth = F32x16::splat(simd, frame.reciprocal_depth as f32);
+    let most = inverse * to_reciprocal_depth * (one + slope);
+    let sides = [
+        is_before.select(left, zero - infinite),
+        is_before.select(right, infinite),
+        is_before.select(bottom, zero - infinite),
+        is_before.select(top, infinite),
+    ];
+    (sides, is_before.select(most, infinite))
+}
+
 /// The setup of sixteen triangles.
 #[derive(Clone, Debug)]
 pub(in crate::visibility) struct TriangleSetups {
@@ -124,90 +238,60 @@ impl TriangleSetups {
         }
         self.cut = 0;
         let frame = LeafFrame::new(projection, leaf);
-        let [a, ab, ac] = frame.offsets(simd, projection, leaf);
-        let (b, c) = (a.plus(ab), a.plus(ac));
-
-        // The box, where all corners are clearly before the projection's origin.
-        let one = F32x16::splat(simd, 1.0);
-        let zero = F32x16::splat(simd, 0.0);
-        let infinite = F32x16::splat(simd, f32::INFINITY);
-        let [extent_x, extent_y] = both(projection.extent, |extent| extent as f32);
-        let ab_size = ab.size(simd);
-        let ac_size = ac.size(simd);
-        let nearest = a.z.min(b.z).min(c.z);
-        // Corners that are one and the same as far as the rounding of their way can tell are anywhere.
-        let has_size = ab_size
-            .min(ac_size)
-            .gt(F32x16::splat(simd, frame.distance * SMALLEST));
-        let has_reciprocal_depth = (1.0 / RECIPROCAL_DEPTH_LIMIT..RECIPROCAL_DEPTH_LIMIT)
-            .contains(&frame.reciprocal_depth);
-        let nearest_told = if has_reciprocal_depth {
-            frame.distance * NEAREST
-        } else {
-            f32::INFINITY
-        };
-        let is_before = has_size & nearest.gt(F32x16::splat(simd, nearest_told));
-        let (in_a, in_b, in_c) = (one / a.z, one / b.z, one / c.z);
-        let inverse = in_a.max(in_b).max(in_c);
-        // Corners drift, across and along; samples are off by 5 u, and divisions by 2 u.
-        let [drift_x, drift_y, drift_z] = frame.drift;
-        let give = F32x16::splat(simd, POLYNOMIAL_ERROR);
-        let slope = inverse.times_plus(F32x16::splat(simd, drift_z * F32_ROUNDING), give);
-        let noise = frame.distance * NOISE;
-        let room_x = inverse.times_plus(
-            F32x16::splat(simd, drift_x * F32_ROUNDING + noise),
-            F32x16::splat(simd, extent_x * POLYNOMIAL_ERROR),
-        );
-        let room_y = inverse.times_plus(
-            F32x16::splat(simd, drift_y * F32_ROUNDING + noise),
-            F32x16::splat(simd, extent_y * POLYNOMIAL_ERROR),
-        );
-        let (ax, bx, cx) = (a.x * in_a, b.x * in_b, c.x * in_c);
-        let (ay, by, cy) = (a.y * in_a, b.y * in_b, c.y * in_c);
-        let (left, right) = (ax.min(bx).min(cx), ax.max(bx).max(cx));
-        let (bottom, top) = (ay.min(by).min(cy), ay.max(by).max(cy));
-        let left = left - left.abs().times_plus(slope, room_x);
-        let left = is_before.select(left, zero - infinite);
-        let right = right + right.abs().times_plus(slope, room_x);
-        let right = is_before.select(right, infinite);
-        let bottom = bottom - bottom.abs().times_plus(slope, room_y);
-        let bottom = is_before.select(bottom, zero - infinite);
-        let top = top + top.abs().times_plus(slope, room_y);
-        let top = is_before.select(top, infinite);
-        let to_reciprocal_depth = F32x16::splat(simd, frame.reciprocal_depth as f32);
-        let most = inverse * to_reciprocal_depth * (one + slope);
-        let most = is_before.select(most, infinite);
-        let meets = projection.is_of_interest(simd, [left, right, bottom, top], most);
-        let of_interest = meets.to_bits() & bits;
-        if !self.place(
-            simd,
-            projection,
-            [left, right, bottom, top],
-            most,
-            of_interest,
-        ) {
+        let corners = Corners::new(simd, &frame, projection, leaf);
+        let has_size = corners.have_size(simd, frame.distance * SMALLEST);
+        let (sides, most) = boxes_from_point(simd, projection, &frame, &corners, has_size);
+        let meets = projection.is_of_interest(simd, sides, most);
+        if !self.place(simd, projection, sides, most, meets.to_bits() & bits) {
             return;
         }
+        let extent = both(
+            projection.extent,
+            #[inline(always)]
+            |extent| F32x16::splat(simd, extent as f32),
+        );
+        let planes = self.set_up_planes(simd, projection, &frame, &corners, has_size, extent);
+        self.extents.covers = 0;
+        if projection.state == State::Bounded {
+            self.cover(simd, planes, most, extent);
+        }
+    }
 
-        // Twice the areas that the edges span with the origin, as vectors: the edge functions. Of a
-        // corner and an edge, not of two corners: the products of these would cancel.
+    /// The edge functions and reciprocal depths of triangles seen from a point; which of them can be told, and
+    /// which of those may hold a ray.
+    ///
+    /// Twice the areas that the edges span with the origin, as vectors, are the edge functions: of a corner and
+    /// an edge, not of two corners, the products of which would cancel.
+    ///
+    /// The normal is off by 16 u of the product of its edges in each component, and the volume V by 21 u of that
+    /// and the distance. Errors of a sliver's normal and of a grazing view multiply: [`FLATTEST`]. The reciprocal
+    /// depth is k (n · d) / V: an error of a sixth in V makes 20 u of 16 u, and 26 u of 21 u.
+    #[inline(always)]
+    fn set_up_planes<S: Simd>(
+        &mut self,
+        simd: S,
+        projection: &BatchProjection,
+        frame: &LeafFrame,
+        corners: &Corners<S>,
+        has_size: Mask32x16<S>,
+        extent: [F32x16<S>; 2],
+    ) -> Planes<S> {
+        let Corners { a, b, ab, ac, .. } = *corners;
+        let one = F32x16::splat(simd, 1.0);
+        let zero = F32x16::splat(simd, 0.0);
+        let to_reciprocal_depth = F32x16::splat(simd, frame.reciprocal_depth as f32);
         let bc = ac.minus(ab);
-        let bc_size = bc.size(simd);
+        let sizes = [corners.ab_size, corners.ac_size, bc.size(simd)];
         let normal = ab.cross(ac);
         let volume = a.dot(normal);
-        // The normal is off by 16 u of the product of its edges in each component, and the volume by
-        // 21 u of that and the distance. Errors of a sliver's normal and of a grazing view multiply.
-        let edges = ab_size * ac_size;
+        let edges = corners.ab_size * corners.ac_size;
         let is_clear = has_size
             & volume
                 .abs()
                 .gt(edges * F32x16::splat(simd, frame.distance * FLATTEST + frame.error));
         let sign = volume.gt(zero).select(one, zero - one);
-        let extent = [F32x16::splat(simd, extent_x), F32x16::splat(simd, extent_y)];
-        let sizes = [ab_size, ac_size, bc_size];
         let (are_told, is_met) =
-            self.set_up_edges(simd, &frame, [a, b], [ab, ac, bc], sizes, sign, extent);
-        // k (n · d) / V: an error of a sixth in V makes 20 u of 16 u, and 26 u of 21 u.
+            self.set_up_edges(simd, frame, [a, b], [ab, ac, bc], sizes, sign, extent);
         let over_volume = one / volume;
         let reciprocal_depth = normal.times(to_reciprocal_depth * over_volume);
         let magnitude = reciprocal_depth.magnitude(extent);
@@ -216,33 +300,56 @@ impl TriangleSetups {
             & magnitude.gt(F32x16::splat(simd, (1.0 / RECIPROCAL_DEPTH_LIMIT) as f32))
             & magnitude.le(F32x16::splat(simd, RECIPROCAL_DEPTH_LIMIT as f32));
         self.reciprocal_depth.store(reciprocal_depth);
+        let [extent_x, extent_y] = both(projection.extent, |extent| extent as f32);
         let flatness = edges * F32x16::splat(simd, F32_ROUNDING) * over_volume.abs();
         let of_volume = flatness.times_plus(
-            F32x16::splat(simd, frame.distance * 26.0),
-            F32x16::splat(simd, F32_ROUNDING * 16.0),
+            F32x16::splat(simd, frame.distance * OF_VOLUME),
+            F32x16::splat(simd, F32_ROUNDING * OF_FACTORS),
         );
         let of_normal = flatness
             * to_reciprocal_depth
-            * F32x16::splat(simd, (1.0 + extent_x + extent_y) * 20.0);
+            * F32x16::splat(simd, (1.0 + extent_x + extent_y) * OF_NORMAL);
         let error = magnitude.times_plus(of_volume, of_normal);
         error.store(&mut self.reciprocal_depth_error.0);
-        let told = is_told.to_bits();
-        self.untold = !told;
+        self.untold = !is_told.to_bits();
         self.of_interest &= is_met.to_bits() | self.untold;
-        self.extents.covers = 0;
-        if projection.state == State::Bounded {
-            let inside = F32x16::splat(simd, 2.0 * EDGE_FUNCTION_ERROR);
-            let [edge_a, edge_b, edge_c] = &self.edges;
-            let give = error + magnitude * F32x16::splat(simd, 2.0 * POLYNOMIAL_ERROR);
-            let least = reciprocal_depth.smallest(extent) - give;
-            let covers = edge_a.load(simd).smallest(extent).gt(inside)
-                & edge_b.load(simd).smallest(extent).gt(inside)
-                & edge_c.load(simd).smallest(extent).gt(inside)
-                & least.gt(zero);
-            let largest = (reciprocal_depth.largest(extent) + give).min(most);
-            let range = [least, is_told.select(largest, most)];
-            self.extents.cover_with(covers.to_bits() & told, range);
+        Planes {
+            reciprocal_depth,
+            magnitude,
+            error,
+            is_told,
         }
+    }
+
+    /// Which triangles all rays of a bounded projection meet, and the ranges of their reciprocal depths, of
+    /// which none is above `most`.
+    #[inline(always)]
+    fn cover<S: Simd>(
+        &mut self,
+        simd: S,
+        planes: Planes<S>,
+        most: F32x16<S>,
+        extent: [F32x16<S>; 2],
+    ) {
+        let Planes {
+            reciprocal_depth,
+            magnitude,
+            error,
+            is_told,
+        } = planes;
+        // Twice the room: for the three sums of the least of an affine function.
+        let inside = F32x16::splat(simd, 2.0 * EDGE_FUNCTION_ERROR);
+        let [edge_a, edge_b, edge_c] = &self.edges;
+        let give = error + magnitude * F32x16::splat(simd, 2.0 * POLYNOMIAL_ERROR);
+        let least = reciprocal_depth.smallest(extent) - give;
+        let covers = edge_a.load(simd).smallest(extent).gt(inside)
+            & edge_b.load(simd).smallest(extent).gt(inside)
+            & edge_c.load(simd).smallest(extent).gt(inside)
+            & least.gt(F32x16::splat(simd, 0.0));
+        let largest = (reciprocal_depth.largest(extent) + give).min(most);
+        let range = [least, is_told.select(largest, most)];
+        self.extents
+            .cover_with(covers.to_bits() & is_told.to_bits(), range);
     }
 
     /// Keeps the boxes of triangles, and which of those with a bit hold any ray; whether there are such.

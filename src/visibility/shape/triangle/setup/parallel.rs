@@ -3,16 +3,21 @@
 use fearless_simd::Simd;
 
 use super::{
-    F32_ROUNDING, FLATTEST, LeafBlock, LeafFrame, SMALLEST, SingleVectors, TriangleSetups,
+    Corners, F32_ROUNDING, FLATTEST, LeafBlock, LeafFrame, OF_NORMAL, SMALLEST, SingleVectors,
+    TriangleSetups,
 };
 use crate::math::{all_three, both};
-use crate::simd::F32x16;
+use crate::simd::{F32x16, Mask32x16};
 use crate::visibility::projection::{
     BatchProjection, NOISE, POLYNOMIAL_ERROR, RECIPROCAL_DEPTH_LIMIT, Start,
 };
 
 /// The units of projections, in sizes of leaf blocks, that are far from the ends of f32.
 const UNITS_FIT: std::ops::Range<f64> = 1e-20..1e20;
+
+/// Of the error of a reciprocal depth, over u and the sum of the magnitudes of its terms: their rounding, with
+/// the error of s in them. See [`TriangleSetups::set_up_flattened`].
+const OF_TERMS: f32 = 12.0;
 
 impl LeafFrame {
     /// The frame of a leaf block seen by parallel rays. [`LeafFrame::reciprocal_depth`] is the projection's
@@ -75,81 +80,60 @@ impl TriangleSetups {
         bits: u32,
     ) {
         let frame = LeafFrame::parallel(projection, leaf, start);
-        let splat = |value: f32| F32x16::splat(simd, value);
-        let [a, ab, ac] = frame.offsets(simd, projection, leaf);
-        let (b, c) = (a.plus(ab), a.plus(ac));
-
-        // The box, and how deep it reaches.
-        let (zero, one) = (splat(0.0), splat(1.0));
-        let infinite = splat(f32::INFINITY);
-        let [extent_x, extent_y] = both(projection.extent, |extent| extent as f32);
-        let (ab_size, ac_size) = (ab.size(simd), ac.size(simd));
+        let corners = Corners::new(simd, &frame, projection, leaf);
         let smallest = if UNITS_FIT.contains(&frame.reciprocal_depth) {
             frame.distance * SMALLEST
         } else {
             f32::INFINITY
         };
-        let has_size = ab_size.min(ac_size).gt(splat(smallest));
-        let over_unit = (1.0 / frame.reciprocal_depth) as f32;
-        let scale = splat(over_unit);
-        let give = splat(POLYNOMIAL_ERROR);
-        let noise = frame.distance * NOISE;
-        // Corners drift and samples are off; numbers are rounded on their way to units.
-        let room = |drift: f32| splat((drift * F32_ROUNDING + noise) * over_unit);
-        let [drift_x, drift_y, drift_z] = frame.drift;
-        let room_x = room(drift_x) + splat(extent_x * POLYNOMIAL_ERROR);
-        let room_y = room(drift_y) + splat(extent_y * POLYNOMIAL_ERROR);
-        let room_z = room(drift_z);
-        let left = a.x.min(b.x).min(c.x) * scale;
-        let right = a.x.max(b.x).max(c.x) * scale;
-        let bottom = a.y.min(b.y).min(c.y) * scale;
-        let top = a.y.max(b.y).max(c.y) * scale;
-        let most = zero - a.z.min(b.z).min(c.z) * scale;
-        let least = zero - a.z.max(b.z).max(c.z) * scale;
-        let left = left - left.abs().times_plus(give, room_x);
-        let left = has_size.select(left, zero - infinite);
-        let right = right + right.abs().times_plus(give, room_x);
-        let right = has_size.select(right, infinite);
-        let bottom = bottom - bottom.abs().times_plus(give, room_y);
-        let bottom = has_size.select(bottom, zero - infinite);
-        let top = top + top.abs().times_plus(give, room_y);
-        let top = has_size.select(top, infinite);
-        let most = most + most.abs().times_plus(give, room_z);
-        let most = has_size.select(most, infinite);
-        let least = least - least.abs().times_plus(give, room_z);
-        let least = has_size.select(least, zero - infinite);
-        let [ahead, behind] = both(start.reciprocal_depth, splat);
+        let has_size = corners.have_size(simd, smallest);
+        let (sides, [least, most]) = boxes_along(simd, projection, &frame, &corners, has_size);
+        let [ahead, behind] = both(
+            start.reciprocal_depth,
+            #[inline(always)]
+            |end| F32x16::splat(simd, end),
+        );
         self.cut = !ahead.gt(most).to_bits();
-        let meets = projection.is_of_interest(simd, [left, right, bottom, top], most);
-        let of_interest = (meets & least.le(behind)).to_bits() & bits;
-        if !self.place(
-            simd,
-            projection,
-            [left, right, bottom, top],
-            most,
-            of_interest,
-        ) {
-            return;
+        let meets = projection.is_of_interest(simd, sides, most) & least.le(behind);
+        if self.place(simd, projection, sides, most, meets.to_bits() & bits) {
+            self.set_up_planes_along(simd, projection, &frame, &corners, has_size);
         }
+    }
 
+    /// The edge functions and reciprocal depths of triangles seen by parallel rays; which of them can be told,
+    /// and which of those may hold a ray.
+    #[inline(always)]
+    fn set_up_planes_along<S: Simd>(
+        &mut self,
+        simd: S,
+        projection: &BatchProjection,
+        frame: &LeafFrame,
+        corners: &Corners<S>,
+        has_size: Mask32x16<S>,
+    ) {
+        let splat = |value: f32| F32x16::splat(simd, value);
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let Corners { a, b, ab, ac, .. } = *corners;
+        let [extent_x, extent_y] = both(projection.extent, |extent| extent as f32);
+        let extent = [splat(extent_x), splat(extent_y)];
         let bc = ac.minus(ab);
-        let bc_size = bc.size(simd);
         let normal = ab.cross(ac);
-        let edges = ab_size * ac_size;
+        let edges = corners.ab_size * corners.ac_size;
         let is_clear = has_size & normal.z.abs().gt(edges * splat(FLATTEST));
         let sign = normal.z.gt(zero).select(one, zero - one);
-        let extent = [splat(extent_x), splat(extent_y)];
         let unit = splat(frame.reciprocal_depth as f32);
-        let corners = both(
+        let in_plane = both(
             [a, b],
             #[inline(always)]
             |corner| SingleVectors { z: unit, ..corner },
         );
         let offsets = [across(ab, zero), across(ac, zero), across(bc, zero)];
-        let sizes = [ab_size, ac_size, bc_size];
+        let sizes = [corners.ab_size, corners.ac_size, bc.size(simd)];
         let (are_told, is_met) =
-            self.set_up_edges(simd, &frame, corners, offsets, sizes, sign, extent);
+            self.set_up_edges(simd, frame, in_plane, offsets, sizes, sign, extent);
 
+        let over_unit = (1.0 / frame.reciprocal_depth) as f32;
+        let scale = splat(over_unit);
         let over = one / normal.z;
         let (x, y) = (normal.x * over, normal.y * over);
         let at_middle = x.times_plus(a.x, y.times_plus(a.y, a.z));
@@ -158,6 +142,7 @@ impl TriangleSetups {
             y,
             z: zero - at_middle * scale,
         });
+        let [drift_x, drift_y, drift_z] = frame.drift;
         let (slope_x, slope_y) = (x.abs(), y.abs());
         let offset_x = a.x.abs().times_plus(scale, extent[0]);
         let offset_y = a.y.abs().times_plus(scale, extent[1]);
@@ -170,10 +155,11 @@ impl TriangleSetups {
         let of_terms =
             slope_x.times_plus(offset_x, slope_y.times_plus(offset_y, a.z.abs() * scale));
         let rounding = of_normal.times_plus(
-            flatness * splat(20.0),
-            of_corner.times_plus(scale, of_terms * splat(12.0)),
+            flatness * splat(OF_NORMAL),
+            of_corner.times_plus(scale, of_terms * splat(OF_TERMS)),
         );
         // f64 finds the depth from the offset to a corner and the same normal, and samples are no better.
+        let noise = frame.distance * NOISE;
         let error = rounding.times_plus(
             splat(F32_ROUNDING),
             flatness * splat(2.0 * noise * over_unit),
@@ -186,6 +172,56 @@ impl TriangleSetups {
         self.untold = !is_told.to_bits();
         self.of_interest &= is_met.to_bits() | self.untold;
     }
+}
+
+/// The boxes of triangles seen by parallel rays, left, right, bottom and top, and the ranges of their reciprocal
+/// depths: anywhere, for triangles without a size.
+///
+/// Corners drift and samples are off; numbers are rounded on their way to units of the projection.
+#[inline(always)]
+fn boxes_along<S: Simd>(
+    simd: S,
+    projection: &BatchProjection,
+    frame: &LeafFrame,
+    corners: &Corners<S>,
+    has_size: Mask32x16<S>,
+) -> ([F32x16<S>; 4], [F32x16<S>; 2]) {
+    let splat = |value: f32| F32x16::splat(simd, value);
+    let (zero, infinite) = (splat(0.0), splat(f32::INFINITY));
+    let Corners { a, b, c, .. } = *corners;
+    let [extent_x, extent_y] = both(projection.extent, |extent| extent as f32);
+    let over_unit = (1.0 / frame.reciprocal_depth) as f32;
+    let scale = splat(over_unit);
+    let give = splat(POLYNOMIAL_ERROR);
+    let noise = frame.distance * NOISE;
+    let room = |drift: f32| splat((drift * F32_ROUNDING + noise) * over_unit);
+    let [drift_x, drift_y, drift_z] = frame.drift;
+    let room_x = room(drift_x) + splat(extent_x * POLYNOMIAL_ERROR);
+    let room_y = room(drift_y) + splat(extent_y * POLYNOMIAL_ERROR);
+    let room_z = room(drift_z);
+    let left = a.x.min(b.x).min(c.x) * scale;
+    let right = a.x.max(b.x).max(c.x) * scale;
+    let bottom = a.y.min(b.y).min(c.y) * scale;
+    let top = a.y.max(b.y).max(c.y) * scale;
+    let most = zero - a.z.min(b.z).min(c.z) * scale;
+    let least = zero - a.z.max(b.z).max(c.z) * scale;
+    let left = left - left.abs().times_plus(give, room_x);
+    let right = right + right.abs().times_plus(give, room_x);
+    let bottom = bottom - bottom.abs().times_plus(give, room_y);
+    let top = top + top.abs().times_plus(give, room_y);
+    let most = most + most.abs().times_plus(give, room_z);
+    let least = least - least.abs().times_plus(give, room_z);
+    let sides = [
+        has_size.select(left, zero - infinite),
+        has_size.select(right, infinite),
+        has_size.select(bottom, zero - infinite),
+        has_size.select(top, infinite),
+    ];
+    let range = [
+        has_size.select(least, zero - infinite),
+        has_size.select(most, infinite),
+    ];
+    (sides, range)
 }
 
 /// What is left of an offset across the rays.

@@ -1,0 +1,58 @@
+//! The files that `render` writes.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use candela::output;
+
+use super::Arguments;
+use crate::cli::source::is_standard_input;
+use crate::cli::{Failure, refuse_same_files, refuse_terminal};
+
+/// Where a render's files go.
+pub(super) struct Outputs {
+    pub(super) exr: PathBuf,
+    preview: Option<PathBuf>,
+    pub(super) statistics: Option<PathBuf>,
+}
+
+impl Outputs {
+    pub(super) fn new(arguments: &Arguments) -> Self {
+        let exr = arguments.output.clone();
+        Self {
+            exr: exr.unwrap_or_else(|| default_output(arguments)),
+            preview: arguments.preview.clone(),
+            statistics: arguments.stats.clone(),
+        }
+    }
+
+    /// Whether all of them can be written, none over another or one of these inputs.
+    pub(super) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let all = [
+            Some(&self.exr),
+            self.preview.as_ref(),
+            self.statistics.as_ref(),
+        ];
+        let all: Vec<&Path> = all.into_iter().flatten().map(PathBuf::as_path).collect();
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        refuse_same_files(&inputs, &all)?;
+        refuse_terminal(&self.exr)?;
+        if let Some(preview) = &self.preview {
+            refuse_terminal(preview)?;
+        }
+        for output in all {
+            output::check(output)?;
+        }
+        Ok(())
+    }
+}
+
+/// SCENE.exr in the current folder; scene.exr for a scene from standard input.
+fn default_output(arguments: &Arguments) -> PathBuf {
+    let scene = match arguments.scene.as_deref() {
+        None => Path::new("lecture.toml"),
+        Some(scene) if is_standard_input(scene) => Path::new("scene.toml"),
+        Some(scene) => scene,
+    };
+    PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
+}

@@ -1,0 +1,81 @@
+//! `--stats`: counts and times as JSON.
+
+use candela::Camera;
+use candela::image::Window;
+use candela::render::{RenderedExr, Renderer};
+use candela::world::Plan;
+use serde::Serialize;
+
+use super::request::Request;
+
+/// What is written.
+#[derive(Serialize)]
+pub(super) struct Statistics<'a> {
+    scene_sha256: &'a str,
+    inputs_sha256: &'a str,
+    image: [u32; 2],
+    window: [u32; 4],
+    samples: u32,
+    /// What is made beside R, G, B, A.
+    layers: Vec<&'static str>,
+    threads: usize,
+    primary_rays: u64,
+    /// Camera rays that hit an object.
+    hits: u64,
+    shadow_rays: u64,
+    /// Points that a light reaches, of the shadow rays.
+    lit: u64,
+    /// Times that a light was on the very point to shade, d = 0, and added nothing.
+    singular_lights: u64,
+    /// Channels whose radiance does not fit their type: f32, and HALF with `--half`.
+    clamped: u64,
+    clamped_to_half: u64,
+    seconds: &'a Seconds,
+    plan: &'a Plan,
+}
+
+/// How long each step took.
+#[derive(Default, Serialize)]
+pub(super) struct Seconds {
+    pub(super) load: f64,
+    pub(super) build: f64,
+    pub(super) render: f64,
+    pub(super) write: f64,
+    pub(super) total: f64,
+}
+
+impl<'a> Statistics<'a> {
+    pub(super) fn new(
+        renderer: &'a Renderer<'_>,
+        camera: &Camera,
+        request: &Request,
+        rendered: &RenderedExr,
+        seconds: &'a Seconds,
+    ) -> Self {
+        let (world, counts) = (renderer.world(), rendered.counts);
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = request.window;
+        Self {
+            scene_sha256: world.scene_hash(),
+            inputs_sha256: world.inputs_hash(),
+            image: camera.resolution(),
+            window: [x, y, x + width, y + height],
+            samples: request.options.samples,
+            layers: request.options.layers.names(),
+            threads: rayon::current_num_threads(),
+            primary_rays: counts.primary_rays,
+            hits: counts.hits,
+            shadow_rays: counts.shadow_rays,
+            lit: counts.lit,
+            singular_lights: counts.singular,
+            clamped: counts.clamped,
+            clamped_to_half: rendered.report.clamped_to_half,
+            seconds,
+            plan: renderer.plan(),
+        }
+    }
+}

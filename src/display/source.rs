@@ -1,0 +1,99 @@
+//! Where the pixels of a PNG come from.
+
+use std::ops::Range;
+
+use crate::exr::{ColorTag, ExrError, ExrImage, ExrReader};
+use crate::image::Window;
+
+/// Pixels of an image in memory that are developed together.
+const TOGETHER: u32 = 1 << 20;
+
+/// What an EXR shows, of a file or in memory.
+#[derive(Clone, Copy)]
+pub(super) enum Source<'s> {
+    File(&'s ExrReader),
+    Image(&'s ExrImage),
+}
+
+impl Source<'_> {
+    /// Width and height of the display window.
+    pub(super) fn resolution(self) -> [u32; 2] {
+        match self {
+            Self::File(file) => file.resolution(),
+            Self::Image(image) => image.resolution,
+        }
+    }
+
+    /// Whether the display window is about as large as the data makes plausible.
+    pub(super) fn check_resolution(self) -> Result<(), ExrError> {
+        match self {
+            Self::File(file) => file.check_resolution(),
+            Self::Image(_) => Ok(()),
+        }
+    }
+
+    /// The part of the display window that there are pixels for.
+    pub(super) fn window(self) -> Option<Window> {
+        match self {
+            Self::File(file) => file.window(),
+            Self::Image(image) => image.window,
+        }
+    }
+
+    /// Whether there is a channel A.
+    pub(super) fn has_alpha(self) -> bool {
+        match self {
+            Self::File(file) => file.has_alpha(),
+            Self::Image(image) => image.has_alpha,
+        }
+    }
+
+    /// What is said about the color space.
+    pub(super) fn color(&self) -> &ColorTag {
+        match self {
+            Self::File(file) => file.color(),
+            Self::Image(image) => &image.color,
+        }
+    }
+
+    /// How much wider than high a pixel is.
+    pub(super) fn pixel_aspect(self) -> f32 {
+        match self {
+            Self::File(file) => file.pixel_aspect(),
+            Self::Image(_) => 1.0,
+        }
+    }
+
+    /// What the user should know about the header, a sentence each.
+    pub(super) fn warnings(self) -> Vec<String> {
+        match self {
+            Self::File(file) => file.warnings(),
+            Self::Image(_) => Vec::new(),
+        }
+    }
+
+    /// The rows of the window, in groups that are well developed together, from the top.
+    pub(super) fn bands(&self) -> Box<dyn Iterator<Item = Range<u32>> + '_> {
+        match self {
+            Self::File(file) => Box::new(file.bands()),
+            Self::Image(image) => {
+                let [width, height] = image.window.map_or([1, 0], |w| [w.width, w.height]);
+                let rows = (TOGETHER / width.max(1)).max(1);
+                let starts = (0..height).step_by(rows as usize);
+                Box::new(starts.map(move |top| top..height.min(top + rows)))
+            }
+        }
+    }
+
+    /// Rows of the window, R, G, B, A as stored, in new memory.
+    pub(super) fn rows(self, rows: Range<u32>) -> Result<Vec<[f32; 4]>, ExrError> {
+        match self {
+            Self::File(file) => file.new_rows(rows),
+            Self::Image(image) => {
+                let width = image.window.map_or(0, |window| window.width as usize);
+                let pixels = rows.start as usize * width..rows.end as usize * width;
+                Ok(image.pixels[pixels].to_vec())
+            }
+        }
+    }
+}

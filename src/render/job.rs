@@ -1,0 +1,72 @@
+//! A render as it is seen from outside: watched, and canceled.
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A render that other threads may watch and cancel.
+///
+/// ```
+/// use std::sync::atomic::{AtomicU64, Ordering};
+///
+/// use candela::render::{Job, Renderer};
+/// use candela::{Options, Scene, World};
+///
+/// let (world, camera) = World::new(&Scene::builtin())?;
+/// let renderer = Renderer::new(&world)?;
+/// let pixels = AtomicU64::new(0);
+/// let job = Job::watched(|more| {
+///     pixels.fetch_add(more, Ordering::Relaxed);
+/// });
+/// let (film, _) = renderer.film(&camera, &Options::default(), &job)?;
+/// assert_eq!(pixels.into_inner(), film.pixels().len() as u64);
+///
+/// let job = Job::new();
+/// job.cancel(); // most often by another thread
+/// assert!(renderer.film(&camera, &Options::default(), &job).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Default)]
+pub struct Job<'j> {
+    is_canceled: AtomicBool,
+    watcher: Option<Box<dyn Fn(u64) + Sync + 'j>>,
+}
+
+impl<'j> Job<'j> {
+    /// A job that nobody watches.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A job whose watcher is told, after each tile and from any thread, how many pixels it had.
+    pub fn watched(watcher: impl Fn(u64) + Sync + 'j) -> Self {
+        Self {
+            is_canceled: AtomicBool::new(false),
+            watcher: Some(Box::new(watcher)),
+        }
+    }
+
+    /// Ends it, once the tiles are done that are under way.
+    pub fn cancel(&self) {
+        self.is_canceled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether [`Job::cancel`] has been called.
+    pub fn is_canceled(&self) -> bool {
+        self.is_canceled.load(Ordering::Relaxed)
+    }
+
+    /// So many pixels more are rendered.
+    pub(super) fn advance(&self, pixels: u64) {
+        if let Some(watcher) = &self.watcher {
+            watcher(pixels);
+        }
+    }
+}
+
+impl fmt::Debug for Job<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut job = f.debug_struct("Job");
+        job.field("is_canceled", &self.is_canceled);
+        job.finish_non_exhaustive()
+    }
+}

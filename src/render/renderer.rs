@@ -1,0 +1,249 @@
+//! What renders a world, as often as it is asked to.
+
+use std::io::{self, Seek, Write};
+
+use super::counts::Counts;
+use super::exr_sink::ExrSink;
+use super::film_sink::FilmSink;
+use super::job::Job;
+use super::layer_sums::RequestedLayers;
+use super::options::{Options, OptionsError};
+use super::sampling::Sampler;
+use super::scheduler::render_tiles;
+use super::sink::Sink;
+use super::tile::{Kept, Setup};
+use crate::camera::Camera;
+use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve};
+use crate::image::{Film, ImageSpec, Metadata, Window};
+use crate::memory::OutOfMemory;
+use crate::visibility::Visibility;
+use crate::world::{Bands, Plan, World};
+
+/// Renders a world as a camera sees it: plans, builds what the plan needs, and renders with the threads
+/// of the current rayon pool. The same world, camera and options give the same bits on any number of
+/// threads. Where more than one picture is made of a world, a [`Renderer`] builds once.
+///
+/// # Errors
+/// If the world cannot be rendered with these options or through this camera, or there is not enough
+/// memory.
+pub fn render(world: &World, camera: &Camera, options: &Options) -> Result<Film, RenderError> {
+    let renderer = Renderer::new(world)?;
+    let (film, _) = renderer.film(camera, options, &Job::new())?;
+    Ok(film)
+}
+
+/// A world with all that is built to render it: once, for any number of cameras.
+///
+/// ```
+/// use candela::render::Job;
+/// use candela::scene::Camera;
+/// use candela::{Options, Renderer, Scene, World};
+///
+/// let (world, camera) = World::new(&Scene::builtin())?;
+/// let renderer = Renderer::new(&world)?;
+/// let (film, _) = renderer.film(&camera, &Options::default(), &Job::new())?;
+/// // A camera that moves builds nothing.
+/// for step in 0..3 {
+///     let eye = [0.1 * f64::from(step), 1.0, 4.0];
+///     let moved = Camera::perspective(eye, [0.0, 0.5, 0.0], 40.0);
+///     let moved = world.place(&moved, [64, 36])?;
+///     renderer.film(&moved, &Options::default(), &Job::new())?;
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Renderer<'w> {
+    world: &'w World,
+    plan: Plan,
+    visibility: Visibility<'w>,
+}
+
+/// Why a render came to no end.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// The world cannot be rendered with these options.
+    #[error("{0}")]
+    Options(#[from] OptionsError),
+    /// The system does not give the memory.
+    #[error("{0}")]
+    Memory(#[from] OutOfMemory),
+    /// The file cannot be written.
+    #[error("{0}")]
+    Write(#[from] io::Error),
+    /// [`Job::cancel`] was called.
+    #[error("rendering was canceled")]
+    Canceled,
+}
+
+impl From<RenderError> for io::Error {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Write(error) => error,
+            RenderError::Options(error) => Self::new(io::ErrorKind::InvalidInput, error),
+            RenderError::Memory(error) => Self::new(io::ErrorKind::OutOfMemory, error),
+            RenderError::Canceled => Self::other(error),
+        }
+    }
+}
+
+/// A file that was rendered.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RenderedExr {
+    /// What rendering took and met.
+    pub counts: Counts,
+    /// What was written.
+    pub report: ExrReport,
+    /// What the file shows, as if it were read back, where [`Preserve::Image`] asks for it.
+    pub image: Option<ExrImage>,
+}
+
+impl<'w> Renderer<'w> {
+    /// Plans, and builds what the plan needs.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn new(world: &'w World) -> Result<Self, OutOfMemory> {
+        let plan = Plan::new(world);
+        let visibility = Visibility::try_new(world, &plan)?;
+        Ok(Self {
+            world,
+            plan,
+            visibility,
+        })
+    }
+
+    /// What it renders.
+    pub fn world(&self) -> &'w World {
+        self.world
+    }
+
+    /// What it computes: just what the world needs.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Renders a film of what a camera sees, and tells what that took. Its bits do not depend on what was
+    /// rendered before.
+    ///
+    /// # Errors
+    /// If the camera or the options are not for this world, or the job is canceled.
+    pub fn film(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        job: &Job<'_>,
+    ) -> Result<(Film, Counts), RenderError> {
+        let spec = self.spec(camera, options)?;
+        let mut film = Film::black(spec);
+        let counts = self.tiles(camera, options, job, &FilmSink::new(&mut film))?;
+        Ok((film, counts))
+    }
+
+    /// Renders and writes OpenEXR into `sink`, from the sink's start: blocks are compressed and written
+    /// while others are still being rendered, and the film is never there as a whole. The bytes are
+    /// those that [`Renderer::film`] and [`Film::write_exr_to`] make one after the other.
+    ///
+    /// # Errors
+    /// As [`Renderer::film`] and [`Film::write_exr_to`]; rendering ends with the first.
+    pub fn exr(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        exr: &ExrOptions,
+        preserve: Preserve,
+        job: &Job<'_>,
+        sink: &mut (impl Write + Seek + Send),
+    ) -> Result<RenderedExr, RenderError> {
+        let spec = self.spec(camera, options)?;
+        let file = ExrFile::begin(&spec, exr, preserve, sink)?;
+        let counts = {
+            let strips = ExrSink::new(spec.window, &spec.channels, &file);
+            self.tiles(camera, options, job, &strips)?
+        };
+        let (report, image) = file.finish()?;
+        Ok(RenderedExr {
+            counts,
+            report,
+            image,
+        })
+    }
+
+    /// Renders, and hands each tile to `sink`.
+    ///
+    /// # Errors
+    /// If the camera or the options are not for this world, or the job is canceled.
+    pub fn tiles(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        job: &Job<'_>,
+        sink: &dyn Sink,
+    ) -> Result<Counts, RenderError> {
+        let counts = self.set_up(camera, options, Kept::Sums, |setup, window| {
+            let channels = options.layers.channels(self.world).list.len();
+            render_tiles(setup, window, channels, job, sink)
+        })?;
+        if job.is_canceled() {
+            return Err(RenderError::Canceled);
+        }
+        Ok(counts)
+    }
+
+    /// Makes what all tiles have in common, and works with it on a window.
+    pub(super) fn set_up<T>(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        sums: Kept,
+        work: impl FnOnce(&Setup<'_>, Window) -> T,
+    ) -> Result<T, OptionsError> {
+        let window = options.check(self.world, camera)?;
+        let spectra = self.world.spectra().zip(options.layers.spectral);
+        let bands = spectra.map(|(spectra, wavelengths)| Bands::new(spectra, wavelengths));
+        let sampler = Sampler::new(options.samples);
+        let setup = Setup {
+            world: self.world,
+            camera,
+            visibility: &self.visibility,
+            simd: options.simd,
+            sampler: &sampler,
+            layers: RequestedLayers::new(self.world, camera, options.layers, bands.as_ref()),
+            sums,
+        };
+        Ok(work(&setup, window))
+    }
+
+    /// All of an image that is known before its first pixel.
+    fn spec(&self, camera: &Camera, options: &Options) -> Result<ImageSpec, OptionsError> {
+        Ok(ImageSpec {
+            resolution: camera.resolution(),
+            window: options.check(self.world, camera)?,
+            channels: options.layers.channels(self.world),
+            metadata: self.metadata(camera, options),
+        })
+    }
+
+    fn metadata(&self, camera: &Camera, options: &Options) -> Metadata {
+        let world = self.world;
+        let plan = serde_json::to_string(&self.plan).expect("a plan is plain data");
+        let layers = options.layers.names();
+        let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
+        let inputs = ("inputs_sha256".to_owned(), world.inputs_hash().to_owned());
+        let others = [
+            ("plan".to_owned(), plan),
+            ("samples".to_owned(), options.samples.to_string()),
+            ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
+        ];
+        Metadata {
+            color_space: world.color_space(),
+            world_to_camera: camera.world_to_camera(),
+            world_to_ndc: camera.world_to_ndc(),
+            provenance: std::iter::once(inputs)
+                .chain(layers)
+                .chain(others)
+                .collect(),
+        }
+    }
+}

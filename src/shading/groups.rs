@@ -1,0 +1,101 @@
+//! What the points of a packet are made of: lobes, and weights over reflectances.
+
+use super::reflectance::Gloss;
+use crate::simd::{LANES, ones};
+use crate::world::World;
+
+/// The points of a packet with one specular lobe.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group {
+    /// One bit for each.
+    pub(super) members: u32,
+    pub(super) gloss: Gloss,
+}
+
+/// The points of a packet that reflect with one reflectance.
+///
+/// A point has a share in each of its reflectances, and what it reflects is linear in their weights:
+/// Σ weight · k. Most have one reflectance, their material's, of weight 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Share {
+    /// One bit for each point.
+    pub(super) members: u32,
+    /// An index into [`World::materials`].
+    pub(super) reflectance: u32,
+    /// The weight at each point of the packet; `None` is 1 at all of them, which multiplies nothing. Where it
+    /// is 0, the reflectance is left out.
+    pub(super) weights: Option<[f64; LANES]>,
+}
+
+/// The points of a packet, material by material.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Groups {
+    groups: Vec<Group>,
+    shares: Vec<Share>,
+    /// The material of each group while they are taken.
+    materials: Vec<u32>,
+}
+
+impl Groups {
+    /// Forgets all points.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.groups.clear();
+        self.shares.clear();
+    }
+
+    /// Takes the points with a bit, and forgets all others.
+    #[inline(always)]
+    pub(super) fn take(&mut self, world: &World, materials: &[u32], bits: u32, are_uniform: bool) {
+        self.clear();
+        if are_uniform {
+            self.push(world, materials[bits.trailing_zeros() as usize], bits);
+            return;
+        }
+        self.materials.clear();
+        for lane in ones(bits) {
+            let material = materials[lane];
+            let known = self.materials.iter().position(|&known| known == material);
+            match known {
+                Some(place) => {
+                    self.groups[place].members |= 1 << lane;
+                    self.shares[place].members |= 1 << lane;
+                }
+                None => {
+                    self.materials.push(material);
+                    self.push(world, material, 1 << lane);
+                }
+            }
+        }
+    }
+
+    /// A material: one reflectance of weight 1.
+    #[inline(always)]
+    fn push(&mut self, world: &World, material: u32, members: u32) {
+        self.groups.push(Group {
+            members,
+            gloss: Gloss::of(&world.materials()[material as usize].value),
+        });
+        self.shares.push(Share {
+            members,
+            reflectance: material,
+            weights: None,
+        });
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self) -> &[Group] {
+        &self.groups
+    }
+
+    #[inline(always)]
+    pub(super) fn shares(&self) -> &[Share] {
+        &self.shares
+    }
+
+    /// Lets the points have shares in these reflectances instead.
+    #[cfg(test)]
+    pub(super) fn replace(&mut self, shares: Vec<Share>) {
+        self.shares = shares;
+    }
+}

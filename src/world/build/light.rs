@@ -1,0 +1,132 @@
+//! Lights: where they are and point, and how strong they are.
+
+use glam::DVec3;
+
+use super::color::{Emission, Spread};
+use super::{Builder, Reported, as_written};
+use crate::math::{Direction, Point};
+use crate::scene::{self, Aim, Problem, Spanned, Value};
+use crate::spectrum::Spectrum;
+use crate::units::{Intensity, Rgb};
+use crate::world::light::{Cone, Light, PointLight, SpotLight};
+
+impl Builder<'_> {
+    /// A light and, where light is carried so, its spectrum. After an error the world is dropped.
+    pub(super) fn light(
+        &mut self,
+        entry: &scene::Entry<scene::Light>,
+    ) -> (Light, Option<Spectrum>) {
+        let name = || format!("light `{}`", entry.name);
+        self.note_spectra([&entry.value.intensity().value], name);
+        match &entry.value {
+            scene::Light::Point {
+                position,
+                intensity,
+            } => {
+                let emission = self.emission("intensity", intensity, Spread::EVERYWHERE);
+                let light = PointLight {
+                    position: self.light_position(*position),
+                    intensity: Intensity(Rgb(emission.rgb)),
+                };
+                (Light::Point(light), emission.spectrum)
+            }
+            scene::Light::Spot {
+                position,
+                aim,
+                intensity,
+                inner,
+                outer,
+                falloff,
+            } => {
+                let cone = self.cone(*inner, *outer, *falloff);
+                let Emission { rgb, spectrum } = self.spot_emission(intensity, cone);
+                let axis = self.axis(*position, aim);
+                let light = SpotLight {
+                    position: self.light_position(*position),
+                    axis: axis.unwrap_or_else(|Reported| {
+                        Direction::new(DVec3::Z).expect("z is a direction")
+                    }),
+                    intensity: Intensity(Rgb(rgb)),
+                    cone: cone.unwrap_or_else(|Reported| {
+                        Cone::new(0.0, 1.0, *falloff).expect("1° is a cone")
+                    }),
+                };
+                (Light::Spot(light), spectrum)
+            }
+        }
+    }
+
+    fn light_position(&mut self, position: Spanned<[f64; 3]>) -> Point {
+        self.position("position", position)
+            .unwrap_or(Point(DVec3::ZERO))
+    }
+
+    /// Of a flux, what a cone without an error makes of it.
+    fn spot_emission(
+        &mut self,
+        intensity: &Spanned<Value>,
+        cone: Result<Cone, Reported>,
+    ) -> Emission {
+        let spread = match cone {
+            Ok(cone) => Spread(cone.flux()),
+            Err(Reported) => Spread::EVERYWHERE,
+        };
+        self.emission("intensity", intensity, spread)
+    }
+
+    fn cone(
+        &mut self,
+        inner: Spanned<f64>,
+        outer: Spanned<f64>,
+        falloff: scene::Falloff,
+    ) -> Result<Cone, Reported> {
+        let legal_outer = |angle: f64| angle >= Cone::NARROWEST && angle <= Cone::WIDEST;
+        let outer_angle = self.number(
+            "outer",
+            outer,
+            legal_outer,
+            "an angle from the axis from 1e-6 to 90 degrees",
+        );
+        let inner_angle = self.number(
+            "inner",
+            inner,
+            |angle| (0.0..=Cone::WIDEST).contains(&angle),
+            "an angle from the axis from 0 to 90 degrees",
+        );
+        let (inner_angle, outer_angle) = (inner_angle?, outer_angle?);
+        Cone::new(inner_angle, outer_angle, falloff).ok_or_else(|| {
+            let conflict = format!(
+                "`inner` is {} degrees and `outer` {}, expected an `inner` of at most `outer`: it has its \
+                 full intensity up to `inner` and is dark from `outer` on",
+                as_written(inner_angle),
+                as_written(outer_angle),
+            );
+            self.report(inner.span, Problem::Conflict(conflict));
+            Reported
+        })
+    }
+
+    /// The unit vector along which a light points.
+    fn axis(&mut self, position: Spanned<[f64; 3]>, aim: &Aim) -> Result<Direction, Reported> {
+        match *aim {
+            Aim::Direction(written) => {
+                let vector = self.direction("direction", written)?.get();
+                Ok(Direction::new(vector).expect("a normal has a direction"))
+            }
+            Aim::LookAt(written) => {
+                let look_at = self.vector("look_at", written)?;
+                let way = look_at - DVec3::from_array(position.value);
+                // What is wrong with the position is said elsewhere.
+                if !way.is_finite() {
+                    return Err(Reported);
+                }
+                Direction::new(way).ok_or_else(|| {
+                    let conflict = "`look_at` is the same point as `position`, expected a point to shine \
+                                    at, or a `direction`";
+                    self.report(written.span, Problem::Conflict(conflict.to_owned()));
+                    Reported
+                })
+            }
+        }
+    }
+}

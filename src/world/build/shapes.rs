@@ -1,0 +1,345 @@
+//! Objects: their shapes in world space, and their materials.
+
+use std::path::PathBuf;
+
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use super::{Builder, LARGEST, Reported, listed};
+use crate::math::{Normal, all_three};
+use crate::mesh::{MeshError, MeshRemarks};
+use crate::scene::{self, MeshFile, Problem, ShadowTerminator, Spanned};
+use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
+use crate::world::{Shape, World};
+
+/// What `scale` may be: the factors up to [`LARGEST`], and their inverses.
+const SCALES: &str = "factors that are not 0, each at least 1e-30 or at most -1e-30";
+
+impl Builder<'_> {
+    /// An object's shape, put where its kind is kept, and its material.
+    pub(super) fn object(
+        &mut self,
+        entry: &scene::Entry<scene::Object>,
+        world: &mut World,
+    ) -> Result<(usize, Shape), Reported> {
+        let id = world.objects.len() as u32;
+        let material = self.material_of(&entry.value);
+        let shape = match &entry.value {
+            scene::Object::Sphere { center, radius, .. } => {
+                let center = self.position("center", *center);
+                let radius = self.length("radius", *radius);
+                self.reserve(&mut world.spheres, 1)?;
+                world.spheres.push(Sphere {
+                    center: center?,
+                    radius: radius?,
+                    object: id,
+                });
+                Shape::Sphere(world.spheres.len() - 1)
+            }
+            scene::Object::Plane { point, normal, .. } => {
+                let point = self.position("point", *point);
+                let normal = self.direction("normal", *normal);
+                self.reserve(&mut world.planes, 1)?;
+                world.planes.push(Plane {
+                    point: point?,
+                    normal: normal?,
+                    object: id,
+                });
+                Shape::Plane(world.planes.len() - 1)
+            }
+            scene::Object::Triangle { vertices, .. } => {
+                self.triangle(vertices, id, &mut world.triangles)?;
+                Shape::Mesh(world.triangles.meshes.len() - 1)
+            }
+            scene::Object::Mesh {
+                file,
+                scale,
+                rotate,
+                translate,
+                smooth,
+                shadow_terminator,
+                geometry,
+                ..
+            } => {
+                let placement = self.placement(*scale, *rotate, *translate);
+                if let Err(conflict) = self.meshes.check(geometry) {
+                    self.report(file.span, Problem::Conflict(conflict));
+                    return Err(Reported);
+                }
+                self.mesh(
+                    geometry,
+                    *smooth,
+                    &placement?,
+                    id,
+                    file,
+                    &mut world.triangles,
+                )?;
+                if let Some(mesh) = world.triangles.meshes.last_mut() {
+                    mesh.shadow_terminator = *shadow_terminator;
+                }
+                Shape::Mesh(world.triangles.meshes.len() - 1)
+            }
+        };
+        Ok((material?, shape))
+    }
+
+    fn material_of(&mut self, object: &scene::Object) -> Result<usize, Reported> {
+        let Spanned { value: name, span } = object.material();
+        if let Some(&index) = self.materials.get(name.as_str()) {
+            return Ok(index);
+        }
+        let is_hidden = self.broken.lost_entries || self.broken.materials.contains(name);
+        if !is_hidden && !self.has_enough() {
+            let materials = self.scene.materials.iter();
+            let expected = materials.map(|entry| entry.name.as_str());
+            let problem = Problem::unknown("material", name, expected);
+            self.report(*span, problem);
+        }
+        Err(Reported)
+    }
+
+    fn triangle(
+        &mut self,
+        vertices: &Spanned<[[f64; 3]; 3]>,
+        object: u32,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
+        let mut corners = [DVec3::ZERO; 3];
+        for (corner, &value) in corners.iter_mut().zip(&vertices.value) {
+            *corner = self
+                .position("vertices", Spanned::new(value, vertices.span))?
+                .0;
+        }
+        if triangle_normal(corners).is_none() {
+            let value = format!("{:?}", vertices.value);
+            let expected = "three corners that are not on one line";
+            self.out_of_range("vertices", vertices.span, value, expected);
+            return Err(Reported);
+        }
+        self.reserve_mesh(triangles, 3, 1)?;
+        let first_vertex = triangles.positions.len() as u32;
+        let start = triangles.len() as u32;
+        triangles.positions.extend(corners);
+        triangles
+            .corners
+            .push([first_vertex, first_vertex + 1, first_vertex + 2]);
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start..start + 1,
+            normals: None,
+            shadow_terminator: ShadowTerminator::default(),
+            degenerate: 0,
+            vanished: 0,
+            remarks: MeshRemarks::default(),
+        });
+        Ok(())
+    }
+
+    /// Room for a mesh more, with so many positions and triangles.
+    fn reserve_mesh(
+        &mut self,
+        into: &mut Triangles,
+        positions: usize,
+        triangles: usize,
+    ) -> Result<(), Reported> {
+        self.reserve(&mut into.positions, positions)?;
+        self.reserve(&mut into.corners, triangles)?;
+        self.reserve(&mut into.meshes, 1)
+    }
+
+    fn placement(
+        &mut self,
+        scale: Spanned<[f64; 3]>,
+        rotate: Spanned<[f64; 3]>,
+        translate: Spanned<[f64; 3]>,
+    ) -> Result<Placement, Reported> {
+        let factors = self.vector("scale", scale);
+        let degrees = self.vector("rotate", rotate);
+        let moved = self.position("translate", translate);
+        let (factors, degrees, moved) = (factors?, degrees?, moved?);
+        let smallest = factors.abs().min_element();
+        if smallest < 1.0 / LARGEST {
+            let value = listed(&scale.value);
+            self.out_of_range("scale", scale.span, value, SCALES);
+            return Err(Reported);
+        }
+        let [x, y, z] = degrees.to_array().map(f64::to_radians);
+        let rotation = rotation_z(z) * rotation_y(y) * rotation_x(x);
+        Ok(Placement {
+            linear: rotation * DMat3::from_diagonal(factors),
+            // The inverse transpose of R S is R S⁻¹.
+            normals: rotation * DMat3::from_diagonal(factors.recip()),
+            moved: moved.0,
+        })
+    }
+
+    fn mesh(
+        &mut self,
+        file: &MeshFile,
+        smooth: bool,
+        placement: &Placement,
+        object: u32,
+        path: &Spanned<PathBuf>,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
+        let first_vertex = triangles.positions.len();
+        let start = triangles.len();
+        let fits = |count: usize| u32::try_from(count).is_ok();
+        if !fits(first_vertex + file.positions.len()) || !fits(start + file.triangles.len()) {
+            let conflict = "the meshes together have more than 4294967295 vertices or triangles";
+            self.report(path.span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        let mut has_area: Vec<bool> = Vec::new();
+        let room = triangles.positions.try_reserve(file.positions.len());
+        let room = room.and_then(|()| triangles.corners.try_reserve(file.triangles.len()));
+        let room = room.and_then(|()| has_area.try_reserve_exact(file.triangles.len()));
+        if let Err(error) = room {
+            let problem = Problem::Mesh {
+                path: path.value.clone(),
+                error: Box::new(MeshError::from(error)),
+            };
+            self.report(path.span, problem);
+            return Err(Reported);
+        }
+        self.reserve_mesh(triangles, file.positions.len(), file.triangles.len())?;
+        let positions = file
+            .positions
+            .par_iter()
+            .map(|&position| placement.linear * DVec3::from_array(position) + placement.moved);
+        triangles.positions.par_extend(positions);
+        let placed = &mut triangles.positions[first_vertex..];
+        let is_beyond =
+            |position: &DVec3| position.is_nan() || position.abs().max_element() > 2.0 * LARGEST;
+        if placed.par_iter().any(is_beyond) {
+            let corners = || {
+                file.triangles
+                    .iter()
+                    .flatten()
+                    .map(|&corner| corner as usize)
+            };
+            if corners().any(|corner| is_beyond(&placed[corner])) {
+                let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
+                self.report(path.span, Problem::Conflict(conflict.to_owned()));
+                return Err(Reported);
+            }
+            // Those that no triangle uses may be anywhere; here they are where another one is.
+            let used = corners()
+                .next()
+                .map_or(DVec3::ZERO, |corner| placed[corner]);
+            for position in placed.iter_mut().filter(|position| is_beyond(position)) {
+                *position = used;
+            }
+        }
+        let placed = &triangles.positions[first_vertex..];
+
+        let flags = file.triangles.par_iter().map(|corners| {
+            triangle_normal(all_three(*corners, |corner| placed[corner as usize])).is_some()
+        });
+        let mut has_area = Vec::new();
+        self.reserve(&mut has_area, file.triangles.len())?;
+        has_area.par_extend(flags);
+        let count = has_area.iter().filter(|&&has_area| has_area).count();
+        let without_area =
+            (file.triangles.iter().zip(&has_area)).filter(|(_, has_area)| !**has_area);
+        let vanished = without_area
+            .filter(|(corners, _)| {
+                let written = |corner| DVec3::from_array(file.positions[corner as usize]);
+                triangle_normal(corners.map(written)).is_some()
+            })
+            .count();
+        if count == 0 {
+            let conflict = if vanished == 0 {
+                "every triangle of the mesh is degenerate: none has an area"
+            } else {
+                "every triangle of the mesh is so small where it is placed that 64-bit floats cannot \
+                 tell its corners apart, expected a larger `scale`"
+            };
+            self.report(path.span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        // Appends the corners of the triangles with area.
+        let keep = |kept: &mut Vec<[u32; 3]>, corners: &[[u32; 3]], offset: u32| {
+            let with_area = corners.iter().zip(&has_area);
+            let with_area = with_area.filter(|&(_, &has_area)| has_area);
+            kept.extend(
+                with_area.map(|(corners, _)| all_three(*corners, |corner| corner + offset)),
+            );
+        };
+        keep(&mut triangles.corners, &file.triangles, first_vertex as u32);
+        let normals = match &file.normals {
+            Some(normals) if smooth => {
+                // A vector without a direction belongs to no triangle: the file's reader saw to
+                // that.
+                let vectors = normals.vectors.par_iter().map(|&normal| {
+                    Normal::new(placement.normals * DVec3::from_array(normal))
+                        .unwrap_or_else(any_normal)
+                });
+                let written = normals.triangles.as_ref().unwrap_or(&file.triangles);
+                let (mut normals, mut corners) = (Vec::new(), Vec::new());
+                self.reserve(&mut normals, vectors.len())?;
+                self.reserve(&mut corners, count)?;
+                normals.par_extend(vectors);
+                keep(&mut corners, written, 0);
+                Some(MeshNormals {
+                    vectors: normals,
+                    corners,
+                })
+            }
+            Some(_) | None => None,
+        };
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start as u32..triangles.len() as u32,
+            normals,
+            shadow_terminator: ShadowTerminator::default(),
+            degenerate: file.triangles.len() - count - vanished,
+            vanished,
+            remarks: if smooth {
+                file.remarks.clone()
+            } else {
+                file.remarks.without_normals()
+            },
+        });
+        Ok(())
+    }
+}
+
+/// v ↦ R S v + T.
+struct Placement {
+    linear: DMat3,
+    normals: DMat3,
+    moved: DVec3,
+}
+
+/// What a mesh normal without a direction becomes, which no triangle uses.
+fn any_normal() -> Normal {
+    Normal::new(DVec3::Y).expect("the y axis has a direction")
+}
+
+fn rotation_x(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::X,
+        DVec3::new(0.0, cos, sin),
+        DVec3::new(0.0, -sin, cos),
+    )
+}
+
+fn rotation_y(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::new(cos, 0.0, -sin),
+        DVec3::Y,
+        DVec3::new(sin, 0.0, cos),
+    )
+}
+
+fn rotation_z(angle: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(angle);
+    DMat3::from_cols(
+        DVec3::new(cos, sin, 0.0),
+        DVec3::new(-sin, cos, 0.0),
+        DVec3::Z,
+    )
+}

@@ -1,0 +1,345 @@
+//! The lights of L3, and how much they send into each direction.
+//!
+//! Every light is a spectrum times one number for each point and lobe: of a point light the cosine terms over
+//! d², of a spot also its falloff. So light and reflectance meet wavelength by wavelength once
+//! ([`World::reflected`](super::World::reflected)), whatever kind a light is of.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::math::{DVec3, Direction, Point};
+pub use crate::scene::Falloff;
+use crate::units::Intensity;
+
+/// What light comes from. Matches are exhaustive: what a new kind needs, the compiler lists.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// The same into all directions.
+    Point(PointLight),
+    /// Into a cone.
+    Spot(SpotLight),
+}
+
+/// A diffuse point light (L3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLight {
+    /// p_L, relative to the anchor.
+    pub position: Point,
+    /// I
+    pub intensity: Intensity,
+}
+
+/// A point that shines into a cone: L_i = I f(θ) / d², with θ the angle between the axis and the way from the
+/// light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpotLight {
+    /// p_L, relative to the anchor.
+    pub position: Point,
+    /// Where its middle points.
+    pub axis: Direction,
+    /// I on the axis.
+    pub intensity: Intensity,
+    /// f(θ)
+    pub cone: Cone,
+}
+
+/// How a spot's intensity falls off from its axis: 1 up to the inner angle, 0 from the outer angle on.
+///
+/// With x from 1 at the inner to 0 at the outer angle, linear in cos θ: `smooth` is x²(3 − 2x), as pbrt and
+/// Cycles have it, and `gltf` x², the reference code of KHR_lights_punctual. `linear_angle` is linear in θ
+/// itself, as Mitsuba has it. Where both angles are the same, the edge is sharp.
+///
+/// Cosines of small angles differ in their last digits only; so all is said in 1 − cos θ, which is
+/// 2 sin²(θ/2), to the last digits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    pub(crate) falloff: Falloff,
+    /// In radians.
+    inner: f64,
+    outer: f64,
+    sin_outer: f64,
+    cos_outer: f64,
+    /// 1 − cos θ of the outer angle.
+    pub(crate) versine_outer: f64,
+    /// One over the difference of 1 − cos θ between the angles; where there is none, the largest number.
+    pub(crate) inverse_span: f64,
+    /// One over the difference of the angles; where there is none, the largest number.
+    pub(crate) inverse_angle: f64,
+}
+
+impl Light {
+    /// I: of a spot the one on its axis.
+    #[inline]
+    pub fn intensity(&self) -> Intensity {
+        match self {
+            Self::Point(light) => light.intensity,
+            Self::Spot(light) => light.intensity,
+        }
+    }
+
+    /// Where it is, relative to the anchor.
+    #[inline]
+    pub fn position(&self) -> Point {
+        match self {
+            Self::Point(light) => light.position,
+            Self::Spot(light) => light.position,
+        }
+    }
+
+    /// The points that its light comes from, relative to the anchor, each of which has a visibility (L4) of its
+    /// own. Lights without a size have one.
+    #[inline(always)]
+    pub fn origins(&self) -> impl ExactSizeIterator<Item = Point> + use<> {
+        std::iter::once(self.position())
+    }
+
+    /// Whether a box of points, from its least to its largest coordinates, gets nothing of it for certain.
+    #[inline]
+    pub fn misses(&self, bounds: [DVec3; 2]) -> bool {
+        match self {
+            Self::Point(_) => false,
+            Self::Spot(light) => light.misses(bounds),
+        }
+    }
+}
+
+impl SpotLight {
+    /// The ball around the box is outside of the cone where its center is by more than its radius, and by more
+    /// than all rounding.
+    fn misses(&self, [least, most]: [DVec3; 2]) -> bool {
+        const ROOM: f64 = 1e-9;
+        let (center, half) = ((least + most) * 0.5, (most - least) * 0.5);
+        let way = center - self.position.0;
+        let axis = self.axis.get();
+        let along = way.dot(axis);
+        let across = way.cross(axis).length();
+        // How far the center is from the cone's side, on the outside; behind the apex it is further still.
+        let outside = across * self.cone.cos_outer - along * self.cone.sin_outer;
+        let magnitude = way.abs().max_element() + self.position.0.abs().max_element();
+        outside > half.length() * (1.0 + ROOM) + magnitude * ROOM
+    }
+}
+
+impl Cone {
+    /// The widest half-angle in degrees: a half of all directions.
+    pub const WIDEST: f64 = 90.0;
+
+    /// The narrowest outer half-angle in degrees: what it lights at 1 km is 17 µm wide.
+    pub const NARROWEST: f64 = 1e-6;
+
+    /// A cone of half-angles in degrees; `None` unless 0 ≤ inner ≤ outer, and outer from [`Cone::NARROWEST`] to
+    /// [`Cone::WIDEST`].
+    pub fn new(inner: f64, outer: f64, falloff: Falloff) -> Option<Self> {
+        let is_legal = 0.0 <= inner && inner <= outer;
+        let is_legal = is_legal && (Self::NARROWEST..=Self::WIDEST).contains(&outer);
+        let (inner, outer) = (inner.to_radians(), outer.to_radians());
+        is_legal.then(|| Self {
+            falloff,
+            inner,
+            outer,
+            sin_outer: libm::sin(outer),
+            cos_outer: libm::cos(outer),
+            versine_outer: versine(outer),
+            inverse_span: versine_span(inner, outer).recip().min(f64::MAX),
+            inverse_angle: (outer - inner).recip().min(f64::MAX),
+        })
+    }
+
+    /// Which curve.
+    #[inline]
+    pub fn falloff(&self) -> Falloff {
+        self.falloff
+    }
+
+    /// Up to where it is 1, in radians.
+    #[inline]
+    pub fn inner(&self) -> f64 {
+        self.inner
+    }
+
+    /// From where on it is 0, in radians.
+    #[inline]
+    pub fn outer(&self) -> f64 {
+        self.outer
+    }
+
+    /// The flux in lm of a spot of 1 cd on its axis: ∫ f dω = 2π ∫ f(θ) sin θ dθ, in closed form. Range: above 0,
+    /// up to 2π.
+    pub fn flux(&self) -> f64 {
+        let inner = versine(self.inner);
+        let span = versine_span(self.inner, self.outer);
+        TAU * match self.falloff {
+            Falloff::Smooth => inner + span / 2.0,
+            Falloff::Gltf => inner + span / 3.0,
+            // 1 − (sin o − sin i)/(o − i) = 1 − cos m · sin h/h, with m the mean angle and h half of their
+            // difference.
+            Falloff::LinearAngle => {
+                let (m, h) = (
+                    (self.outer + self.inner) / 2.0,
+                    (self.outer - self.inner) / 2.0,
+                );
+                versine(m) + libm::cos(m) * one_less_sinc(h)
+            }
+        }
+    }
+}
+
+/// cos a − cos b, to the last digits.
+fn versine_span(a: f64, b: f64) -> f64 {
+    2.0 * libm::sin((b - a) / 2.0) * libm::sin((b + a) / 2.0)
+}
+
+/// 1 − cos θ, to the last digits.
+fn versine(angle: f64) -> f64 {
+    let sin = libm::sin(angle / 2.0);
+    2.0 * sin * sin
+}
+
+/// 1 − sin(h)/h for h up to π/4, by its series: Σ −(−h²)ᵏ/(2k + 1)! from k = 1. The first term left out is below
+/// (π/4)²⁰/21! ≈ 2e-22.
+fn one_less_sinc(h: f64) -> f64 {
+    debug_assert!(h <= PI / 4.0 * (1.0 + f64::EPSILON));
+    let square = h * h;
+    // h²/6 (1 − h²/20 (1 − h²/42 (…)))
+    (1..10).rev().fold(0.0, |rest, k| {
+        let k = f64::from(k);
+        square / (2.0 * k * (2.0 * k + 1.0)) * (1.0 - rest)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Rgb;
+
+    fn cone(inner: f64, outer: f64, falloff: Falloff) -> Cone {
+        Cone::new(inner, outer, falloff).unwrap()
+    }
+
+    #[test]
+    fn angles_are_checked() {
+        for (inner, outer) in [
+            (-1.0, 10.0),
+            (20.0, 10.0),
+            (0.0, 0.0),
+            (0.0, 0.9e-6),
+            (10.0, 90.1),
+            (f64::NAN, 10.0),
+            (10.0, f64::NAN),
+        ] {
+            assert_eq!(Cone::new(inner, outer, Falloff::Smooth), None);
+        }
+        for (inner, outer) in [(0.0, 1e-6), (30.0, 30.0), (90.0, 90.0)] {
+            assert!(Cone::new(inner, outer, Falloff::Smooth).is_some());
+        }
+    }
+
+    /// From the integral by quadrature to twelve digits, computed apart.
+    #[test]
+    fn flux_is_the_published_one() {
+        for (falloff, flux) in [
+            (Falloff::Smooth, 0.6103548267347),
+            (Falloff::Gltf, 0.5332106974873),
+            (Falloff::LinearAngle, 0.5959104669037),
+        ] {
+            let actual = cone(20.0, 30.0, falloff).flux();
+            assert!((actual - flux).abs() < 1e-13, "{falloff:?}: {actual}");
+        }
+    }
+
+    /// Of a sharp cone it is the solid angle; of a tiny one π θ².
+    #[test]
+    fn flux_of_sharp_and_of_tiny_cones() {
+        for falloff in Falloff::ALL {
+            let sharp = cone(60.0, 60.0, falloff).flux();
+            assert!((sharp - PI).abs() < 1e-14, "{falloff:?}");
+            let half = cone(90.0, 90.0, falloff).flux();
+            assert!((half - TAU).abs() < 1e-14, "{falloff:?}");
+            let tiny = cone(1e-6, 1e-6, falloff).flux();
+            let expected = PI * 1e-6_f64.to_radians().powi(2);
+            assert!((tiny / expected - 1.0).abs() < 1e-12, "{falloff:?}: {tiny}");
+        }
+        // Linear from the axis on: π θ² / 3.
+        let tiny = cone(0.0, 1e-6, Falloff::LinearAngle).flux();
+        let expected = PI * 1e-6_f64.to_radians().powi(2) / 3.0;
+        assert!((tiny / expected - 1.0).abs() < 1e-12, "{tiny}");
+    }
+
+    /// The integral of the very curve, by Simpson's rule from the inner to the outer angle.
+    #[test]
+    fn flux_is_the_integral_of_the_falloff() {
+        for falloff in Falloff::ALL {
+            for (inner, outer) in [(0.0, 90.0), (10.0, 80.0), (0.0, 1.0), (44.0, 45.0)] {
+                let cone = cone(inner, outer, falloff);
+                let f = |angle: f64| {
+                    let x = (angle.cos() - cone.outer().cos())
+                        / (cone.inner().cos() - cone.outer().cos());
+                    match falloff {
+                        Falloff::Smooth => x * x * (3.0 - 2.0 * x),
+                        Falloff::Gltf => x * x,
+                        Falloff::LinearAngle => {
+                            (cone.outer() - angle) / (cone.outer() - cone.inner())
+                        }
+                    }
+                };
+                let steps = 2000;
+                let step = (cone.outer() - cone.inner()) / f64::from(steps);
+                let sum: f64 = (0..=steps)
+                    .map(|i| {
+                        let weight = match i {
+                            0 => 1.0,
+                            i if i == steps => 1.0,
+                            i if i % 2 == 1 => 4.0,
+                            _ => 2.0,
+                        };
+                        let angle = cone.inner() + step * f64::from(i);
+                        weight * f(angle) * angle.sin()
+                    })
+                    .sum();
+                let expected = TAU * (1.0 - cone.inner().cos() + sum * step / 3.0);
+                let error = (cone.flux() / expected - 1.0).abs();
+                assert!(error < 1e-10, "{falloff:?} {inner} {outer}: {error}");
+            }
+        }
+    }
+
+    /// No box that has a point inside of the cone is missed, and boxes that are far off are.
+    #[test]
+    fn boxes_beside_the_cone_are_missed() {
+        let light = |outer| {
+            Light::Spot(SpotLight {
+                position: Point::new(1.0, 2.0, 3.0),
+                axis: Direction::new(DVec3::new(1.0, 2.0, -2.0)).unwrap(),
+                intensity: Intensity(Rgb([1.0; 3])),
+                cone: cone(0.0, outer, Falloff::Smooth),
+            })
+        };
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+        };
+        let mut missed = 0;
+        for outer in [1.0, 20.0, 60.0, 90.0] {
+            let light = light(outer);
+            for _ in 0..2000 {
+                let center = DVec3::new(unit(), unit(), unit()) * 6.0;
+                let half = DVec3::new(unit(), unit(), unit()).abs();
+                let bounds = [center - half, center + half];
+                if !light.misses(bounds) {
+                    continue;
+                }
+                missed += 1;
+                for _ in 0..50 {
+                    let point = center + half * DVec3::new(unit(), unit(), unit());
+                    let way = point - light.position().0;
+                    let axis = DVec3::new(1.0, 2.0, -2.0) / 3.0;
+                    let angle = way.angle_between(axis).to_degrees();
+                    assert!(angle > outer, "{angle} of {outer}");
+                }
+            }
+        }
+        assert!(missed > 2000, "{missed}");
+    }
+}
