@@ -38,7 +38,7 @@ pub(super) struct Search<T: Shape> {
 }
 
 /// Rays that are on their way at once.
-pub(super) const DESCENTS: usize = 16;
+pub(super) const DESCENTS: usize = 8;
 
 /// Their ways.
 pub(super) type Descents = [Descent; DESCENTS];
