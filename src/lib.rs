@@ -117,36 +117,51 @@
 #![forbid(unsafe_code)]
 
 #[doc(hidden)]
-pub mod bench;
-pub mod camera;
-pub mod color;
+mod bench;
+mod camera;
+mod color;
 pub mod display;
 pub mod exr;
 pub mod image;
-pub mod input;
-pub mod math;
-pub mod memory;
+mod input;
+mod math;
+mod memory;
 pub mod mesh;
 pub mod oracle;
 pub mod output;
-pub mod printable;
+mod printable;
 pub mod render;
 pub mod scene;
-pub mod shading;
-pub mod simd;
+mod shading;
+mod simd;
 pub mod spectrum;
 mod turns;
-pub mod units;
-pub mod visibility;
+mod units;
+mod visibility;
 pub mod world;
+
+/// What the program, the tests and the benchmarks use beside the library's face. It may change in any
+/// version.
+#[doc(hidden)]
+pub mod internal {
+    pub use crate::bench::Tracer;
+    pub use crate::color::adaptation::bradford;
+    pub use crate::color::difference::{Lab, delta_e_2000};
+    pub use crate::color::transfer::srgb_decode;
+    pub use crate::memory::{Size, look_for_threads};
+    pub use crate::printable::{counted, is_printable, printable, printable_path};
+}
 
 /// The code of the page about the library compiles.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
 
-pub use camera::Camera;
+pub use camera::{Camera, Projection};
+pub use color::Primaries;
 pub use image::Film;
+pub use math::{DVec3, Direction, Normal, Point, Ray};
+pub use memory::OutOfMemory;
 pub use render::{Options, Renderer, render};
 pub use scene::Scene;
 pub use world::World;

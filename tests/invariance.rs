@@ -189,9 +189,7 @@ fn times(value: &Value, factor: f64) -> Value {
             space: *space,
         },
         Value::Srgb(codes) => Value::Rgb {
-            rgb: codes.map(|code| {
-                candela::color::transfer::srgb_decode(f64::from(code) / 255.0) * factor
-            }),
+            rgb: codes.map(|code| candela::internal::srgb_decode(f64::from(code) / 255.0) * factor),
             space: candela::scene::ColorSpace::Rec709,
         },
         Value::Curve(curve) => {

@@ -8,9 +8,9 @@ use candela::exr::ExrOptions;
 use candela::image::{Film, Window};
 use candela::oracle::{Explanation, Oracle, Sample};
 use candela::output::Unfinished;
+use candela::render::SimdLevel;
 use candela::render::{Layers, Options, render};
 use candela::scene::{Object, Scene};
-use candela::simd::SimdLevel;
 use candela::world::World;
 use rayon::prelude::*;
 

@@ -41,6 +41,8 @@ pub use options::{MAX_SAMPLES, Options, OptionsError};
 pub use renderer::{RenderError, RenderedExr, Renderer, render};
 pub use sink::{RenderedTile, Sink};
 
+pub use crate::simd::{SimdLevel, UnknownInstructions};
+
 /// A panic elsewhere ends the render in any case.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
