@@ -5,10 +5,10 @@
 
 use glam::{DMat3, DVec3};
 
-pub mod adaptation;
-pub mod difference;
+pub(crate) mod adaptation;
+pub(crate) mod difference;
 mod space;
-pub mod transfer;
+pub(crate) mod transfer;
 
 pub use space::ColorSpace;
 

@@ -45,7 +45,7 @@ const MANTISSA: u64 = (1 << 52) - 1;
 /// result is 0 below 2⁻¹⁰²².
 ///
 /// A base above 1, as a cosine may be by rounding, counts as 1.
-pub fn power(base: f64, exponent: f64) -> f64 {
+pub(crate) fn power(base: f64, exponent: f64) -> f64 {
     let [result, ..] = SimdLevel::default().run(Power { base, exponent });
     result
 }

@@ -11,7 +11,7 @@ use crate::world::Lobes;
 /// A buffer that is used packet after packet: it holds at most as many entries as there are lights, and
 /// products of these with the packet's reflectances.
 #[derive(Clone, Debug, Default)]
-pub struct Terms {
+pub(crate) struct Terms {
     /// What each point reflects with, point by point.
     reflecting: Vec<Reflecting>,
     /// Where in `reflecting` each point of the packet starts, and the last one ends.
@@ -26,7 +26,7 @@ pub struct Terms {
 
 /// What one point reflects with: one of its reflectances, by its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reflecting {
+pub(crate) struct Reflecting {
     /// The point, by its place in the batch.
     pub point: usize,
     /// An index into [`World::materials`](crate::world::World::materials).
@@ -47,7 +47,7 @@ struct LightTerms {
 
 /// One term of L9 without its color: what a light that is seen does at a point, by geometry and weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
+pub(crate) struct Term {
     /// The point, by its place in the batch.
     pub point: usize,
     /// An index into [`World::lights`](crate::world::World::lights).
@@ -110,13 +110,13 @@ impl Terms {
     }
 
     /// What the points that are hit reflect with, point by point, whether any light reaches them or none.
-    pub fn reflecting(&self) -> &[Reflecting] {
+    pub(crate) fn reflecting(&self) -> &[Reflecting] {
         &self.reflecting
     }
 
     /// All terms: light by light, point by point within.
     #[inline]
-    pub fn iter(&self) -> impl Iterator<Item = Term> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Term> {
         self.lights
             .iter()
             .enumerate()

@@ -31,7 +31,7 @@ const EDGE_ON: f64 = 1.0 / 64.0;
 /// p of the lecture for every ray of a batch, with all that L3 to L8 need there, number by number in
 /// columns. Where a ray hits nothing the numbers mean nothing.
 #[derive(Clone, Debug)]
-pub struct Points {
+pub(crate) struct Points {
     /// For each packet one bit for each ray that hits something.
     pub(crate) hit: [u32; PACKETS],
     /// p, relative to the world's anchor.
