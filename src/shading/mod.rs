@@ -11,9 +11,8 @@ mod tests;
 use fearless_simd::Simd;
 
 use groups::Groups;
-pub(crate) use power::power;
 use reflectance::{Ends, geometry};
-pub(crate) use terms::{Reflecting, Term, Terms};
+pub(crate) use terms::{Term, Terms};
 
 use crate::math::Point;
 use crate::simd::{F64x16, LANES, Mask64x16};

@@ -118,13 +118,6 @@ impl<S: Simd> F64x16<S> {
         Self([self.0[0].abs(), self.0[1].abs()])
     }
 
-    /// The smallest of all; none may be NaN.
-    #[inline(always)]
-    pub(crate) fn smallest(self) -> f64 {
-        let [low, high] = self.0;
-        low.simd_lt(high).select(low, high).reduce_min()
-    }
-
     /// The smaller of two numbers; `other` where one of them is not a number.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
