@@ -25,7 +25,9 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
-pub use error::{ElementPlace, Fault, MeshError, Place, Position};
+pub use error::MeshError;
+#[doc(hidden)]
+pub use error::{ElementPlace, Fault, Place, Position};
 pub use remarks::MeshRemarks;
 use source::Source;
 

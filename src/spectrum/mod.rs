@@ -19,11 +19,15 @@ mod curve;
 mod daylight;
 mod illuminant;
 mod observer;
+#[doc(hidden)]
 pub mod tables;
+#[doc(hidden)]
 pub mod upsample;
 
+#[doc(hidden)]
 pub use blackbody::blackbody;
 pub use curve::{Curve, CurveProblem, Lines, WavelengthUnit};
+#[doc(hidden)]
 pub use daylight::daylight;
 pub use illuminant::Illuminant;
 pub use observer::Observer;
@@ -35,13 +39,16 @@ pub const FIRST: u32 = 360;
 pub const LAST: u32 = 830;
 
 /// Wavelengths of the grid.
+#[doc(hidden)]
 pub const SAMPLES: usize = (LAST - FIRST) as usize + 1;
 
 /// The part of the grid, in nm, in which all but 5e-4 of each color matching function lies: a
 /// curve should cover it.
+#[doc(hidden)]
 pub const VISIBLE: [f64; 2] = [380.0, 780.0];
 
 /// The wavelengths of the grid in nm.
+#[doc(hidden)]
 pub fn wavelengths() -> impl Iterator<Item = f64> {
     (FIRST..=LAST).map(f64::from)
 }
