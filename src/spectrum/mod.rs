@@ -16,21 +16,27 @@
 
 mod blackbody;
 mod curve;
+mod curve_problem;
 mod daylight;
 mod illuminant;
+mod lines;
 mod observer;
 #[doc(hidden)]
 pub mod tables;
 #[doc(hidden)]
 pub mod upsample;
+mod wavelength_unit;
 
 #[doc(hidden)]
 pub use blackbody::blackbody;
-pub use curve::{Curve, CurveProblem, Lines, WavelengthUnit};
+pub use curve::Curve;
+pub use curve_problem::CurveProblem;
 #[doc(hidden)]
 pub use daylight::daylight;
 pub use illuminant::Illuminant;
+pub use lines::Lines;
 pub use observer::Observer;
+pub use wavelength_unit::WavelengthUnit;
 
 /// The first wavelength of the grid in nm.
 pub const FIRST: u32 = 360;
@@ -51,6 +57,11 @@ pub const VISIBLE: [f64; 2] = [380.0, 780.0];
 #[doc(hidden)]
 pub fn wavelengths() -> impl Iterator<Item = f64> {
     (FIRST..=LAST).map(f64::from)
+}
+
+/// Whether a wavelength is on the range of the grid.
+fn is_on_grid(nm: f64) -> bool {
+    (f64::from(FIRST)..=f64::from(LAST)).contains(&nm)
 }
 
 /// A function of wavelength: one number for each nm of the grid.
