@@ -13,7 +13,7 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 21] = [
+const MAY_USE: [(&str, &[&str]); 22] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
@@ -44,7 +44,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
         ],
     ),
     ("visibility", &["world", "camera", "math", "simd", "memory"]),
-    ("shading", &["world", "visibility", "math", "simd"]),
+    ("shading", &["world", "visibility", "units", "math", "simd"]),
     ("turns", &[]),
     ("image", &["color"]),
     (
@@ -75,6 +75,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
         ],
     ),
     ("display", &["image", "exr", "color", "memory", "output"]),
+    ("bench", &["world", "visibility", "math", "simd"]),
     ("oracle", &["scene", "mesh", "spectrum"]),
 ];
 
