@@ -92,7 +92,7 @@ impl Shortlist {
     }
 
     /// The same, for all at once.
-    pub(super) fn to_array(&self, ray: usize) -> [Pair; LANES] {
+    pub(super) fn all_pairs(&self, ray: usize) -> [Pair; LANES] {
         let mut pairs = [Pair {
             ray: ray as u32,
             triangle: 0,

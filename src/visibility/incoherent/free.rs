@@ -97,7 +97,7 @@ impl<S: Simd> Along<S, TriangleBlock> for SegmentTriangles<'_, '_> {
                 continue;
             }
             if !is_hidden && list.len == LANES {
-                let pairs = list.to_array(*segment);
+                let pairs = list.all_pairs(*segment);
                 is_hidden = self.shapes.hidden_pairs(simd, self.segments, &pairs) != 0;
                 list.len = 0;
             }
@@ -160,9 +160,9 @@ impl Shapes<'_> {
     #[inline(always)]
     fn free_of_planes<S: Simd>(&self, simd: S, segments: &SegmentBatch) -> [u32; PACKETS] {
         let mut free = [0; PACKETS];
-        for packet in 0..segments.count.div_ceil(LANES) {
-            free[packet] = first_lanes(segments.count, packet);
-            if self.world.planes().is_empty() {
+        for (packet, free) in free.iter_mut().enumerate() {
+            *free = first_lanes(segments.count, packet);
+            if *free == 0 || self.world.planes().is_empty() {
                 continue;
             }
             let (start, end) = (
@@ -170,7 +170,7 @@ impl Shapes<'_> {
                 segments.end.packet(simd, packet),
             );
             for plane in self.world.planes() {
-                free[packet] &= !plane::is_between(simd, plane, &start, &end).to_bits();
+                *free &= !plane::is_between(simd, plane, &start, &end).to_bits();
             }
         }
         free

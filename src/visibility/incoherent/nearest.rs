@@ -87,7 +87,7 @@ impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
                 list.keep_up_to(*limit);
             }
             if list.len == LANES {
-                let pairs = list.to_array(*ray);
+                let pairs = list.all_pairs(*ray);
                 self.shapes.meet_pairs(simd, self.rays, &pairs, self.hits);
                 list.len = 0;
                 *limit = limit.min(self.hits.t[*ray]);

@@ -249,6 +249,7 @@ fn have_one_sign<S: Simd>(
 }
 
 /// E_a + E_b + E_c; E_b and E_c; along w the ways to b and c; and how far E_b, E_c and the first may be off.
+#[derive(Clone, Copy)]
 struct Edges<S: Simd> {
     whole: F32x16<S>,
     edges: [F32x16<S>; 2],
