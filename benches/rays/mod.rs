@@ -305,6 +305,12 @@ fn measure_bundle(
             }
         }
     }
+    let share = |count: usize| 100.0 * count as f64 / COUNT as f64;
+    eprintln!(
+        "  {:.1} % of the rays hit something, {:.1} % of the segments are free",
+        share(t.iter().filter(|t| t.is_finite()).count()),
+        share(free.iter().filter(|&&free| free).count()),
+    );
     let mut different = [None; 2];
     if let Some(yardstick) = &mut yardstick {
         let found = yardstick.found(folder)?;

@@ -70,22 +70,27 @@ impl Terms {
         self.products.clear();
         self.reflecting.clear();
         self.shares = groups.shares().len();
+        self.reflecting.reserve(LANES);
         for lane in 0..LANES {
             self.starts[lane] = self.reflecting.len();
             if hit >> lane & 1 == 0 {
                 continue;
             }
-            let shares = groups.shares().iter().enumerate();
-            let of_point = shares.filter(|(_, share)| share.members >> lane & 1 == 1);
-            let of_point = of_point.map(|(place, share)| Reflecting {
-                point: first + lane,
-                reflectance: share.reflectance as usize,
-                weight: share.weight(lane),
-                share: place,
-            });
-            // What is of weight 0 is left out.
-            self.reflecting
-                .extend(of_point.filter(|of| of.weight != 0.0));
+            for (place, share) in groups.shares().iter().enumerate() {
+                if share.members >> lane & 1 == 0 {
+                    continue;
+                }
+                let weight = share.weight(lane);
+                // What is of weight 0 is left out.
+                if weight != 0.0 {
+                    self.reflecting.push(Reflecting {
+                        point: first + lane,
+                        reflectance: share.reflectance as usize,
+                        weight,
+                        share: place,
+                    });
+                }
+            }
         }
         self.starts[LANES] = self.reflecting.len();
     }
@@ -152,6 +157,9 @@ impl Terms {
 impl Share {
     /// Of a point of the packet.
     fn weight(&self, lane: usize) -> f64 {
-        self.weights.map_or(1.0, |weights| weights[lane])
+        match &self.weights {
+            Some(weights) => weights[lane],
+            None => 1.0,
+        }
     }
 }

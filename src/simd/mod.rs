@@ -15,7 +15,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Range, Sub};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8, mask64x8, u64x8};
 
-pub use level::{Kernel, SimdLevel, UnknownInstructions};
+pub(crate) use level::Kernel;
+pub use level::{SimdLevel, UnknownInstructions};
 pub(crate) use single::{F32x16, Mask32x16, U32x16, side_by_side, smallest_of_each};
 
 use crate::math::DVec3;

@@ -29,6 +29,10 @@ mod projection;
 mod question;
 mod rays;
 mod search;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "lights with a size and error targets are to ask")
+)]
 mod shaft;
 mod shape;
 mod shapes;

@@ -330,7 +330,7 @@ impl<T: Shape> Search<T> {
                 }
             }
             if let (Some(limit), Some(tree)) = (limit, &self.tree) {
-                match TreeRay::new(tree, way.origin, way.direction, way.error) {
+                match TreeRay::approach(tree, way.origin, way.direction, way.error) {
                     Approach::Beside => {}
                     Approach::Towards(ray) => {
                         descent.begin(ray, limit);

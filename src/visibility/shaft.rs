@@ -364,7 +364,7 @@ impl Hull {
                     // From the eye, to where the front is entered.
                     let way = corner.start + corner.way * at - eye;
                     let crosses = back.crosses(eye, way);
-                    crosses.is_some_and(|crosses| crosses < 0.0 || crosses > 1.0)
+                    crosses.is_some_and(|crosses| !(0.0..=1.0).contains(&crosses))
                 }
             }
         })

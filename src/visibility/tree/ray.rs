@@ -68,7 +68,7 @@ impl TreeRay {
 
     /// A ray from `origin` as a tree's boxes are met by it; what is `error` beside it counts as met.
     #[inline(always)]
-    pub(in crate::visibility) fn new(
+    pub(in crate::visibility) fn approach(
         tree: &Tree,
         origin: DVec3,
         direction: DVec3,
@@ -133,7 +133,7 @@ impl TreeRay {
         let t = t * self.pace;
         let limit = t - self.begin + (self.room + t.abs() * ROUNDING);
         // Rounded up: 2⁻²³ is more than one place of an f32.
-        (limit + limit.abs() * (1.0 / (1 << 23) as f64)) as f32
+        (limit + limit.abs() * f64::from(f32::EPSILON)) as f32
     }
 
     /// Where the ray enters the slabs of a node's boxes across an axis, and where it leaves them.

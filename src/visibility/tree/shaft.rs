@@ -81,7 +81,7 @@ impl TreeVolume {
         let begins = self.along.reach(simd, node, 0);
         let mut meets = begins.simd_le(f32x8::splat(simd, limit));
         for side in &self.sides[..self.count] {
-            meets = meets & side.reach(simd, node, 1).simd_ge(side.offset);
+            meets &= side.reach(simd, node, 1).simd_ge(side.offset);
         }
         let mut at = [0.0; WIDTH];
         begins.store_slice(&mut at);

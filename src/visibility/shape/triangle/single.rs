@@ -17,13 +17,14 @@
 //!
 //! In f64 a corner is off by ρ/4 at most, and edge functions by no more than (2 L + 2 ρ) ρ where the ray
 //! passes within ρ of the triangle; elsewhere they cannot all have one sign. The first is within κ L, the
-//! second in [`Self`]'s τ, which also leaves triangles that are nothing beside their block to f64.
+//! second in τ, which also leaves triangles that are nothing beside their block to f64.
 
 use fearless_simd::Simd;
 
 use super::leaf_block::{F32_ROUNDING, LeafBlock};
 use crate::math::{DVec3, both};
 use crate::simd::{F32x16, LANES, Mask32x16};
+use crate::visibility::batch::Row;
 use crate::visibility::rays::{CYCLE, ROUNDING as F64_ROUNDING};
 
 /// κ/u and ν/u of the module's errors.
@@ -166,18 +167,16 @@ impl LeafBlock {
             F32x16::splat(simd, -slope_u as f32),
             F32x16::splat(simd, -slope_v as f32),
         );
-        let a_u = a_w.times_plus(
-            minus_u,
-            F32x16::load(simd, &self.first[u].0) - F32x16::splat(simd, beside_u as f32),
+        let (beside_u, beside_v) = (
+            F32x16::splat(simd, beside_u as f32),
+            F32x16::splat(simd, beside_v as f32),
         );
-        let a_v = a_w.times_plus(
-            minus_v,
-            F32x16::load(simd, &self.first[v].0) - F32x16::splat(simd, beside_v as f32),
-        );
-        let e_u = e_w.times_plus(minus_u, F32x16::load(simd, &self.to_second[u].0));
-        let e_v = e_w.times_plus(minus_v, F32x16::load(simd, &self.to_second[v].0));
-        let f_u = f_w.times_plus(minus_u, F32x16::load(simd, &self.to_third[u].0));
-        let f_v = f_w.times_plus(minus_v, F32x16::load(simd, &self.to_third[v].0));
+        let a_u = sheared(simd, a_w, minus_u, &self.first[u]) - beside_u;
+        let a_v = sheared(simd, a_w, minus_v, &self.first[v]) - beside_v;
+        let e_u = sheared(simd, e_w, minus_u, &self.to_second[u]);
+        let e_v = sheared(simd, e_w, minus_v, &self.to_second[v]);
+        let f_u = sheared(simd, f_w, minus_u, &self.to_third[u]);
+        let f_v = sheared(simd, f_w, minus_v, &self.to_third[v]);
         let (size_e, size_f) = (
             e_u.abs() + e_v.abs() + e_w.abs(),
             f_u.abs() + f_v.abs() + f_w.abs(),
@@ -193,45 +192,28 @@ impl LeafBlock {
         let sizes = size_e * size_f;
         let error_whole = sizes * F32x16::splat(simd, NU + 8.0 * noise);
         let error_a = error_b + error_c + error_whole;
-        let zero = F32x16::splat(simd, 0.0);
-        let is_positive = (edge_a + error_a)
-            .min(edge_b + error_b)
-            .min(edge_c + error_c)
-            .ge(zero);
-        let is_negative = (edge_a - error_a)
-            .max(edge_b - error_b)
-            .max(edge_c - error_c)
-            .le(zero);
-        hits.maybe = (is_positive | is_negative).to_bits() & bits;
+        let (edges, errors) = ([edge_a, edge_b, edge_c], [error_a, error_b, error_c]);
+        let [maybe, surely] = have_one_sign(simd, edges, errors);
+        hits.maybe = maybe & bits;
         if hits.maybe == 0 {
             return None;
         }
-        let surely_positive = (edge_a - error_a)
-            .min(edge_b - error_b)
-            .min(edge_c - error_c)
-            .gt(zero);
-        let surely_negative = zero.gt((edge_a + error_a)
-            .max(edge_b + error_b)
-            .max(edge_c + error_c));
-        hits.surely = (surely_positive | surely_negative).to_bits() & hits.maybe;
+        hits.surely = surely & hits.maybe;
         let give = F32x16::splat(simd, DEPTH_GIVES_WAY + 2.0 * noise);
         hits.least = low - give;
         hits.most = high + give;
         if hits.surely != 0 {
-            // Weights of e and f are off by (error + weight · error_whole) / |whole|.
-            let is_sure = Mask32x16::from_bits(simd, hits.surely);
-            let size = whole.abs();
-            let over = F32x16::splat(simd, 1.0) / is_sure.select(size, F32x16::splat(simd, 1.0));
-            let is_up = whole.gt(zero);
-            let depth = (edge_b * e_w + edge_c * f_w) * over;
-            let depth = a_w + is_up.select(depth, zero - depth);
-            let (size_e_w, size_f_w) = (e_w.abs(), f_w.abs());
-            let of_edges = size_e_w.times_plus(error_b, size_f_w * error_c);
-            let of_whole = (size_e_w + size_f_w + F32x16::splat(simd, 1.0)) * error_whole;
-            let error = (of_edges + of_whole).times_plus(over, give);
-            hits.least = is_sure.select((depth - error).max(hits.least), hits.least);
-            hits.most = is_sure.select((depth + error).min(hits.most), hits.most);
-            hits.speed = size - error_whole;
+            hits.find_depths(
+                simd,
+                a_w,
+                give,
+                Edges {
+                    whole,
+                    edges: [edge_b, edge_c],
+                    offsets_w: [e_w, f_w],
+                    errors: [error_b, error_c, error_whole],
+                },
+            );
             // |e|₁ is at most |e_u| + |e_v| + 3 |e_w|.
             hits.normal = sizes * F32x16::splat(simd, 9.0) + tau;
         }
@@ -239,7 +221,68 @@ impl LeafBlock {
     }
 }
 
+/// A coordinate, as seen along the ray.
+#[inline(always)]
+fn sheared<S: Simd>(simd: S, w: F32x16<S>, minus_slope: F32x16<S>, row: &Row) -> F32x16<S> {
+    w.times_plus(minus_slope, F32x16::load(simd, &row.0))
+}
+
+/// One bit for each triangle whose edge functions may all be 0 or of one sign, and for each whose certainly are of
+/// one sign.
+#[inline(always)]
+fn have_one_sign<S: Simd>(
+    simd: S,
+    [a, b, c]: [F32x16<S>; 3],
+    [error_a, error_b, error_c]: [F32x16<S>; 3],
+) -> [u32; 2] {
+    let zero = F32x16::splat(simd, 0.0);
+    let (most_a, most_b, most_c) = (a + error_a, b + error_b, c + error_c);
+    let (least_a, least_b, least_c) = (a - error_a, b - error_b, c - error_c);
+    let is_positive = most_a.min(most_b).min(most_c).ge(zero);
+    let is_negative = least_a.max(least_b).max(least_c).le(zero);
+    let surely_positive = least_a.min(least_b).min(least_c).gt(zero);
+    let surely_negative = zero.gt(most_a.max(most_b).max(most_c));
+    [
+        (is_positive | is_negative).to_bits(),
+        (surely_positive | surely_negative).to_bits(),
+    ]
+}
+
+/// E_a + E_b + E_c; E_b and E_c; along w the ways to b and c; and how far E_b, E_c and the first may be off.
+#[derive(Clone, Copy)]
+struct Edges<S: Simd> {
+    whole: F32x16<S>,
+    edges: [F32x16<S>; 2],
+    offsets_w: [F32x16<S>; 2],
+    errors: [F32x16<S>; 3],
+}
+
 impl<S: Simd> BlockHits<S> {
+    /// Finds the depths of those that the ray surely passes through: of the first corner, and what the weights
+    /// of the others add. These are off by (error + weight · error of the whole) / |whole|.
+    #[inline(always)]
+    fn find_depths(&mut self, simd: S, a_w: F32x16<S>, give: F32x16<S>, edges: Edges<S>) {
+        let Edges {
+            whole,
+            edges: [edge_b, edge_c],
+            offsets_w: [e_w, f_w],
+            errors: [error_b, error_c, error_whole],
+        } = edges;
+        let (zero, one) = (F32x16::splat(simd, 0.0), F32x16::splat(simd, 1.0));
+        let is_sure = Mask32x16::from_bits(simd, self.surely);
+        let size = whole.abs();
+        let over = one / is_sure.select(size, one);
+        let depth = (edge_b * e_w + edge_c * f_w) * over;
+        let depth = a_w + whole.gt(zero).select(depth, zero - depth);
+        let (size_e_w, size_f_w) = (e_w.abs(), f_w.abs());
+        let of_edges = size_e_w.times_plus(error_b, size_f_w * error_c);
+        let of_whole = (size_e_w + size_f_w + one) * error_whole;
+        let error = (of_edges + of_whole).times_plus(over, give);
+        self.least = is_sure.select((depth - error).max(self.least), self.least);
+        self.most = is_sure.select((depth + error).min(self.most), self.most);
+        self.speed = size - error_whole;
+    }
+
     /// Between which t each is met, if it is: the least and the most.
     #[inline(always)]
     pub(in crate::visibility) fn reach(&self) -> Reach {

@@ -1,8 +1,9 @@
-//! Batches of rays and of segments that share nothing, and what is known of them.
+//! Rays, segments and hits of a batch, number by number in columns.
 
 use fearless_simd::Simd;
 
-use crate::math::{DVec3, all_three};
+use super::candidates::{Pair, gathered};
+use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, LANES, U64x16};
 use crate::visibility::batch::{BATCH, Column, PACKETS, columns};
 use crate::visibility::primitive::Primitive;
@@ -45,13 +46,6 @@ pub(crate) struct SegmentBatch {
     pub(crate) count: usize,
 }
 
-/// A ray of a batch, and the number of a triangle that it may meet.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    pub(super) ray: u32,
-    pub(super) triangle: u32,
-}
-
 impl Default for RayBatch {
     fn default() -> Self {
         Self {
@@ -83,27 +77,9 @@ impl Default for EndBatch {
 
 /// The vector of one ray in three columns.
 #[inline(always)]
-pub(super) fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {
+fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {
     let [x, y, z] = columns;
     DVec3::new(x[ray], y[ray], z[ray])
-}
-
-/// The vectors of some rays in three columns.
-#[inline(always)]
-pub(super) fn gathered<S: Simd>(simd: S, columns: &[Column; 3], pairs: &[Pair]) -> DVec3x16<S> {
-    let gathered = all_three(
-        [0, 1, 2],
-        #[inline(always)]
-        |axis: usize| {
-            let mut numbers = [0.0; LANES];
-            for (number, pair) in numbers.iter_mut().zip(pairs) {
-                *number = columns[axis][pair.ray as usize];
-            }
-            numbers
-        },
-    );
-    let [x, y, z] = &gathered;
-    DVec3x16::load(simd, [x, y, z])
 }
 
 impl RayBatch {

@@ -1,0 +1,188 @@
+//! L2: what rays meet first.
+
+use fearless_simd::Simd;
+
+use super::batch::{Hits, RayBatch};
+use super::candidates::{Candidates, CurrentRay, Pair, gathered};
+use crate::simd::{DVec3x16, LANES, ones};
+use crate::visibility::batch::{columns, first_lanes};
+use crate::visibility::primitive::Primitive;
+use crate::visibility::question::NearestHit;
+use crate::visibility::rays::{Rays, ShearedRays};
+use crate::visibility::search::{Along, DESCENTS, Way};
+use crate::visibility::shape::{SphereBlock, TriangleBlock, plane};
+use crate::visibility::shapes::Shapes;
+
+/// L2 for spheres.
+struct NearestSpheres<'b> {
+    rays: &'b RayBatch,
+    hits: &'b mut Hits,
+    current: [usize; DESCENTS],
+}
+
+impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
+    #[inline(always)]
+    fn begin(&mut self, place: usize, ray: usize) -> Option<Way> {
+        self.current[place] = ray;
+        Some(self.rays.way(ray, self.hits.t[ray]))
+    }
+
+    #[inline(always)]
+    fn show(&mut self, simd: S, place: usize, block: &SphereBlock, bits: u32) -> Option<f64> {
+        let ray = self.current[place];
+        let way = self.rays.way(ray, 0.0);
+        let lanes = Rays::new(
+            DVec3x16::splat(simd, way.origin),
+            DVec3x16::splat(simd, way.direction),
+            None,
+        );
+        if let Some((found, t)) = block.first_met(simd, &lanes, bits) {
+            let t = t.to_array();
+            for place in ones(found.to_bits()) {
+                self.hits.offer(ray, t[place], block.primitive(place));
+            }
+        }
+        Some(self.hits.t[ray])
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: usize) {}
+}
+
+/// L2 for triangles: their candidates.
+struct NearestTriangles<'b, 'w> {
+    shapes: &'b Shapes<'w>,
+    rays: &'b RayBatch,
+    hits: &'b mut Hits,
+    pairs: &'b mut Vec<Pair>,
+    current: [CurrentRay; DESCENTS],
+}
+
+impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
+    #[inline(always)]
+    fn begin(&mut self, place: usize, ray: usize) -> Option<Way> {
+        let way = self.rays.way(ray, self.hits.t[ray]);
+        self.current[place].set(ray, &way);
+        Some(way)
+    }
+
+    #[inline(always)]
+    fn show(&mut self, simd: S, place: usize, block: &TriangleBlock, bits: u32) -> Option<f64> {
+        let CurrentRay {
+            ray,
+            single,
+            limit,
+            list,
+        } = &mut self.current[place];
+        let Some(met) = block.meet(simd, single, bits) else {
+            return Some(*limit);
+        };
+        let reach = met.reach();
+        for place in ones(met.maybe) {
+            let [least, most] = reach.of(place);
+            if most < 0.0 || least > *limit {
+                continue;
+            }
+            if list.len == LANES {
+                list.keep_up_to(*limit);
+            }
+            if list.len == LANES {
+                let pairs = list.all_pairs(*ray);
+                self.shapes.meet_pairs(simd, self.rays, &pairs, self.hits);
+                list.len = 0;
+                *limit = limit.min(self.hits.t[*ray]);
+            }
+            list.push(least, block.number(place));
+            if met.surely >> place & 1 == 1 && least > 0.0 && most < *limit {
+                *limit = most;
+            }
+        }
+        Some(*limit)
+    }
+
+    #[inline(always)]
+    fn end(&mut self, place: usize) {
+        let CurrentRay {
+            ray, limit, list, ..
+        } = &mut self.current[place];
+        list.keep_up_to(*limit);
+        self.pairs.extend(list.pairs(*ray));
+    }
+}
+
+impl Shapes<'_> {
+    #[inline(always)]
+    pub(super) fn nearest_all<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayBatch,
+        space: &mut Candidates,
+        hits: &mut Hits,
+    ) {
+        self.meet_planes(simd, rays, hits);
+        let Candidates { descents, pairs } = space;
+        pairs.clear();
+        if !self.spheres.is_empty() {
+            let mut asker = NearestSpheres {
+                rays,
+                hits,
+                current: [0; DESCENTS],
+            };
+            self.spheres
+                .along::<S, _, true>(simd, rays.count, &mut asker, descents);
+        }
+        if !self.triangles.is_empty() {
+            let mut asker = NearestTriangles {
+                shapes: self,
+                rays,
+                hits,
+                pairs,
+                current: [CurrentRay::NONE; DESCENTS],
+            };
+            self.triangles
+                .along::<S, _, true>(simd, rays.count, &mut asker, descents);
+            for pairs in pairs.chunks(LANES) {
+                self.meet_pairs(simd, rays, pairs, hits);
+            }
+        }
+    }
+
+    /// Begins with the planes.
+    #[inline(always)]
+    fn meet_planes<S: Simd>(&self, simd: S, rays: &RayBatch, hits: &mut Hits) {
+        for packet in 0..rays.count.div_ceil(LANES) {
+            let lanes = packet * LANES..(packet + 1) * LANES;
+            let packet_of_rays = Rays::new(
+                DVec3x16::load(simd, columns(&rays.origin, packet)),
+                DVec3x16::load(simd, columns(&rays.direction, packet)),
+                None,
+            );
+            let mut nearest = NearestHit::new(simd, first_lanes(rays.count, packet));
+            for plane in self.world.planes() {
+                plane::intersect(simd, plane, &packet_of_rays, &mut nearest);
+            }
+            nearest.t.store(&mut hits.t[lanes.clone()]);
+            hits.primitive[lanes].copy_from_slice(&nearest.primitive.to_array());
+        }
+    }
+
+    /// Puts at most sixteen pairs to f64.
+    #[inline(never)]
+    fn meet_pairs<S: Simd>(&self, simd: S, rays: &RayBatch, pairs: &[Pair], hits: &mut Hits) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let origin = gathered(simd, &rays.origin, pairs);
+                let direction = gathered(simd, &rays.direction, pairs);
+                let packet = ShearedRays::new(Rays::new(origin, direction, None));
+                let (triangles, primitives) = self.triangles_of(simd, pairs);
+                let (found, t) = triangles.intersect(simd, &packet);
+                let t = t.to_array();
+                for lane in ones(found.to_bits()) {
+                    let ray = pairs[lane].ray as usize;
+                    hits.offer(ray, t[lane], Primitive(primitives[lane]));
+                }
+            },
+        );
+    }
+}
