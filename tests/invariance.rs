@@ -111,7 +111,7 @@ impl Same {
         if samples == 1 && !off.is_empty() {
             let oracle = Oracle::new(scene);
             let width = oracle.resolution()[0] as usize;
-            off.retain(|index| !is_edge(&oracle, [index % width, index / width]));
+            off.retain(|index| !is_edge(&oracle, scene, [index % width, index / width]));
             assert!(off.is_empty(), "{name}: {off:?} are off any edge");
         }
     }

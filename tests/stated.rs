@@ -22,7 +22,7 @@ fn stated(page: &str, phrase: &str) -> f64 {
     };
     let end = rest.find(|c: char| !c.is_ascii_digit() && !"e-. ".contains(c));
     let number = rest[..end.unwrap_or(rest.len())].trim();
-    let number = number.trim_end_matches(['.', '-']).replace(' ', "");
+    let number = number.trim_end_matches(['.', '-', ' ']).replace(' ', "");
     let number = number.parse();
     number.unwrap_or_else(|_| panic!("after `{phrase}` there is no number: {rest:.20}"))
 }
