@@ -501,10 +501,10 @@ mod tests {
                 }
                 let column = SimdLevel::default().run(Spread(range, &numbers));
                 let expected = |slot: usize| (first + slot) / samples;
-                for slot in 0..BATCH {
+                for (slot, &spread) in column.iter().enumerate() {
                     assert_eq!(range.pixel(slot), expected(slot));
                     assert_eq!(
-                        column[slot],
+                        spread,
                         7 * expected(slot) as u32,
                         "{samples} {first} {slot}"
                     );

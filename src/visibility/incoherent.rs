@@ -1,7 +1,7 @@
 //! Rays and segments that share nothing: each on its own way down the trees.
 //!
 //! A ray goes through the nodes alone, eight boxes at a time, and sixteen shapes of a leaf are put to it side
-//! by side: spheres in f64, triangles in f32 with bounds ([`SingleRay`]). What f32 cannot rule out is a
+//! by side: spheres in f64, triangles in f32 with bounds ([`SingleRay`](super::shape::SingleRay)). What f32 cannot rule out is a
 //! candidate, what it is sure of says how far to look. In the end the candidates of all rays of the batch are
 //! put to f64, sixteen pairs of a ray and a triangle at a time, by the formulas of the packets. So a ray meets what it
 //! meets in a packet, at the same t to the bit, and ties go by the order of the scene.

@@ -40,7 +40,7 @@ impl<'w> Everything<'w> {
         let spheres = world.spheres().iter();
         Self {
             world,
-            spheres: spheres.map(|sphere| Sphere::new(sphere)).collect(),
+            spheres: spheres.map(Sphere::new).collect(),
             triangles: (0..triangles.len() as u32).map(triangle).collect(),
         }
     }
@@ -170,10 +170,13 @@ fn bundle(all: &Everything<'_>, size: f64, count: u32) -> Vec<Ray> {
             0 | 1 => vector(index, 6),
             2 | 3 => towards,
             4 => all.on_edge(index + 1).unwrap_or(DVec3::ZERO) - origin,
-            5 => DVec3::AXES[(index / 7) as usize % 3] * if index % 2 == 0 { 1.0 } else { -1.0 },
-            _ => vector(index, 6).with_y(if index % 2 == 0 { 0.0 } else { 1e-310 }),
+            5 => {
+                DVec3::AXES[(index / 7) as usize % 3]
+                    * if index.is_multiple_of(2) { 1.0 } else { -1.0 }
+            }
+            _ => vector(index, 6).with_y(if index.is_multiple_of(2) { 0.0 } else { 1e-310 }),
         };
-        if index % 11 == 0 {
+        if index.is_multiple_of(11) {
             direction *= 10_f64.powf(200.0 * scattered(index, 10) - 100.0);
         }
         if direction == DVec3::ZERO {
