@@ -36,8 +36,8 @@ const MANY: u64 = 1000;
 const FLOOR: f64 = 1e-6;
 
 /// The part of the pixels of all scenes whose ray may pass so closely by an edge that rounding decides its side;
-/// one pixel of each is allowed. Of 880 000 pixels here, and of 12 million of generated scenes, none is such. Off
-/// an edge none may be.
+/// one pixel of each is allowed. Of the 880 000 pixels here none is such, and of the 11 million of 3000 generated
+/// scenes, and 750 with shadow rays that start off the triangles, one is. Off an edge none may be.
 pub(crate) const FLIPS: f64 = 2e-6;
 
 /// Pixels away at which decisions are asked again, to find edges: far above what rounding moves a
