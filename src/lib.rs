@@ -1,7 +1,7 @@
 //! candela: a renderer for direct light.
 //!
 //! For every pixel it computes what a viewer receives from point lights and spots by way of one surface
-//! (L9, with its parts L1 to L8 in [`oracle`], [`visibility`] and [`shading`]):
+//! (L9, with its parts L1 to L8 in [`oracle`]):
 //!
 //! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
 //!
@@ -32,18 +32,18 @@
 //!
 //! | module | job |
 //! | --- | --- |
-//! | [`units`] | photometric quantities as types: candela, lux, cd/m² |
-//! | [`math`] | points, directions, normals and rays in f64 |
-//! | [`simd`] | sixteen numbers side by side, on any instruction set |
-//! | [`color`] | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
+//! | `units` | photometric quantities as types: candela, lux, cd/m² |
+//! | `math` | points, directions, normals and rays in f64 |
+//! | `simd` | sixteen numbers side by side, on any instruction set |
+//! | `color` | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
 //! | [`output`] | files that appear whole or not at all |
-//! | [`printable`] | text from files and command lines as it may be shown on a terminal |
+//! | `printable` | text from files and command lines as it may be shown on a terminal |
 //! | [`spectrum`] | functions of wavelength: the CIE's tables, curves, illuminants, smooth spectra of colors |
-//! | [`camera`] | pixels to rays (L1) |
+//! | `camera` | pixels to rays (L1) |
 //! | [`scene`] | what was written: the scene file and its meshes, with places for errors |
-//! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the [`Plan`](world::Plan) |
-//! | [`visibility`] | what a camera ray sees (L1, L2) and what a light reaches (L4) |
-//! | [`shading`] | how much light goes from there to the viewer (L3, L5 to L9) |
+//! | [`world`] | what is legal: resolved, in range, in the working space, lights times reflectances integrated; and the plan |
+//! | `visibility` | what a camera ray sees (L1, L2) and what a light reaches (L4) |
+//! | `shading` | how much light goes from there to the viewer (L3, L5 to L9) |
 //! | [`image`] | what an image is: its window, its pixels and channels |
 //! | [`exr`] | images to OpenEXR and back |
 //! | [`mod@render`] | tiles, their samples, the box filter, and where finished tiles go |
@@ -117,36 +117,52 @@
 #![forbid(unsafe_code)]
 
 #[doc(hidden)]
-pub mod bench;
-pub mod camera;
-pub mod color;
+mod bench;
+mod camera;
+mod color;
 pub mod display;
 pub mod exr;
 pub mod image;
-pub mod input;
-pub mod math;
-pub mod memory;
+mod input;
+mod math;
+mod memory;
 pub mod mesh;
 pub mod oracle;
 pub mod output;
-pub mod printable;
+mod printable;
 pub mod render;
 pub mod scene;
-pub mod shading;
-pub mod simd;
+mod shading;
+mod simd;
 pub mod spectrum;
 mod turns;
-pub mod units;
-pub mod visibility;
+mod units;
+mod visibility;
 pub mod world;
+
+/// What the program, the tests and the benchmarks use beside the library's face. It may change in any
+/// version.
+#[doc(hidden)]
+pub mod internal {
+    pub use crate::bench::Tracer;
+    pub use crate::color::adaptation::bradford;
+    pub use crate::color::difference::{Lab, delta_e_2000};
+    pub use crate::color::transfer::srgb_decode;
+    pub use crate::memory::{Size, look_for_threads};
+    pub use crate::printable::{counted, is_printable, printable, printable_path};
+}
 
 /// The code of the page about the library compiles.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
 
-pub use camera::Camera;
+pub use camera::{Camera, Projection};
+#[doc(hidden)]
+pub use color::Primaries;
 pub use image::Film;
+pub use math::{DVec3, Direction, Point, Ray};
+pub use memory::OutOfMemory;
 pub use render::{Options, Renderer, render};
 pub use scene::Scene;
 pub use world::World;

@@ -120,13 +120,13 @@ impl Ray {
 /// `f` of each of two. What the standard library does for arrays of any length is mostly compiled apart from
 /// its caller, and so without the instructions of a kernel.
 #[inline(always)]
-pub fn both<T, U>([a, b]: [T; 2], f: impl Fn(T) -> U) -> [U; 2] {
+pub(crate) fn both<T, U>([a, b]: [T; 2], f: impl Fn(T) -> U) -> [U; 2] {
     [f(a), f(b)]
 }
 
 /// `f` of each of three, as [`both`].
 #[inline(always)]
-pub fn all_three<T, U>([a, b, c]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
+pub(crate) fn all_three<T, U>([a, b, c]: [T; 3], f: impl Fn(T) -> U) -> [U; 3] {
     [f(a), f(b), f(c)]
 }
 

@@ -42,7 +42,7 @@ impl OutOfMemory {
 ///
 /// # Errors
 /// If there is not so much memory; the items are as they were.
-pub fn reserve<T>(items: &mut Vec<T>, additional: usize) -> Result<(), OutOfMemory> {
+pub(crate) fn reserve<T>(items: &mut Vec<T>, additional: usize) -> Result<(), OutOfMemory> {
     items.try_reserve(additional).map_err(|_| {
         let count = (items.len() as u64).saturating_add(additional as u64);
         OutOfMemory::new(count.saturating_mul(size_of::<T>() as u64))
@@ -53,7 +53,7 @@ pub fn reserve<T>(items: &mut Vec<T>, additional: usize) -> Result<(), OutOfMemo
 ///
 /// # Errors
 /// If there is not so much memory.
-pub fn reserve_names<T>(
+pub(crate) fn reserve_names<T>(
     names: &mut HashMap<&str, T>,
     additional: usize,
 ) -> Result<(), OutOfMemory> {
@@ -70,7 +70,7 @@ pub fn reserve_names<T>(
 ///
 /// # Errors
 /// If it would not.
-pub fn look_for(bytes: u64) -> Result<(), OutOfMemory> {
+pub(crate) fn look_for(bytes: u64) -> Result<(), OutOfMemory> {
     let mut block: Vec<u8> = Vec::new();
     let fits = usize::try_from(bytes).is_ok_and(|count| block.try_reserve_exact(count).is_ok());
     if fits {

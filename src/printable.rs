@@ -54,7 +54,7 @@ pub fn printable_path(path: &Path) -> String {
 }
 
 /// Bytes that should be UTF-8, as [`printable`] text; what is not becomes U+FFFD.
-pub fn printable_bytes(bytes: &[u8]) -> String {
+pub(crate) fn printable_bytes(bytes: &[u8]) -> String {
     printable(&String::from_utf8_lossy(bytes))
 }
 

@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
+use candela::DVec3;
+use candela::Primaries;
 use candela::Scene;
-use candela::color::Primaries;
-use candela::color::difference::{Lab, delta_e_2000};
 use candela::exr::{self, ExrOptions};
-use candela::math::DVec3;
+use candela::internal::{Lab, delta_e_2000};
 use candela::oracle::Oracle;
 use candela::output::Unfinished;
 use candela::scene::ColorSpace;

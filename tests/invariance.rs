@@ -111,7 +111,7 @@ impl Same {
         if samples == 1 && !off.is_empty() {
             let oracle = Oracle::new(scene);
             let width = oracle.resolution()[0] as usize;
-            off.retain(|index| !is_edge(&oracle, [index % width, index / width]));
+            off.retain(|index| !is_edge(&oracle, scene, [index % width, index / width]));
             assert!(off.is_empty(), "{name}: {off:?} are off any edge");
         }
     }
@@ -189,9 +189,7 @@ fn times(value: &Value, factor: f64) -> Value {
             space: *space,
         },
         Value::Srgb(codes) => Value::Rgb {
-            rgb: codes.map(|code| {
-                candela::color::transfer::srgb_decode(f64::from(code) / 255.0) * factor
-            }),
+            rgb: codes.map(|code| candela::internal::srgb_decode(f64::from(code) / 255.0) * factor),
             space: candela::scene::ColorSpace::Rec709,
         },
         Value::Curve(curve) => {

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 
+use candela::render::Renderer;
 use candela::scene::{Reading, Scene};
-use candela::visibility::Visibility;
-use candela::world::{Plan, World};
+use candela::world::World;
 
 use crate::allocation::peak;
 
@@ -164,7 +164,7 @@ fn a_large_file_is_no_tree_at_once() {
     assert!(most <= 10 * size + 1000, "{most} bytes for {size}");
 }
 
-/// What [`Visibility::memory_needed`] says is enough, and not much more.
+/// What [`Renderer::memory_needed`] says is enough, and not much more.
 #[test]
 fn preparing_takes_what_is_said() {
     let grid: String = (0..200 * 200)
@@ -180,10 +180,9 @@ fn preparing_takes_what_is_said() {
     for text in [HEAD.to_owned() + mesh, scene_of(sphere)] {
         let scene = Scene::parse(&text, folder.path().join("a.toml")).unwrap();
         let (world, _) = World::new(&scene).unwrap();
-        let plan = Plan::new(&world);
-        let (visibility, most) = alone(|| Visibility::new(&world, &plan).memory());
-        let needed = Visibility::memory_needed(&world) as usize;
-        assert!(most <= needed, "{most} of {needed}, {visibility} kept");
+        let (kept, most) = alone(|| Renderer::new(&world).unwrap().memory());
+        let needed = Renderer::memory_needed(&world) as usize;
+        assert!(most <= needed, "{most} of {needed}, {kept} kept");
         assert!(needed <= 2 * most + 1_000_000, "{most} of {needed}");
     }
 }

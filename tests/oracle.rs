@@ -8,9 +8,9 @@ use candela::exr::ExrOptions;
 use candela::image::{Film, Window};
 use candela::oracle::{Explanation, Oracle, Sample};
 use candela::output::Unfinished;
+use candela::render::SimdLevel;
 use candela::render::{Layers, Options, render};
 use candela::scene::{Object, Scene};
-use candela::simd::SimdLevel;
 use candela::world::World;
 use rayon::prelude::*;
 
@@ -24,24 +24,29 @@ use crate::openimageio::{idiff_agrees, idiff_agrees_within};
 pub(crate) const TOLERANCE: f64 = 1e-5;
 
 /// The worst of the generated scenes, with shadow rays that start on the triangles and off them, and of
-/// `scenes/`: half the last bit of an f32. All before the film is f64, and no light is so near to a surface that
-/// the last bits of p show.
+/// `scenes/`: half the last bit of an f32. All before the film is f64.
 pub(crate) const WORST: f64 = HALF_LAST_BIT;
+
+/// The worst of [`MANY`] generated scenes or more: a light just above a surface, where the last bits of p show.
+pub(crate) const WORST_OF_MANY: f64 = 1.62e-7;
+const MANY: u64 = 1000;
 
 /// Below this part of the image's median lit radiance, errors are relative to that instead of the
 /// pixel: it is 20 stops below what the picture shows.
 const FLOOR: f64 = 1e-6;
 
 /// The part of the pixels of all scenes whose ray may pass so closely by an edge that rounding decides its side;
-/// one pixel of each is allowed. Of 880 000 pixels here, and of 12 million of generated scenes, none is such. Off
-/// an edge none may be.
+/// one pixel of each is allowed. Of the 880 000 pixels here none is such, and of the 11 million of 3000 generated
+/// scenes, and 750 with shadow rays that start off the triangles, one is. Off an edge none may be.
 pub(crate) const FLIPS: f64 = 2e-6;
 
 /// Pixels away at which decisions are asked again, to find edges: far above what rounding moves a
-/// ray by, far below what a viewer sees.
+/// ray by, far below what a viewer sees. And so many roundings of the eye's coordinates, where these are far from
+/// the origin.
 const NEARBY: f64 = 1e-5;
+const ROUNDINGS: f64 = 512.0;
 
-/// Relative change of a light's share over [`NEARBY`] pixels, where there is no edge.
+/// Relative change of a light's share so far away, where there is no edge.
 const NEARBY_CHANGE: f64 = 1e-3;
 
 /// Columns of the images of scene files: twice a prime. Even, so that a divider that is seen edge-on
@@ -101,12 +106,23 @@ fn error(actual: [f32; 4], expected: &Sample, floor: f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// How many pixels away an edge may be, so that rounding decides its side.
+fn nearby(scene: &Scene) -> f64 {
+    let view = scene.camera.value.view();
+    let [eye, look_at] = [view.eye.value, view.look_at.value];
+    let furthest = eye.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let distance = (0..3).map(|i| (eye[i] - look_at[i]).powi(2)).sum::<f64>();
+    let rows = f64::from(scene.image.resolution.value[1]);
+    NEARBY + ROUNDINGS * f64::EPSILON * furthest / distance.sqrt() * rows
+}
+
 /// Whether rounding may decide at this pixel: something else is seen, or another light arrives, a
 /// hair's breadth away.
-pub(crate) fn is_edge(oracle: &Oracle, [x, y]: [usize; 2]) -> bool {
+pub(crate) fn is_edge(oracle: &Oracle, scene: &Scene, [x, y]: [usize; 2]) -> bool {
     let (x, y) = (x as f64 + 0.5, y as f64 + 0.5);
     let center = oracle.decisions(x, y);
-    let steps = [-NEARBY, 0.0, NEARBY];
+    let nearby = nearby(scene);
+    let steps = [-nearby, 0.0, nearby];
     steps
         .into_iter()
         .flat_map(|dx| steps.map(|dy| [dx, dy]))
@@ -124,11 +140,13 @@ pub(crate) struct Rendered<'film> {
 /// the other way, is one that has the edge of its shadow here.
 pub(crate) fn is_flip(
     oracle: &Oracle,
+    scene: &Scene,
     [x, y]: [usize; 2],
     rendered: &Rendered<'_>,
     floor: f64,
 ) -> bool {
-    let steps = [0.0, -NEARBY, NEARBY];
+    let nearby = nearby(scene);
+    let steps = [0.0, -nearby, nearby];
     let around = steps
         .into_iter()
         .flat_map(|dx| steps.map(|dy| [x as f64 + 0.5 + dx, y as f64 + 0.5 + dy]));
@@ -190,7 +208,7 @@ fn compare(scene: &Scene) -> Comparison {
                 pixel: actual,
                 shares: layered.get_or_init(|| with_shares(scene)).values(index),
             };
-            if is_flip(&oracle, pixel, &rendered, floor) {
+            if is_flip(&oracle, scene, pixel, &rendered, floor) {
                 comparison.flips += 1;
             } else {
                 comparison.wrong.push(pixel);
@@ -262,11 +280,20 @@ pub(crate) fn assert_agrees(name: &str, scene: &Scene) -> usize {
     comparison.lit
 }
 
+/// The worst of as many scenes as are asked for.
+fn worst_of_generated() -> f64 {
+    if generate::count() < MANY {
+        WORST
+    } else {
+        WORST_OF_MANY
+    }
+}
+
 #[test]
 fn generated_scenes() {
     let folder = tempfile::tempdir().unwrap();
     let scenes = generate::scenes(folder.path());
-    judge("generated scenes", WORST, &scenes);
+    judge("generated scenes", worst_of_generated(), &scenes);
 }
 
 /// Shadow rays that start off the triangles, with all that is hard for them put in on purpose.
@@ -427,7 +454,7 @@ fn only_the_light_of_an_edge_may_flip() {
             pixel: [sum, sum, sum, alpha],
             shares: &[edge, edge, edge, free, free, free],
         };
-        is_flip(&oracle, [0, 0], &rendered, 1e-9)
+        is_flip(&oracle, &scene, [0, 0], &rendered, 1e-9)
     };
     assert!(is_right(edge, free, 1.0) && is_right(0.0, free, 1.0));
     for (edge, free, alpha) in [
@@ -530,4 +557,15 @@ fn any_instruction_set_gives_the_same_bits() {
             assert!(rendered(simd) == widest, "{name} on {instructions}");
         }
     }
+}
+
+/// One whose coordinates are a hundred million times its size: an edge is found as far away as these are rounded.
+#[test]
+fn an_edge_is_found_far_from_the_origin() {
+    let folder = tempfile::tempdir().unwrap();
+    let (name, scene) = generate::scene(1474, folder.path());
+    assert!(nearby(&scene) > 100.0 * NEARBY);
+    let comparison = compare(&scene);
+    assert!(comparison.wrong.is_empty(), "{name}: {comparison:?}");
+    assert_eq!(comparison.flips, 1);
 }

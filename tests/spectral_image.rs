@@ -6,10 +6,10 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use candela::color::adaptation::bradford;
-use candela::color::difference::{Lab, delta_e_2000};
 use candela::exr::{ExrOptions, Precision};
 use candela::image::{Film, Window};
+use candela::internal::bradford;
+use candela::internal::{Lab, delta_e_2000};
 use candela::output::Unfinished;
 use candela::render::{self, Job, Layers, Options, Renderer};
 use candela::scene::{Scene, Transport};

@@ -6,9 +6,9 @@ use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use candela::bench::Tracer;
-use candela::math::DVec3;
-use candela::simd::SimdLevel;
+use candela::DVec3;
+use candela::internal::Tracer;
+use candela::render::SimdLevel;
 use candela::world::World;
 
 use super::Result;

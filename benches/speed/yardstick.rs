@@ -6,10 +6,10 @@ use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use candela::camera::{Camera, Projection};
-use candela::math::Point;
+use candela::Point;
 use candela::world::material::Model;
 use candela::world::{Light, World};
+use candela::{Camera, Projection};
 
 use super::Result;
 

@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use candela::printable::printable;
+use candela::internal::printable;
 use clap::CommandFactory;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};

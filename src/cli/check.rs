@@ -2,10 +2,10 @@
 
 use std::io::Write;
 
-use candela::memory::Size;
-use candela::printable::{counted, printable, printable_path};
+use candela::Renderer;
+use candela::internal::Size;
+use candela::internal::{counted, printable, printable_path};
 use candela::scene::{Scene, Transport};
-use candela::visibility::Visibility;
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
@@ -36,8 +36,8 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         world,
         camera,
     } = arguments.scene.load(|_| {})?;
-    let plan = Plan::new(&world);
-    let visibility = Visibility::try_new(&world, &plan)?;
+    let renderer = Renderer::new(&world)?;
+    let plan = renderer.plan();
 
     let [width, height] = camera.resolution();
     writeln!(
@@ -53,11 +53,11 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
     print_objects(&world, output)?;
     print_materials(&world, output)?;
     print_lights(&world, output)?;
-    print_plan(&world, &plan, output)?;
-    print_differences(scene, &world, &plan, output)?;
+    print_plan(&world, plan, output)?;
+    print_differences(scene, &world, plan, output)?;
 
     let film = u64::from(width) * u64::from(height) * size_of::<[f32; 4]>() as u64;
-    let shapes = (world.triangles().memory() + visibility.memory()) as u64;
+    let shapes = (world.triangles().memory() + renderer.memory()) as u64;
     writeln!(
         output,
         "\nmemory     {} film, {} shapes and trees",

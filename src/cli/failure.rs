@@ -6,9 +6,9 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use candela::OutOfMemory;
 use candela::display::DisplayError;
 use candela::exr::ExrError;
-use candela::memory::OutOfMemory;
 use candela::output::{self, OutputError};
 use candela::scene::Diagnostics;
 use rayon::ThreadPoolBuildError;

@@ -21,9 +21,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use candela::image::Window;
-use candela::memory;
+use candela::internal::look_for_threads;
+use candela::internal::printable_path;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
-use candela::printable::printable_path;
 use candela::render::Options;
 use candela::world::Loaded;
 use clap::{ColorChoice, Parser, Subcommand};
@@ -144,8 +144,7 @@ fn with_threads<T: Send>(
 ) -> Result<T, Failure> {
     let variable = std::env::var("RAYON_NUM_THREADS").ok();
     let threads = threads(asked, variable.as_deref());
-    memory::look_for_threads(threads)
-        .map_err(|error| NoThreads(error.for_what("their stacks").into()))?;
+    look_for_threads(threads).map_err(|error| NoThreads(error.for_what("their stacks").into()))?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

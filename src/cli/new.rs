@@ -4,8 +4,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use candela::internal::printable_path;
 use candela::output::{self, Unfinished};
-use candela::printable::printable_path;
 use candela::scene::schema;
 
 use super::Failure;

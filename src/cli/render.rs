@@ -16,9 +16,9 @@ use candela::Camera;
 use candela::display::{self, Alpha, Frame};
 use candela::exr::{Compression, ExrImage};
 use candela::output::{self, Unfinished};
+use candela::render::SimdLevel;
 use candela::render::{Job, MAX_SAMPLES, Renderer};
 use candela::scene::Scene;
-use candela::simd::SimdLevel;
 use candela::world::{Loaded, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 

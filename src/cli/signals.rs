@@ -2,7 +2,7 @@
 
 use std::io;
 
-use candela::memory;
+use candela::internal::look_for_threads;
 use candela::output::Unfinished;
 
 /// What a shell adds to the number of the signal that ended a program.
@@ -37,7 +37,7 @@ pub(super) fn heed(unfinished: &Unfinished) -> io::Result<()> {
         .filter(|&&signal| ignored & (1 << (signal - 1)) == 0);
     let mut signals = signal_hook::iterator::Signals::new(heeded)?;
     let unfinished = unfinished.clone();
-    let room = memory::look_for_threads(1);
+    let room = look_for_threads(1);
     room.map_err(|error| io::Error::other(error.for_what("a thread")))?;
     std::thread::Builder::new().spawn(move || {
         if let Some(signal) = signals.forever().next() {

@@ -8,8 +8,8 @@ use super::Failure;
 use super::develop::DevelopArguments;
 use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
 use candela::exr::ExrReader;
+use candela::internal::printable_path;
 use candela::output::Unfinished;
-use candela::printable::printable_path;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
 /// Make a PNG of an EXR: expose, map to the screen's range, encode as sRGB

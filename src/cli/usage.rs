@@ -5,7 +5,7 @@ use std::ffi::{OsStr, OsString};
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use candela::printable::{is_printable, printable};
+use candela::internal::{is_printable, printable};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 

@@ -33,7 +33,7 @@ pub fn bradford(from: DVec3, to: DVec3) -> DMat3 {
 /// is not adapted: its white is that of equal numbers, no light's.
 /// Colors outside the gamut of `to` get negative components. The same space gives exactly the
 /// identity.
-pub fn conversion(from: &Primaries, to: &Primaries) -> DMat3 {
+pub(crate) fn conversion(from: &Primaries, to: &Primaries) -> DMat3 {
     if from == to {
         return DMat3::IDENTITY;
     }

@@ -5,10 +5,10 @@
 
 use glam::{DMat3, DVec3};
 
-pub mod adaptation;
-pub mod difference;
+pub(crate) mod adaptation;
+pub(crate) mod difference;
 mod space;
-pub mod transfer;
+pub(crate) mod transfer;
 
 pub use space::ColorSpace;
 
@@ -25,67 +25,7 @@ pub struct Primaries {
     pub white: [f64; 2],
 }
 
-/// D65 as the RGB standards round it (ITU-R BT.709-6, table 1).
-const D65: [f64; 2] = [0.3127, 0.3290];
-
 impl Primaries {
-    /// ITU-R BT.709-6, which sRGB shares.
-    pub const REC709: Self = Self {
-        red: [0.640, 0.330],
-        green: [0.300, 0.600],
-        blue: [0.150, 0.060],
-        white: D65,
-    };
-
-    /// P3 with a D65 white (SMPTE EG 432-1).
-    pub const P3_D65: Self = Self {
-        red: [0.680, 0.320],
-        green: [0.265, 0.690],
-        blue: [0.150, 0.060],
-        white: D65,
-    };
-
-    /// ITU-R BT.2020-2.
-    pub const REC2020: Self = Self {
-        red: [0.708, 0.292],
-        green: [0.170, 0.797],
-        blue: [0.131, 0.046],
-        white: D65,
-    };
-
-    /// Adobe RGB (1998), section 4.3.1.1.
-    pub const ADOBE_RGB: Self = Self {
-        red: [0.640, 0.330],
-        green: [0.210, 0.710],
-        blue: [0.150, 0.060],
-        white: D65,
-    };
-
-    /// CIE XYZ itself as a space of R, G, B. The white is that of equal numbers, which is no
-    /// light's: colors are not adapted from it.
-    pub const XYZ: Self = Self {
-        red: [1.0, 0.0],
-        green: [0.0, 1.0],
-        blue: [0.0, 0.0],
-        white: [1.0 / 3.0, 1.0 / 3.0],
-    };
-
-    /// AP1, the primaries of ACEScg (S-2014-004).
-    pub const AP1: Self = Self {
-        red: [0.713, 0.293],
-        green: [0.165, 0.830],
-        blue: [0.128, 0.044],
-        white: [0.32168, 0.33767],
-    };
-
-    /// AP0, the primaries of ACES 2065-1 (SMPTE ST 2065-1).
-    pub const AP0: Self = Self {
-        red: [0.7347, 0.2653],
-        green: [0.0, 1.0],
-        blue: [0.0001, -0.0770],
-        white: [0.32168, 0.33767],
-    };
-
     /// The weights of R, G and B in the luminance Y; they sum to 1.
     ///
     /// They are the middle row of the matrix from RGB to XYZ (SMPTE RP 177): the columns are the

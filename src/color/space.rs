@@ -16,6 +16,68 @@ pub enum ColorSpace {
     AcesCg,
 }
 
+/// D65 as the RGB standards round it (ITU-R BT.709-6, table 1).
+const D65: [f64; 2] = [0.3127, 0.3290];
+
+impl Primaries {
+    /// ITU-R BT.709-6, which sRGB shares.
+    pub const REC709: Self = Self {
+        red: [0.640, 0.330],
+        green: [0.300, 0.600],
+        blue: [0.150, 0.060],
+        white: D65,
+    };
+
+    /// P3 with a D65 white (SMPTE EG 432-1).
+    pub const P3_D65: Self = Self {
+        red: [0.680, 0.320],
+        green: [0.265, 0.690],
+        blue: [0.150, 0.060],
+        white: D65,
+    };
+
+    /// ITU-R BT.2020-2.
+    pub const REC2020: Self = Self {
+        red: [0.708, 0.292],
+        green: [0.170, 0.797],
+        blue: [0.131, 0.046],
+        white: D65,
+    };
+
+    /// Adobe RGB (1998), section 4.3.1.1.
+    pub const ADOBE_RGB: Self = Self {
+        red: [0.640, 0.330],
+        green: [0.210, 0.710],
+        blue: [0.150, 0.060],
+        white: D65,
+    };
+
+    /// CIE XYZ itself as a space of R, G, B. The white is that of equal numbers, which is no
+    /// light's: colors are not adapted from it.
+    pub const XYZ: Self = Self {
+        red: [1.0, 0.0],
+        green: [0.0, 1.0],
+        blue: [0.0, 0.0],
+        white: [1.0 / 3.0, 1.0 / 3.0],
+    };
+
+    /// AP1, the primaries of ACEScg (S-2014-004).
+    pub const AP1: Self = Self {
+        red: [0.713, 0.293],
+        green: [0.165, 0.830],
+        blue: [0.128, 0.044],
+        white: [0.32168, 0.33767],
+    };
+
+    /// AP0, the primaries of ACES 2065-1 (SMPTE ST 2065-1).
+    pub const AP0: Self = Self {
+        red: [0.7347, 0.2653],
+        green: [0.0, 1.0],
+        blue: [0.0001, -0.0770],
+        white: [0.32168, 0.33767],
+    };
+}
+
 /// What there is to know of a linear space.
 struct LinearSpace {
     primaries: Primaries,
@@ -25,28 +87,47 @@ struct LinearSpace {
     display_id: Option<&'static str>,
 }
 
-const REC709: LinearSpace = LinearSpace {
-    primaries: Primaries::REC709,
-    scene_id: "lin_rec709_scene",
-    display_id: Some("lin_rec709_display"),
+/// A linear space that a scene can name.
+struct SceneSpace {
+    /// The name in a scene file.
+    name: &'static str,
+    linear: LinearSpace,
+}
+
+const REC709: SceneSpace = SceneSpace {
+    name: "rec709",
+    linear: LinearSpace {
+        primaries: Primaries::REC709,
+        scene_id: "lin_rec709_scene",
+        display_id: Some("lin_rec709_display"),
+    },
 };
 
-const P3_D65: LinearSpace = LinearSpace {
-    primaries: Primaries::P3_D65,
-    scene_id: "lin_p3d65_scene",
-    display_id: Some("lin_p3d65_display"),
+const P3_D65: SceneSpace = SceneSpace {
+    name: "p3-d65",
+    linear: LinearSpace {
+        primaries: Primaries::P3_D65,
+        scene_id: "lin_p3d65_scene",
+        display_id: Some("lin_p3d65_display"),
+    },
 };
 
-const REC2020: LinearSpace = LinearSpace {
-    primaries: Primaries::REC2020,
-    scene_id: "lin_rec2020_scene",
-    display_id: Some("lin_rec2020_display"),
+const REC2020: SceneSpace = SceneSpace {
+    name: "rec2020",
+    linear: LinearSpace {
+        primaries: Primaries::REC2020,
+        scene_id: "lin_rec2020_scene",
+        display_id: Some("lin_rec2020_display"),
+    },
 };
 
-const ACES_CG: LinearSpace = LinearSpace {
-    primaries: Primaries::AP1,
-    scene_id: "lin_ap1_scene",
-    display_id: None,
+const ACES_CG: SceneSpace = SceneSpace {
+    name: "acescg",
+    linear: LinearSpace {
+        primaries: Primaries::AP1,
+        scene_id: "lin_ap1_scene",
+        display_id: None,
+    },
 };
 
 /// Spaces that images come in, though no scene names them.
@@ -74,15 +155,10 @@ impl ColorSpace {
 
     /// The name in a scene file.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rec709 => "rec709",
-            Self::P3D65 => "p3-d65",
-            Self::Rec2020 => "rec2020",
-            Self::AcesCg => "acescg",
-        }
+        self.facts().name
     }
 
-    const fn facts(self) -> LinearSpace {
+    const fn facts(self) -> SceneSpace {
         match self {
             Self::Rec709 => REC709,
             Self::P3D65 => P3_D65,
@@ -93,12 +169,12 @@ impl ColorSpace {
 
     /// Its primaries and white.
     pub const fn primaries(self) -> Primaries {
-        self.facts().primaries
+        self.facts().linear.primaries
     }
 
     /// The identifier that the ASWF Color Interop Forum gives it, as `colorInteropID` of an EXR holds it.
     pub const fn interop_id(self) -> &'static str {
-        self.facts().scene_id
+        self.facts().linear.scene_id
     }
 }
 
@@ -106,7 +182,7 @@ impl Primaries {
     /// Those of a linear space by its identifier: all of those of the ASWF Color Interop Forum, of scenes and of
     /// displays.
     pub fn of_interop_id(id: &str) -> Option<Self> {
-        let of_scenes = ColorSpace::ALL.map(ColorSpace::facts);
+        let of_scenes = ColorSpace::ALL.map(|space| space.facts().linear);
         let mut spaces = of_scenes.iter().chain(&OF_IMAGES);
         let found = spaces.find(|space| space.scene_id == id || space.display_id == Some(id));
         found.map(|space| space.primaries)
@@ -115,6 +191,8 @@ impl Primaries {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
 
     #[test]
@@ -134,7 +212,7 @@ mod tests {
     /// Names, identifiers and primaries are each of one space.
     #[test]
     fn no_two_spaces_share_a_fact() {
-        let spaces = ColorSpace::ALL.map(ColorSpace::facts);
+        let spaces = ColorSpace::ALL.map(|space| space.facts().linear);
         let all: Vec<&LinearSpace> = spaces.iter().chain(&OF_IMAGES).collect();
         for (place, one) in all.iter().enumerate() {
             for other in &all[..place] {
@@ -142,5 +220,26 @@ mod tests {
                 assert_ne!(one.primaries, other.primaries, "{}", one.scene_id);
             }
         }
+        let names: HashSet<&str> = ColorSpace::ALL.map(ColorSpace::name).into();
+        assert_eq!(names.len(), ColorSpace::ALL.len());
+    }
+
+    /// The pages have every name, and every identifier of a scene-referred form, and no other.
+    #[test]
+    fn the_pages_have_this_table() {
+        let format = include_str!("../../docs/scene-format.md");
+        let names = ColorSpace::ALL.map(|space| format!("`\"{}\"`", space.name()));
+        let row = format
+            .lines()
+            .find(|line| line.starts_with("| `color_space`"));
+        assert!(row.unwrap().contains(&names.join(", ")));
+        let tonemap = include_str!("../../docs/tonemap.md");
+        let words = tonemap.split('`');
+        let told: HashSet<&str> = words
+            .filter(|word| word.starts_with("lin_") && word.len() > 4)
+            .collect();
+        let spaces = ColorSpace::ALL.map(|space| space.facts().linear);
+        let ids = spaces.iter().chain(&OF_IMAGES);
+        assert_eq!(told, ids.map(|space| space.scene_id).collect());
     }
 }

@@ -11,7 +11,7 @@ const LINEAR_END: f64 = 0.003_130_8;
 const CODED_END: f64 = 0.040_45;
 
 /// Linear light to code value, both 0 to 1.
-pub fn srgb_encode(light: f64) -> f64 {
+pub(crate) fn srgb_encode(light: f64) -> f64 {
     if light <= LINEAR_END {
         12.92 * light
     } else {

@@ -16,20 +16,26 @@
 mod codes;
 mod develop;
 mod dither;
+#[doc(hidden)]
 pub mod exposure;
 mod picture;
 mod png;
 mod source;
 mod stream;
-pub mod view;
+mod view;
 
 use rayon::prelude::*;
 
 use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
+#[doc(hidden)]
 pub use picture::Picture;
-pub use stream::{convert, convert_image, convert_reader};
+pub use stream::convert;
+#[doc(hidden)]
+pub use stream::{convert_image, convert_reader};
+#[doc(hidden)]
+pub use view::UnknownView;
 pub use view::View;
 
 use crate::exr::ExrError;
@@ -127,6 +133,7 @@ impl Alpha {
 
 /// An sRGB-coded picture, ready for a PNG.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[doc(hidden)]
 pub struct Image {
     resolution: [u32; 2],
     has_alpha: bool,
@@ -181,9 +188,11 @@ pub struct Report {
 
 /// Exposed luminance below this is coded below 39 of 255: where nothing is brighter, there is nothing
 /// to see.
+#[doc(hidden)]
 pub const LOOKS_BLACK: f64 = 0.02;
 
 /// A larger share of clipped pixels is more than highlights.
+#[doc(hidden)]
 pub const MANY_CLIPPED: f64 = 0.05;
 
 impl Report {
@@ -246,6 +255,7 @@ impl Report {
 }
 
 /// About two significant digits of a number above 0, without an exponent where that is short.
+#[doc(hidden)]
 pub fn digits(number: f64) -> String {
     let magnitude = number.log10().floor();
     match magnitude {
@@ -283,6 +293,7 @@ impl DisplayError {
 }
 
 /// Exposes, views, encodes and quantizes a picture.
+#[doc(hidden)]
 pub fn tonemap(picture: &Picture<'_>, settings: &Settings) -> Image {
     let ev = settings.exposure.ev(picture);
     developed(picture, &develop(picture, settings, ev))

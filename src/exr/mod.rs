@@ -12,7 +12,9 @@ use std::fmt;
 use std::str::FromStr;
 
 pub(crate) use file::{ExrFile, Packer};
-pub use read::{ColorMeaning, ColorTag, ExrError, ExrImage, ExrProblem, ExrReader, read};
+#[doc(hidden)]
+pub use read::{ColorMeaning, ColorTag, ExrReader};
+pub use read::{ExrError, ExrImage, ExrProblem, read};
 
 use crate::image::{ChannelKind, Channels, Window};
 
@@ -72,6 +74,7 @@ impl ExrOptions {
      OpenEXR's limit is 2.1 GB; {}render the image in parts with --crop",
     .other.map_or_else(String::new, |other| format!("choose {other}, or "))
 )]
+#[doc(hidden)]
 pub struct LargeBlocks {
     compression: Compression,
     gigabytes: f64,
@@ -189,6 +192,7 @@ impl fmt::Display for Compression {
 /// A name that is not that of a [`Compression`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown compression `{0}`, expected {expected}", expected = Compression::ALL.map(Compression::name).join(", "))]
+#[doc(hidden)]
 pub struct UnknownCompression(pub String);
 
 impl FromStr for Compression {

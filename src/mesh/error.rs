@@ -253,7 +253,7 @@ impl fmt::Display for Place {
 }
 
 impl Fault {
-    /// `found` instead of `expected`, [as it can be shown](shown).
+    /// `found` instead of `expected`, [as it can be shown](excerpt).
     #[cold]
     pub(super) fn unexpected(found: &[u8], expected: &'static str) -> Box<Self> {
         Box::new(Self::Unexpected {

@@ -8,6 +8,7 @@
 //! Loading takes linear time, and at most ten times the file's size plus 64 MB of memory, whatever
 //! the file says; a usual mesh takes what it keeps and no more.
 
+mod decimal;
 mod error;
 mod limits;
 mod memory;
@@ -16,6 +17,7 @@ mod obj;
 mod ply;
 mod polygon;
 mod remarks;
+mod separators;
 mod source;
 mod strip;
 mod surface;
@@ -25,7 +27,9 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
-pub use error::{ElementPlace, Fault, MeshError, Place, Position};
+pub use error::MeshError;
+#[doc(hidden)]
+pub use error::{ElementPlace, Fault, Place, Position};
 pub use remarks::MeshRemarks;
 use source::Source;
 

@@ -2,7 +2,8 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
-use super::text::{Dialect, is_separator};
+use super::separators::is_separator;
+use super::text::Dialect;
 
 /// Bytes that are read at once: enough to hide what a call costs, few enough to stay in a
 /// processor's cache until they are parsed.

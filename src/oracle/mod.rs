@@ -61,9 +61,9 @@ use crate::scene::{Light, Object, Scene};
 
 use camera::{Camera, Ray};
 use components::Components;
-pub use explanation::{
-    Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, SpotTerms, TransportUsed,
-};
+pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
+#[doc(hidden)]
+pub use explanation::{SpotTerms, TransportUsed};
 use hit::{Hit, starts_inwards};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
 use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
@@ -123,6 +123,7 @@ pub struct Sample {
 
 /// Which surface a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(hidden)]
 pub struct HitId {
     /// The object's index in the scene.
     pub object: usize,
@@ -133,6 +134,7 @@ pub struct HitId {
 /// The decisions behind a radiance. Between two points of the image that agree in them, radiance
 /// changes smoothly; where two computations differ in them, rounding decided at an edge.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[doc(hidden)]
 pub struct Decisions {
     /// What the primary ray hits.
     pub hit: Option<HitId>,

@@ -20,8 +20,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use early::EarlySync;
-pub use error::{OutputError, OutputProblem, is_transient};
+#[doc(hidden)]
+pub use error::is_transient;
+pub use error::{OutputError, OutputProblem};
 use error::{classified, folder_problem};
+#[doc(hidden)]
 pub use target::Place;
 use target::{Target, resolve};
 
@@ -38,6 +41,7 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// What a file's content is written to, by any thread.
+#[doc(hidden)]
 pub trait Sink: Write + Seek + Send {}
 
 impl<T: Write + Seek + Send> Sink for T {}
@@ -134,6 +138,7 @@ pub fn write<T>(
 ///
 /// # Errors
 /// As [`write()`], as far as it can be known before.
+#[doc(hidden)]
 pub fn check(path: &Path) -> Result<(), OutputError> {
     let checked = match resolve(path) {
         Ok(Target::File { path: target, .. }) => tempfile::tempfile_in(folder_of(&target))

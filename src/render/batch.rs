@@ -112,6 +112,8 @@ struct PassPixels {
     count: usize,
     /// The number of each in the tile.
     numbers: PerPixel,
+    /// Column and row of each in the tile, where they are not all of its pixels.
+    in_tile: [PerPixel; 2],
     /// Column and row of each in the image.
     in_image: [PerPixel; 2],
     /// What scrambles the samples of each.
@@ -119,8 +121,8 @@ struct PassPixels {
 }
 
 impl PassPixels {
-    /// Takes the numbers of the pixels that are selected, and for the time being their places in the
-    /// tile for those in the image.
+    /// Takes the numbers of the pixels that are selected, and where they are not all, their columns and
+    /// rows in the tile.
     fn take(&mut self, tile: &TilePixels, selection: &Selection) {
         if *selection == Selection::ALL {
             // Most passes are over all pixels of whole tiles.
@@ -129,14 +131,13 @@ impl PassPixels {
                     *number = pixel;
                 }
             }
-            self.in_image = tile.in_tile;
             self.count = tile.count;
         } else {
             self.count = 0;
             for pixel in (0..tile.count).filter(|&pixel| selection.contains(pixel)) {
                 self.numbers[self.count] = pixel as u32;
-                self.in_image[0][self.count] = tile.in_tile[0][pixel];
-                self.in_image[1][self.count] = tile.in_tile[1][pixel];
+                self.in_tile[0][self.count] = tile.in_tile[0][pixel];
+                self.in_tile[1][self.count] = tile.in_tile[1][pixel];
                 self.count += 1;
             }
         }
@@ -172,6 +173,7 @@ impl Default for Batch {
                 selection: Selection::ALL,
                 count: 0,
                 numbers: [0; PIXELS],
+                in_tile: [[0; PIXELS]; 2],
                 in_image: [[0; PIXELS]; 2],
                 seeds: [[0; PIXELS]; 2],
             },
@@ -208,8 +210,13 @@ impl Batch {
         pixels.take(tile, selection);
         let corner = [tile.window.x, tile.window.y].map(|corner| U32x16::splat(simd, corner));
         for first in (0..pixels.count).step_by(LANES) {
-            let column = U32x16::load(simd, &pixels.in_image[0][first..]) + corner[0];
-            let row = U32x16::load(simd, &pixels.in_image[1][first..]) + corner[1];
+            let [columns, rows] = if *selection == Selection::ALL {
+                &tile.in_tile
+            } else {
+                &pixels.in_tile
+            };
+            let column = U32x16::load(simd, &columns[first..]) + corner[0];
+            let row = U32x16::load(simd, &rows[first..]) + corner[1];
             column.store(&mut pixels.in_image[0][first..]);
             row.store(&mut pixels.in_image[1][first..]);
             let [seeds_x, seeds_y] = sampler.seeds(simd, [column, row]);
@@ -494,10 +501,10 @@ mod tests {
                 }
                 let column = SimdLevel::default().run(Spread(range, &numbers));
                 let expected = |slot: usize| (first + slot) / samples;
-                for slot in 0..BATCH {
+                for (slot, &spread) in column.iter().enumerate() {
                     assert_eq!(range.pixel(slot), expected(slot));
                     assert_eq!(
-                        column[slot],
+                        spread,
                         7 * expected(slot) as u32,
                         "{samples} {first} {slot}"
                     );

@@ -33,13 +33,22 @@ mod tile;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-pub use counts::{Counts, SCREEN_WHITE};
+pub use counts::Counts;
+#[doc(hidden)]
+pub use counts::SCREEN_WHITE;
+#[doc(hidden)]
 pub use exr_sink::memory;
 pub use job::Job;
-pub use layers::{BACKGROUND_LIGHT, Layers};
+#[doc(hidden)]
+pub use layers::BACKGROUND_LIGHT;
+pub use layers::Layers;
 pub use options::{MAX_SAMPLES, Options, OptionsError};
 pub use renderer::{RenderError, RenderedExr, Renderer, render};
 pub use sink::{RenderedTile, Sink};
+
+pub use crate::simd::SimdLevel;
+#[doc(hidden)]
+pub use crate::simd::UnknownInstructions;
 
 /// A panic elsewhere ends the render in any case.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

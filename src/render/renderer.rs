@@ -114,6 +114,16 @@ impl<'w> Renderer<'w> {
         })
     }
 
+    /// About how many bytes [`Renderer::new`] takes at once, of which it keeps about half.
+    pub fn memory_needed(world: &World) -> u64 {
+        Visibility::memory_needed(world)
+    }
+
+    /// Bytes of what it has built.
+    pub fn memory(&self) -> usize {
+        self.visibility.memory()
+    }
+
     /// What it renders.
     pub fn world(&self) -> &'w World {
         self.world

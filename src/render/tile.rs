@@ -220,13 +220,20 @@ impl Kernel for Pass<'_, '_> {
         }
         finish(tile, PIXELS, further);
         let numbers = space.batch.numbers();
-        if !is_over_all {
-            space.selected.scatter(&mut tile.sums, numbers);
-        }
         for &pixel in numbers {
-            let taken = &mut tile.taken.0[pixel as usize];
-            debug_assert_eq!(*taken, samples.start, "samples follow each other");
-            *taken += count;
+            let taken = tile.taken.0[pixel as usize];
+            debug_assert_eq!(taken, samples.start, "samples follow each other");
+        }
+        if is_over_all {
+            // Places without a pixel as well: sixteen at a time.
+            for taken in &mut tile.taken.0 {
+                *taken += count;
+            }
+        } else {
+            space.selected.scatter(&mut tile.sums, numbers);
+            for &pixel in numbers {
+                tile.taken.0[pixel as usize] += count;
+            }
         }
         counts
     }

@@ -6,6 +6,7 @@
 
 mod build;
 mod curve;
+#[doc(hidden)]
 pub mod diagnostic;
 mod inputs;
 mod read;
@@ -16,16 +17,22 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use build::{NotAColor, Placement};
+#[doc(hidden)]
 pub use curve::CurveError;
 pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
+#[doc(hidden)]
 pub use inputs::Input;
 pub(crate) use read::name_objection;
+#[doc(hidden)]
 pub use read::{Broken, Reading};
+#[doc(hidden)]
 pub use schema::schema;
 pub use value::{Falloff, ShadowTerminator, Transport, Unit, Value};
 
 pub use crate::color::ColorSpace;
-pub use crate::input::{Foreign, Hash, NotAFile};
+pub use crate::input::Hash;
+#[doc(hidden)]
+pub use crate::input::{Foreign, NotAFile};
 pub use crate::mesh::MeshFile;
 use crate::spectrum::Observer;
 

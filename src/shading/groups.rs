@@ -1,8 +1,49 @@
 //! What the points of a packet are made of: lobes, and weights over reflectances.
 
-use super::reflectance::Gloss;
+use super::power::whole_exponent;
 use crate::simd::{LANES, ones};
-use crate::world::World;
+use crate::world::material::Model;
+use crate::world::{Material, World};
+
+/// The specular lobe of a material.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Gloss {
+    /// There is none.
+    None,
+    /// cosⁿ of L7, with the cosine of the incident light as a factor or without.
+    Lobe {
+        shininess: Shininess,
+        has_cosine: bool,
+    },
+}
+
+/// n of L7.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Shininess {
+    /// So that its powers come by multiplication.
+    Whole(u32),
+    Any(f64),
+}
+
+impl Gloss {
+    #[inline]
+    pub(super) fn of(material: &Material) -> Self {
+        if !material.is_specular() {
+            return Self::None;
+        }
+        let shininess = material.shininess();
+        Self::Lobe {
+            shininess: match whole_exponent(shininess) {
+                Some(exponent) => Shininess::Whole(exponent),
+                None => Shininess::Any(shininess),
+            },
+            has_cosine: match material.model() {
+                Model::Phong => false,
+                Model::NormalizedPhong => true,
+            },
+        }
+    }
+}
 
 /// The points of a packet with one specular lobe.
 #[derive(Clone, Copy, Debug)]

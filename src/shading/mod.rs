@@ -11,9 +11,8 @@ mod tests;
 use fearless_simd::Simd;
 
 use groups::Groups;
-pub use power::power;
 use reflectance::{Ends, geometry};
-pub use terms::{Reflecting, Term, Terms};
+pub(crate) use terms::{Term, Terms};
 
 use crate::math::Point;
 use crate::simd::{F64x16, LANES, Mask64x16};
@@ -22,7 +21,7 @@ use crate::world::{Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
 #[derive(Clone, Debug)]
-pub struct Shaded {
+pub(crate) struct Shaded {
     /// L_o of each point in cd/m², per primary; the background's where nothing is hit.
     pub radiance: [Column; 3],
     /// How many points were asked for a light's visibility (L4).

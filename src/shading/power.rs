@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
 use fearless_simd::Simd;
 
-use crate::simd::{F64x16, Kernel, LANES, SimdLevel};
+use crate::simd::F64x16;
 
 /// 1/(2k + 1), the coefficients of artanh(s)/s in s². s² is at most (3 − 2√2)² ≈ 0.0295, so the
 /// first term left out is below 0.0295⁷ / 15 ≈ 1.3e-12 of the sum.
@@ -45,28 +45,6 @@ const MANTISSA: u64 = (1 << 52) - 1;
 /// result is 0 below 2⁻¹⁰²².
 ///
 /// A base above 1, as a cosine may be by rounding, counts as 1.
-pub fn power(base: f64, exponent: f64) -> f64 {
-    let [result, ..] = SimdLevel::default().run(Power { base, exponent });
-    result
-}
-
-/// [`power`], in all lanes.
-struct Power {
-    base: f64,
-    exponent: f64,
-}
-
-impl Kernel for Power {
-    type Output = [f64; LANES];
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let base = F64x16::splat(simd, self.base);
-        powers(simd, base, F64x16::splat(simd, self.exponent)).to_array()
-    }
-}
-
-/// [`power`] in every lane.
 #[inline(always)]
 pub(super) fn powers<S: Simd>(simd: S, base: F64x16<S>, exponent: F64x16<S>) -> F64x16<S> {
     let one = F64x16::splat(simd, 1.0);
@@ -155,8 +133,31 @@ fn polynomial<S: Simd, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{Kernel, LANES, SimdLevel};
 
-    /// What the doc comment of [`power`] promises.
+    /// [`powers`] of one base.
+    fn power(base: f64, exponent: f64) -> f64 {
+        let [result, ..] = SimdLevel::default().run(Power { base, exponent });
+        result
+    }
+
+    /// In all lanes.
+    struct Power {
+        base: f64,
+        exponent: f64,
+    }
+
+    impl Kernel for Power {
+        type Output = [f64; LANES];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Self::Output {
+            let base = F64x16::splat(simd, self.base);
+            powers(simd, base, F64x16::splat(simd, self.exponent)).to_array()
+        }
+    }
+
+    /// What the doc comment of [`powers`] promises.
     const RELATIVE_ERROR: f64 = 2e-9;
 
     #[test]

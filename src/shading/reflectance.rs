@@ -2,54 +2,13 @@
 
 use fearless_simd::Simd;
 
-use super::groups::Group;
-use super::power::{powers, whole_exponent, whole_powers};
+use super::groups::{Gloss, Group, Shininess};
+use super::power::{powers, whole_powers};
 use super::spot::{falloff, inverse_roots};
 use crate::math::Point;
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
 use crate::visibility::{Points, columns};
-use crate::world::material::Model;
-use crate::world::{Light, Lobes, Material};
-
-/// The specular lobe of a material.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Gloss {
-    /// There is none.
-    None,
-    /// cosⁿ of L7, with the cosine of the incident light as a factor or without.
-    Lobe {
-        shininess: Shininess,
-        has_cosine: bool,
-    },
-}
-
-/// n of L7.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Shininess {
-    /// So that its powers come by multiplication.
-    Whole(u32),
-    Any(f64),
-}
-
-impl Gloss {
-    #[inline]
-    pub(super) fn of(material: &Material) -> Self {
-        if !material.is_specular() {
-            return Self::None;
-        }
-        let shininess = material.shininess();
-        Self::Lobe {
-            shininess: match whole_exponent(shininess) {
-                Some(exponent) => Shininess::Whole(exponent),
-                None => Shininess::Any(shininess),
-            },
-            has_cosine: match material.model() {
-                Model::Phong => false,
-                Model::NormalizedPhong => true,
-            },
-        }
-    }
-}
+use crate::world::{Light, Lobes};
 
 /// What L5 to L8 need of the points of a packet.
 #[derive(Clone, Copy)]

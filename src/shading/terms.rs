@@ -11,7 +11,7 @@ use crate::world::Lobes;
 /// A buffer that is used packet after packet: it holds at most as many entries as there are lights, and
 /// products of these with the packet's reflectances.
 #[derive(Clone, Debug, Default)]
-pub struct Terms {
+pub(crate) struct Terms {
     /// What each point reflects with, point by point.
     reflecting: Vec<Reflecting>,
     /// Where in `reflecting` each point of the packet starts, and the last one ends.
@@ -26,7 +26,7 @@ pub struct Terms {
 
 /// What one point reflects with: one of its reflectances, by its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reflecting {
+pub(crate) struct Reflecting {
     /// The point, by its place in the batch.
     pub point: usize,
     /// An index into [`World::materials`](crate::world::World::materials).
@@ -47,7 +47,7 @@ struct LightTerms {
 
 /// One term of L9 without its color: what a light that is seen does at a point, by geometry and weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Term {
+pub(crate) struct Term {
     /// The point, by its place in the batch.
     pub point: usize,
     /// An index into [`World::lights`](crate::world::World::lights).
@@ -70,22 +70,27 @@ impl Terms {
         self.products.clear();
         self.reflecting.clear();
         self.shares = groups.shares().len();
+        self.reflecting.reserve(LANES);
         for lane in 0..LANES {
             self.starts[lane] = self.reflecting.len();
             if hit >> lane & 1 == 0 {
                 continue;
             }
-            let shares = groups.shares().iter().enumerate();
-            let of_point = shares.filter(|(_, share)| share.members >> lane & 1 == 1);
-            let of_point = of_point.map(|(place, share)| Reflecting {
-                point: first + lane,
-                reflectance: share.reflectance as usize,
-                weight: share.weight(lane),
-                share: place,
-            });
-            // What is of weight 0 is left out.
-            self.reflecting
-                .extend(of_point.filter(|of| of.weight != 0.0));
+            for (place, share) in groups.shares().iter().enumerate() {
+                if share.members >> lane & 1 == 0 {
+                    continue;
+                }
+                let weight = share.weight(lane);
+                // What is of weight 0 is left out.
+                if weight != 0.0 {
+                    self.reflecting.push(Reflecting {
+                        point: first + lane,
+                        reflectance: share.reflectance as usize,
+                        weight,
+                        share: place,
+                    });
+                }
+            }
         }
         self.starts[LANES] = self.reflecting.len();
     }
@@ -110,13 +115,13 @@ impl Terms {
     }
 
     /// What the points that are hit reflect with, point by point, whether any light reaches them or none.
-    pub fn reflecting(&self) -> &[Reflecting] {
+    pub(crate) fn reflecting(&self) -> &[Reflecting] {
         &self.reflecting
     }
 
     /// All terms: light by light, point by point within.
     #[inline]
-    pub fn iter(&self) -> impl Iterator<Item = Term> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Term> {
         self.lights
             .iter()
             .enumerate()
@@ -152,6 +157,9 @@ impl Terms {
 impl Share {
     /// Of a point of the packet.
     fn weight(&self, lane: usize) -> f64 {
-        self.weights.map_or(1.0, |weights| weights[lane])
+        match &self.weights {
+            Some(weights) => weights[lane],
+            None => 1.0,
+        }
     }
 }

@@ -114,10 +114,7 @@ impl Kernel for Sum<'_> {
         }
         shaded.terms.begin(0, hit, &shaded.groups);
         let sums = shaded.sum_lights(simd, self.world, &points, 0, KeepsTerms::Yes);
-        (
-            sums.map(|channel| channel.to_array()),
-            shaded.terms.iter().collect(),
-        )
+        (sums.map(F64x16::to_array), shaded.terms.iter().collect())
     }
 }
 

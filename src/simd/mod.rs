@@ -15,32 +15,33 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Range, Sub};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f64x8, mask64x8, u64x8};
 
-pub use level::{Kernel, SimdLevel, UnknownInstructions};
-pub use single::{F32x16, Mask32x16, U32x16, side_by_side, smallest_of_each};
+pub(crate) use level::Kernel;
+pub use level::{SimdLevel, UnknownInstructions};
+pub(crate) use single::{F32x16, Mask32x16, U32x16, side_by_side, smallest_of_each};
 
 use crate::math::DVec3;
 
 /// Numbers side by side.
-pub const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 
 /// F64x16 of one register, two of which are a set of lanes: long operations of the two overlap.
 const HALF: usize = LANES / 2;
 
 /// An f64 in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct F64x16<S: Simd>([f64x8<S>; 2]);
+pub(crate) struct F64x16<S: Simd>([f64x8<S>; 2]);
 
 /// A truth value in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Mask64x16<S: Simd>([mask64x8<S>; 2]);
+pub(crate) struct Mask64x16<S: Simd>([mask64x8<S>; 2]);
 
 /// A u64 in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct U64x16<S: Simd>([u64x8<S>; 2]);
+pub(crate) struct U64x16<S: Simd>([u64x8<S>; 2]);
 
 /// A vector in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct DVec3x16<S: Simd> {
+pub(crate) struct DVec3x16<S: Simd> {
     /// Along x.
     pub x: F64x16<S>,
     /// Along y.
@@ -51,7 +52,7 @@ pub struct DVec3x16<S: Simd> {
 
 /// The lanes with a bit, the first lane's lowest: in order.
 #[inline(always)]
-pub fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let place = (bits != 0).then(|| bits.trailing_zeros() as usize)?;
         bits &= bits - 1;
@@ -62,13 +63,13 @@ pub fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
 impl<S: Simd> F64x16<S> {
     /// The same number in every lane.
     #[inline(always)]
-    pub fn splat(simd: S, value: f64) -> Self {
+    pub(crate) fn splat(simd: S, value: f64) -> Self {
         Self([f64x8::splat(simd, value); 2])
     }
 
     /// The first [`LANES`] numbers of a slice.
     #[inline(always)]
-    pub fn load(simd: S, numbers: &[f64]) -> Self {
+    pub(crate) fn load(simd: S, numbers: &[f64]) -> Self {
         Self([
             f64x8::from_slice(simd, &numbers[..HALF]),
             f64x8::from_slice(simd, &numbers[HALF..LANES]),
@@ -77,14 +78,14 @@ impl<S: Simd> F64x16<S> {
 
     /// Into the first [`LANES`] places of a slice.
     #[inline(always)]
-    pub fn store(self, numbers: &mut [f64]) {
+    pub(crate) fn store(self, numbers: &mut [f64]) {
         self.0[0].store_slice(&mut numbers[..HALF]);
         self.0[1].store_slice(&mut numbers[HALF..LANES]);
     }
 
     /// As an array.
     #[inline(always)]
-    pub fn to_array(self) -> [f64; LANES] {
+    pub(crate) fn to_array(self) -> [f64; LANES] {
         let mut array = [0.0; LANES];
         self.store(&mut array);
         array
@@ -92,13 +93,13 @@ impl<S: Simd> F64x16<S> {
 
     /// √
     #[inline(always)]
-    pub fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         Self([self.0[0].sqrt(), self.0[1].sqrt()])
     }
 
     /// 1/√x, for x from 1e-30 to 1e30 to 4e-16 of it, and to the same bits as the scalar one of `math`.
     #[inline(always)]
-    pub fn inverse_root(self, simd: S) -> Self {
+    pub(crate) fn inverse_root(self, simd: S) -> Self {
         let y = self.nearly_inverse_root(simd);
         y + y * ((Self::splat(simd, 1.0) - self * y * y) * 0.5)
     }
@@ -106,7 +107,7 @@ impl<S: Simd> F64x16<S> {
     /// 1/√x, for x from 1e-30 to 1e30 to 1e-13 of it: an f32 root, off by 2⁻²² at most, and one of Newton's
     /// steps, which leaves 1.5 times the square of that.
     #[inline(always)]
-    pub fn nearly_inverse_root(self, simd: S) -> Self {
+    pub(crate) fn nearly_inverse_root(self, simd: S) -> Self {
         let near = F32x16::splat(simd, 1.0) / self.narrowed(simd).sqrt();
         let y = near.widened(simd);
         y + y * ((Self::splat(simd, 1.0) - self * y * y) * 0.5)
@@ -114,87 +115,80 @@ impl<S: Simd> F64x16<S> {
 
     /// The magnitude.
     #[inline(always)]
-    pub fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         Self([self.0[0].abs(), self.0[1].abs()])
-    }
-
-    /// The smallest of all; none may be NaN.
-    #[inline(always)]
-    pub fn smallest(self) -> f64 {
-        let [low, high] = self.0;
-        low.simd_lt(high).select(low, high).reduce_min()
     }
 
     /// The smaller of two numbers; `other` where one of them is not a number.
     #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
+    pub(crate) fn min(self, other: Self) -> Self {
         self.lt(other).select(self, other)
     }
 
     /// The larger of two numbers; `other` where one of them is not a number.
     #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         self.gt(other).select(self, other)
     }
 
     /// The largest of all; none may be NaN.
     #[inline(always)]
-    pub fn largest(self) -> f64 {
+    pub(crate) fn largest(self) -> f64 {
         let [low, high] = self.0;
         low.simd_gt(high).select(low, high).reduce_max()
     }
 
     /// Where it is below.
     #[inline(always)]
-    pub fn lt(self, other: Self) -> Mask64x16<S> {
+    pub(crate) fn lt(self, other: Self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_lt(other.0[0]), self.0[1].simd_lt(other.0[1])])
     }
 
     /// Where it is below or equal.
     #[inline(always)]
-    pub fn le(self, other: Self) -> Mask64x16<S> {
+    pub(crate) fn le(self, other: Self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_le(other.0[0]), self.0[1].simd_le(other.0[1])])
     }
 
     /// Where it is above.
     #[inline(always)]
-    pub fn gt(self, other: Self) -> Mask64x16<S> {
+    pub(crate) fn gt(self, other: Self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_gt(other.0[0]), self.0[1].simd_gt(other.0[1])])
     }
 
     /// Where it is above or equal.
     #[inline(always)]
-    pub fn ge(self, other: Self) -> Mask64x16<S> {
+    pub(crate) fn ge(self, other: Self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_ge(other.0[0]), self.0[1].simd_ge(other.0[1])])
     }
 
     /// Where it is equal.
     #[inline(always)]
-    pub fn eq(self, other: Self) -> Mask64x16<S> {
+    pub(crate) fn eq(self, other: Self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_eq(other.0[0]), self.0[1].simd_eq(other.0[1])])
     }
 
     /// Where it is in a range.
     #[inline(always)]
-    pub fn is_within(self, simd: S, range: Range<f64>) -> Mask64x16<S> {
+    pub(crate) fn is_within(self, simd: S, range: Range<f64>) -> Mask64x16<S> {
         self.ge(Self::splat(simd, range.start)) & self.lt(Self::splat(simd, range.end))
     }
 
     /// Where it is above 0.
     #[inline(always)]
-    pub fn is_positive(self) -> Mask64x16<S> {
+    pub(crate) fn is_positive(self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_gt(0.0), self.0[1].simd_gt(0.0)])
     }
 
     /// The bits of each.
     #[inline(always)]
-    pub fn to_bits(self) -> U64x16<S> {
+    pub(crate) fn to_bits(self) -> U64x16<S> {
         U64x16([self.0[0].to_bits(), self.0[1].to_bits()])
     }
 
     /// The number with these bits in each.
     #[inline(always)]
-    pub fn from_bits(bits: U64x16<S>) -> Self {
+    pub(crate) fn from_bits(bits: U64x16<S>) -> Self {
         Self([f64x8::from_bits(bits.0[0]), f64x8::from_bits(bits.0[1])])
     }
 }
@@ -202,7 +196,7 @@ impl<S: Simd> F64x16<S> {
 /// Of N rows of numbers, one after the other, every N-th: the first row has those from the first on, the
 /// second those from the second on, and so on. N is a power of two.
 #[inline(always)]
-pub fn every_nth<S: Simd, const N: usize>(mut rows: [F64x16<S>; N]) -> [F64x16<S>; N] {
+pub(crate) fn every_nth<S: Simd, const N: usize>(mut rows: [F64x16<S>; N]) -> [F64x16<S>; N] {
     // Even places before odd ones turns the bits of all places round by one.
     for _ in 0..N.ilog2() {
         let before = rows;
@@ -220,13 +214,13 @@ pub fn every_nth<S: Simd, const N: usize>(mut rows: [F64x16<S>; N]) -> [F64x16<S
 impl<S: Simd> U64x16<S> {
     /// The same in every lane.
     #[inline(always)]
-    pub fn splat(simd: S, value: u64) -> Self {
+    pub(crate) fn splat(simd: S, value: u64) -> Self {
         Self([u64x8::splat(simd, value); 2])
     }
 
     /// The first [`LANES`] of a slice.
     #[inline(always)]
-    pub fn load(simd: S, ids: &[u64]) -> Self {
+    pub(crate) fn load(simd: S, ids: &[u64]) -> Self {
         Self([
             u64x8::from_slice(simd, &ids[..HALF]),
             u64x8::from_slice(simd, &ids[HALF..LANES]),
@@ -235,7 +229,7 @@ impl<S: Simd> U64x16<S> {
 
     /// As an array.
     #[inline(always)]
-    pub fn to_array(self) -> [u64; LANES] {
+    pub(crate) fn to_array(self) -> [u64; LANES] {
         let mut array = [0; LANES];
         self.0[0].store_slice(&mut array[..HALF]);
         self.0[1].store_slice(&mut array[HALF..]);
@@ -244,43 +238,43 @@ impl<S: Simd> U64x16<S> {
 
     /// Where it is below.
     #[inline(always)]
-    pub fn lt(self, other: Self) -> Mask64x16<S> {
+    pub(crate) fn lt(self, other: Self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_lt(other.0[0]), self.0[1].simd_lt(other.0[1])])
     }
 
     /// Where it is equal.
     #[inline(always)]
-    pub fn eq(self, other: Self) -> Mask64x16<S> {
+    pub(crate) fn eq(self, other: Self) -> Mask64x16<S> {
         Mask64x16([self.0[0].simd_eq(other.0[0]), self.0[1].simd_eq(other.0[1])])
     }
 
     /// Shifted towards the larger places.
     #[inline(always)]
-    pub fn shifted_up(self, bits: u32) -> Self {
+    pub(crate) fn shifted_up(self, bits: u32) -> Self {
         Self([self.0[0] << bits, self.0[1] << bits])
     }
 
     /// Shifted towards the smaller places.
     #[inline(always)]
-    pub fn shifted_down(self, bits: u32) -> Self {
+    pub(crate) fn shifted_down(self, bits: u32) -> Self {
         Self([self.0[0] >> bits, self.0[1] >> bits])
     }
 
     /// The sum, modulo 2⁶⁴.
     #[inline(always)]
-    pub fn plus(self, other: u64) -> Self {
+    pub(crate) fn plus(self, other: u64) -> Self {
         Self([self.0[0] + other, self.0[1] + other])
     }
 
     /// The bits that both have.
     #[inline(always)]
-    pub fn and(self, other: u64) -> Self {
+    pub(crate) fn and(self, other: u64) -> Self {
         Self([self.0[0] & other, self.0[1] & other])
     }
 
     /// The bits that either has.
     #[inline(always)]
-    pub fn or(self, other: u64) -> Self {
+    pub(crate) fn or(self, other: u64) -> Self {
         Self([self.0[0] | other, self.0[1] | other])
     }
 }
@@ -288,14 +282,14 @@ impl<S: Simd> U64x16<S> {
 impl<S: Simd> Mask64x16<S> {
     /// From one bit for each lane, the first lane lowest.
     #[inline(always)]
-    pub fn from_bits(simd: S, bits: u32) -> Self {
+    pub(crate) fn from_bits(simd: S, bits: u32) -> Self {
         let half = |bits: u32| mask64x8::from_bitmask(simd, u64::from(bits & 0xff));
         Self([half(bits), half(bits >> HALF)])
     }
 
     /// One bit for each lane, the first lane lowest.
     #[inline(always)]
-    pub fn to_bits(self) -> u32 {
+    pub(crate) fn to_bits(self) -> u32 {
         let [low, high] = [
             self.0[0].to_bitmask() as u32 & 0xff,
             self.0[1].to_bitmask() as u32 & 0xff,
@@ -305,13 +299,13 @@ impl<S: Simd> Mask64x16<S> {
 
     /// Whether it is true in any lane.
     #[inline(always)]
-    pub fn any(self) -> bool {
+    pub(crate) fn any(self) -> bool {
         (self.0[0] | self.0[1]).any_true()
     }
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select(self, yes: F64x16<S>, no: F64x16<S>) -> F64x16<S> {
+    pub(crate) fn select(self, yes: F64x16<S>, no: F64x16<S>) -> F64x16<S> {
         F64x16([
             self.0[0].select(yes.0[0], no.0[0]),
             self.0[1].select(yes.0[1], no.0[1]),
@@ -320,7 +314,7 @@ impl<S: Simd> Mask64x16<S> {
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select_ids(self, yes: U64x16<S>, no: U64x16<S>) -> U64x16<S> {
+    pub(crate) fn select_ids(self, yes: U64x16<S>, no: U64x16<S>) -> U64x16<S> {
         U64x16([
             self.0[0].select(yes.0[0], no.0[0]),
             self.0[1].select(yes.0[1], no.0[1]),
@@ -329,7 +323,7 @@ impl<S: Simd> Mask64x16<S> {
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select_vectors(self, yes: DVec3x16<S>, no: DVec3x16<S>) -> DVec3x16<S> {
+    pub(crate) fn select_vectors(self, yes: DVec3x16<S>, no: DVec3x16<S>) -> DVec3x16<S> {
         DVec3x16 {
             x: self.select(yes.x, no.x),
             y: self.select(yes.y, no.y),
@@ -401,7 +395,7 @@ impl<S: Simd> Not for Mask64x16<S> {
 impl<S: Simd> DVec3x16<S> {
     /// The same vector in every lane.
     #[inline(always)]
-    pub fn splat(simd: S, vector: DVec3) -> Self {
+    pub(crate) fn splat(simd: S, vector: DVec3) -> Self {
         Self {
             x: F64x16::splat(simd, vector.x),
             y: F64x16::splat(simd, vector.y),
@@ -411,7 +405,7 @@ impl<S: Simd> DVec3x16<S> {
 
     /// The first [`LANES`] of three columns.
     #[inline(always)]
-    pub fn load(simd: S, [x, y, z]: [&[f64]; 3]) -> Self {
+    pub(crate) fn load(simd: S, [x, y, z]: [&[f64]; 3]) -> Self {
         Self {
             x: F64x16::load(simd, x),
             y: F64x16::load(simd, y),
@@ -421,7 +415,7 @@ impl<S: Simd> DVec3x16<S> {
 
     /// Into the first [`LANES`] places of three columns.
     #[inline(always)]
-    pub fn store(self, [x, y, z]: [&mut [f64]; 3]) {
+    pub(crate) fn store(self, [x, y, z]: [&mut [f64]; 3]) {
         self.x.store(x);
         self.y.store(y);
         self.z.store(z);
@@ -429,19 +423,19 @@ impl<S: Simd> DVec3x16<S> {
 
     /// a · b
     #[inline(always)]
-    pub fn dot(self, other: Self) -> F64x16<S> {
+    pub(crate) fn dot(self, other: Self) -> F64x16<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// a · b with one vector for all lanes.
     #[inline(always)]
-    pub fn dot_with(self, other: DVec3) -> F64x16<S> {
+    pub(crate) fn dot_with(self, other: DVec3) -> F64x16<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
     /// x, y or z.
     #[inline(always)]
-    pub fn component(self, axis: usize) -> F64x16<S> {
+    pub(crate) fn component(self, axis: usize) -> F64x16<S> {
         match axis {
             0 => self.x,
             1 => self.y,
@@ -451,7 +445,7 @@ impl<S: Simd> DVec3x16<S> {
 
     /// a × b
     #[inline(always)]
-    pub fn cross(self, other: Self) -> Self {
+    pub(crate) fn cross(self, other: Self) -> Self {
         Self {
             x: self.y * other.z - other.y * self.z,
             y: self.z * other.x - other.z * self.x,
@@ -461,19 +455,19 @@ impl<S: Simd> DVec3x16<S> {
 
     /// The sum of the components' magnitudes: at least the length, at most √3 times as much.
     #[inline(always)]
-    pub fn taxicab(self) -> F64x16<S> {
+    pub(crate) fn taxicab(self) -> F64x16<S> {
         self.x.abs() + self.y.abs() + self.z.abs()
     }
 
     /// The component of the largest magnitude, as a magnitude.
     #[inline(always)]
-    pub fn largest(self) -> F64x16<S> {
+    pub(crate) fn largest(self) -> F64x16<S> {
         self.x.abs().max(self.y.abs()).max(self.z.abs())
     }
 
     /// The smaller of each component.
     #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
+    pub(crate) fn min(self, other: Self) -> Self {
         Self {
             x: self.x.min(other.x),
             y: self.y.min(other.y),
@@ -483,7 +477,7 @@ impl<S: Simd> DVec3x16<S> {
 
     /// The larger of each component.
     #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         Self {
             x: self.x.max(other.x),
             y: self.y.max(other.y),
@@ -493,7 +487,7 @@ impl<S: Simd> DVec3x16<S> {
 
     /// Each vector times a number.
     #[inline(always)]
-    pub fn times(self, factor: F64x16<S>) -> Self {
+    pub(crate) fn times(self, factor: F64x16<S>) -> Self {
         Self {
             x: self.x * factor,
             y: self.y * factor,
@@ -503,7 +497,7 @@ impl<S: Simd> DVec3x16<S> {
 
     /// Each vector minus one for all lanes.
     #[inline(always)]
-    pub fn minus(self, other: DVec3) -> Self {
+    pub(crate) fn minus(self, other: DVec3) -> Self {
         Self {
             x: self.x - other.x,
             y: self.y - other.y,

@@ -10,20 +10,20 @@ use super::{F64x16, LANES};
 /// An f32 in each lane: for what is decided with a margin, and asked again in f64 within it. Its
 /// products and sums may be fused, so that no pixel may depend on more than such a decision.
 #[derive(Clone, Copy, Debug)]
-pub struct F32x16<S: Simd>(f32x16<S>);
+pub(crate) struct F32x16<S: Simd>(f32x16<S>);
 
 /// A truth value for each of [`F32x16`].
 #[derive(Clone, Copy, Debug)]
-pub struct Mask32x16<S: Simd>(mask32x16<S>);
+pub(crate) struct Mask32x16<S: Simd>(mask32x16<S>);
 
 /// A u32 in each lane; sums and products are modulo 2³².
 #[derive(Clone, Copy, Debug)]
-pub struct U32x16<S: Simd>(u32x16<S>);
+pub(crate) struct U32x16<S: Simd>(u32x16<S>);
 
 impl<S: Simd> F64x16<S> {
     /// The nearest f32 of each.
     #[inline(always)]
-    pub fn narrowed(self, simd: S) -> F32x16<S> {
+    pub(crate) fn narrowed(self, simd: S) -> F32x16<S> {
         F32x16(simd.narrow_f64x8(self.0[0], self.0[1]))
     }
 }
@@ -31,99 +31,99 @@ impl<S: Simd> F64x16<S> {
 impl<S: Simd> F32x16<S> {
     /// The same number in every lane.
     #[inline(always)]
-    pub fn splat(simd: S, value: f32) -> Self {
+    pub(crate) fn splat(simd: S, value: f32) -> Self {
         Self(f32x16::splat(simd, value))
     }
 
     /// The first [`LANES`] numbers of a slice.
     #[inline(always)]
-    pub fn load(simd: S, numbers: &[f32]) -> Self {
+    pub(crate) fn load(simd: S, numbers: &[f32]) -> Self {
         Self(f32x16::from_slice(simd, &numbers[..LANES]))
     }
 
     /// Into the first [`LANES`] places of a slice.
     #[inline(always)]
-    pub fn store(self, numbers: &mut [f32]) {
+    pub(crate) fn store(self, numbers: &mut [f32]) {
         self.0.store_slice(&mut numbers[..LANES]);
     }
 
     /// As f64, exactly.
     #[inline(always)]
-    pub fn widened(self, simd: S) -> F64x16<S> {
+    pub(crate) fn widened(self, simd: S) -> F64x16<S> {
         let (low, high) = simd.widen_f32x16(self.0);
         F64x16([low, high])
     }
 
     /// self · factor + term, rounded once or twice.
     #[inline(always)]
-    pub fn times_plus(self, factor: Self, term: Self) -> Self {
+    pub(crate) fn times_plus(self, factor: Self, term: Self) -> Self {
         Self(self.0.mul_add(factor.0, term.0))
     }
 
     /// The whole part of numbers from 0 to below 2³¹.
     #[inline(always)]
-    pub fn truncated(self, simd: S) -> U32x16<S> {
+    pub(crate) fn truncated(self, simd: S) -> U32x16<S> {
         U32x16(simd.cvt_u32_f32x16(self.0))
     }
 
     /// √
     #[inline(always)]
-    pub fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         Self(self.0.sqrt())
     }
 
     /// The magnitude.
     #[inline(always)]
-    pub fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         Self(self.0.abs())
     }
 
     /// The smaller of two numbers, neither NaN.
     #[inline(always)]
-    pub fn min(self, other: Self) -> Self {
+    pub(crate) fn min(self, other: Self) -> Self {
         Self(self.0.min(other.0))
     }
 
     /// The larger of two numbers, neither NaN.
     #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }
 
     /// The smallest of all; none may be NaN.
     #[inline(always)]
-    pub fn smallest(self) -> f32 {
+    pub(crate) fn smallest(self) -> f32 {
         self.0.reduce_min()
     }
 
     /// The largest of all; none may be NaN.
     #[inline(always)]
-    pub fn largest(self) -> f32 {
+    pub(crate) fn largest(self) -> f32 {
         self.0.reduce_max()
     }
 
     /// Where it is below or equal.
     #[inline(always)]
-    pub fn le(self, other: Self) -> Mask32x16<S> {
+    pub(crate) fn le(self, other: Self) -> Mask32x16<S> {
         Mask32x16(self.0.simd_le(other.0))
     }
 
     /// Where it is above.
     #[inline(always)]
-    pub fn gt(self, other: Self) -> Mask32x16<S> {
+    pub(crate) fn gt(self, other: Self) -> Mask32x16<S> {
         Mask32x16(self.0.simd_gt(other.0))
     }
 
     /// Where it is above or equal.
     #[inline(always)]
-    pub fn ge(self, other: Self) -> Mask32x16<S> {
+    pub(crate) fn ge(self, other: Self) -> Mask32x16<S> {
         Mask32x16(self.0.simd_ge(other.0))
     }
 }
 
 /// The smallest of each of sixteen, none NaN; side by side.
 #[inline(always)]
-pub fn smallest_of_each<S: Simd>(mut rows: [F32x16<S>; LANES]) -> F32x16<S> {
+pub(crate) fn smallest_of_each<S: Simd>(mut rows: [F32x16<S>; LANES]) -> F32x16<S> {
     // Two rows become one with half as many of each, in turn; the last one has them in order.
     let mut half = LANES / 2;
     while half > 0 {
@@ -139,7 +139,7 @@ pub fn smallest_of_each<S: Simd>(mut rows: [F32x16<S>; LANES]) -> F32x16<S> {
 
 /// Four rows as sixteen of four: the first of each, the second of each, and so on.
 #[inline(always)]
-pub fn side_by_side<S: Simd>([a, b, c, d]: [F32x16<S>; 4]) -> [[f32; 4]; LANES] {
+pub(crate) fn side_by_side<S: Simd>([a, b, c, d]: [F32x16<S>; 4]) -> [[f32; 4]; LANES] {
     let (ac, next_ac) = a.0.interleave(c.0);
     let (bd, next_bd) = b.0.interleave(d.0);
     let (first, second) = ac.interleave(bd);
@@ -155,49 +155,49 @@ pub fn side_by_side<S: Simd>([a, b, c, d]: [F32x16<S>; 4]) -> [[f32; 4]; LANES] 
 impl<S: Simd> U32x16<S> {
     /// The same in every lane.
     #[inline(always)]
-    pub fn splat(simd: S, value: u32) -> Self {
+    pub(crate) fn splat(simd: S, value: u32) -> Self {
         Self(u32x16::splat(simd, value))
     }
 
     /// The first [`LANES`] of a slice.
     #[inline(always)]
-    pub fn load(simd: S, words: &[u32]) -> Self {
+    pub(crate) fn load(simd: S, words: &[u32]) -> Self {
         Self(u32x16::from_slice(simd, &words[..LANES]))
     }
 
     /// Into the first [`LANES`] places of a slice.
     #[inline(always)]
-    pub fn store(self, words: &mut [u32]) {
+    pub(crate) fn store(self, words: &mut [u32]) {
         self.0.store_slice(&mut words[..LANES]);
     }
 
     /// Where it is equal.
     #[inline(always)]
-    pub fn eq(self, other: Self) -> Mask32x16<S> {
+    pub(crate) fn eq(self, other: Self) -> Mask32x16<S> {
         Mask32x16(self.0.simd_eq(other.0))
     }
 
     /// Where it is below.
     #[inline(always)]
-    pub fn lt(self, other: Self) -> Mask32x16<S> {
+    pub(crate) fn lt(self, other: Self) -> Mask32x16<S> {
         Mask32x16(self.0.simd_lt(other.0))
     }
 
     /// Shifted towards the larger places.
     #[inline(always)]
-    pub fn shifted_up(self, bits: u32) -> Self {
+    pub(crate) fn shifted_up(self, bits: u32) -> Self {
         Self(self.0 << bits)
     }
 
     /// Shifted towards the smaller places.
     #[inline(always)]
-    pub fn shifted_down(self, bits: u32) -> Self {
+    pub(crate) fn shifted_down(self, bits: u32) -> Self {
         Self(self.0 >> bits)
     }
 
     /// As f64, exactly.
     #[inline(always)]
-    pub fn widened(self, simd: S) -> F64x16<S> {
+    pub(crate) fn widened(self, simd: S) -> F64x16<S> {
         let (low, high) = simd.widen_u32x16(self.0);
         F64x16([simd.cvt_f64_u64x8(low), simd.cvt_f64_u64x8(high)])
     }
@@ -206,25 +206,25 @@ impl<S: Simd> U32x16<S> {
 impl<S: Simd> Mask32x16<S> {
     /// From one bit for each lane, the first lane lowest.
     #[inline(always)]
-    pub fn from_bits(simd: S, bits: u32) -> Self {
+    pub(crate) fn from_bits(simd: S, bits: u32) -> Self {
         Self(mask32x16::from_bitmask(simd, u64::from(bits)))
     }
 
     /// One bit for each lane, the first lane lowest.
     #[inline(always)]
-    pub fn to_bits(self) -> u32 {
+    pub(crate) fn to_bits(self) -> u32 {
         self.0.to_bitmask() as u32
     }
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select(self, yes: F32x16<S>, no: F32x16<S>) -> F32x16<S> {
+    pub(crate) fn select(self, yes: F32x16<S>, no: F32x16<S>) -> F32x16<S> {
         F32x16(self.0.select(yes.0, no.0))
     }
 
     /// `yes` where it is true, else `no`.
     #[inline(always)]
-    pub fn select_words(self, yes: U32x16<S>, no: U32x16<S>) -> U32x16<S> {
+    pub(crate) fn select_words(self, yes: U32x16<S>, no: U32x16<S>) -> U32x16<S> {
         U32x16(self.0.select(yes.0, no.0))
     }
 }

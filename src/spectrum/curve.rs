@@ -1,99 +1,14 @@
-//! Spectra as users and tables give them: points of a curve, or single lines.
+//! Spectra as users and tables give them: points of a curve.
 
-use std::fmt;
 use std::ops::Range;
 
-use crate::printable::counted;
-
-use super::{FIRST, LAST, SAMPLES, Spectrum, VISIBLE};
+use super::curve_problem::CurveProblem;
+use super::wavelength_unit::WavelengthUnit;
+use super::{FIRST, LAST, Spectrum, VISIBLE, is_on_grid};
 
 /// Neighbors closer than this, in nm, are finer than the grid. Less than 1 by a rounding, so that a
 /// table such as 400.1, 401.1, … is not.
 const FINE: f64 = 1.0 - 1e-9;
-
-/// A unit in which spectra are tabulated, other than nm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WavelengthUnit {
-    /// µm
-    Micrometer,
-    /// Å, 0.1 nm
-    Angstrom,
-    /// cm⁻¹, the wavenumber 1/λ
-    Wavenumber,
-    /// eV, the photon's energy h c/λ
-    Electronvolt,
-    /// m
-    Meter,
-    /// mm
-    Millimeter,
-    /// Hz, the frequency c/λ
-    Hertz,
-}
-
-impl WavelengthUnit {
-    /// All of them, the most usual first.
-    pub const ALL: [Self; 7] = [
-        Self::Micrometer,
-        Self::Angstrom,
-        Self::Wavenumber,
-        Self::Electronvolt,
-        Self::Meter,
-        Self::Millimeter,
-        Self::Hertz,
-    ];
-
-    /// The wavelength in nm that a number of this unit is.
-    pub fn nm(self, number: f64) -> f64 {
-        match self {
-            Self::Micrometer => number * 1e3,
-            Self::Angstrom => number * 0.1,
-            Self::Wavenumber => 1e7 / number,
-            // h c by the SI's exact values of h, c and e.
-            Self::Electronvolt => 1_239.841_984 / number,
-            Self::Meter => number * 1e9,
-            Self::Millimeter => number * 1e6,
-            Self::Hertz => 299_792_458e9 / number,
-        }
-    }
-
-    /// How to get nm from it.
-    pub const fn in_nm(self) -> &'static str {
-        match self {
-            Self::Micrometer => "1 µm is 1000 nm",
-            Self::Angstrom => "10 Å are 1 nm",
-            Self::Wavenumber => "x cm⁻¹ are 1e7/x nm",
-            Self::Electronvolt => "x eV are 1239.84/x nm",
-            Self::Meter => "1 m is 1e9 nm",
-            Self::Millimeter => "1 mm is 1e6 nm",
-            Self::Hertz => "x Hz are 2.998e17/x nm",
-        }
-    }
-
-    /// The units in which some of `numbers` would be wavelengths on the grid's range.
-    fn likely(numbers: &[f64]) -> Vec<Self> {
-        let fits = |unit: &Self| numbers.iter().any(|&number| is_on_grid(unit.nm(number)));
-        Self::ALL.into_iter().filter(fits).collect()
-    }
-}
-
-impl fmt::Display for WavelengthUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Micrometer => "µm",
-            Self::Angstrom => "Å",
-            Self::Wavenumber => "cm⁻¹",
-            Self::Electronvolt => "eV",
-            Self::Meter => "m",
-            Self::Millimeter => "mm",
-            Self::Hertz => "Hz",
-        })
-    }
-}
-
-/// Whether a wavelength is on the range of the grid.
-fn is_on_grid(nm: f64) -> bool {
-    (f64::from(FIRST)..=f64::from(LAST)).contains(&nm)
-}
 
 /// A tabulated spectrum: at least two points, ascending in wavelength, none of them negative.
 ///
@@ -103,161 +18,6 @@ fn is_on_grid(nm: f64) -> bool {
 pub struct Curve {
     wavelengths: Vec<f64>,
     values: Vec<f64>,
-}
-
-/// What is wrong with a curve or with lines; `index` counts the points from 0.
-#[derive(Clone, Debug, PartialEq)]
-pub enum CurveProblem {
-    /// A curve of one point, or none.
-    TooFewPoints {
-        /// How many there are.
-        points: usize,
-    },
-    /// More of one than of the other.
-    UnequalLengths {
-        /// Wavelengths.
-        wavelengths: usize,
-        /// Values.
-        values: usize,
-    },
-    /// A wavelength that is not a positive, finite number of nm.
-    BadWavelength {
-        /// Which point.
-        index: usize,
-        /// As understood.
-        nm: f64,
-    },
-    /// All points beyond the same end of the grid's range, as where wavelengths are in another unit:
-    /// nothing is said about the light that is computed.
-    BesideGrid {
-        /// The smallest wavelength, taken for nm.
-        smallest: f64,
-        /// The largest wavelength, taken for nm.
-        largest: f64,
-        /// Units in which some of the points would be on the range.
-        units: Vec<WavelengthUnit>,
-    },
-    /// A wavelength that is not above the one before.
-    NotAscending {
-        /// Which point.
-        index: usize,
-        /// Its wavelength.
-        nm: f64,
-        /// The wavelength before.
-        before: f64,
-    },
-    /// A value that is negative, infinite or not a number.
-    BadValue {
-        /// Which point.
-        index: usize,
-        /// As understood.
-        value: f64,
-    },
-    /// A line at a wavelength that is not on the grid's range.
-    OutsideGrid {
-        /// Which line.
-        index: usize,
-        /// Its wavelength.
-        nm: f64,
-    },
-    /// No lines at all.
-    NoLines,
-}
-
-impl CurveProblem {
-    /// The point that is wrong, if it is one.
-    pub const fn index(&self) -> Option<usize> {
-        match *self {
-            Self::BadWavelength { index, .. }
-            | Self::NotAscending { index, .. }
-            | Self::BadValue { index, .. }
-            | Self::OutsideGrid { index, .. } => Some(index),
-            Self::TooFewPoints { .. }
-            | Self::UnequalLengths { .. }
-            | Self::BesideGrid { .. }
-            | Self::NoLines => None,
-        }
-    }
-
-    /// Whether it is about a wavelength, rather than about a value.
-    pub const fn is_about_wavelength(&self) -> bool {
-        match self {
-            Self::BadWavelength { .. }
-            | Self::BesideGrid { .. }
-            | Self::NotAscending { .. }
-            | Self::OutsideGrid { .. } => true,
-            Self::TooFewPoints { .. }
-            | Self::UnequalLengths { .. }
-            | Self::BadValue { .. }
-            | Self::NoLines => false,
-        }
-    }
-}
-
-impl fmt::Display for CurveProblem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::TooFewPoints { points: 0 } => {
-                write!(f, "the curve has no points, expected at least 2")
-            }
-            Self::TooFewPoints { points } => write!(
-                f,
-                "the curve has {}, expected at least 2",
-                counted(points, "point", "points")
-            ),
-            Self::UnequalLengths {
-                wavelengths,
-                values,
-            } => write!(
-                f,
-                "the curve has {} and {}, expected as many of both",
-                counted(wavelengths, "wavelength", "wavelengths"),
-                counted(values, "value", "values"),
-            ),
-            Self::BadWavelength { nm, .. } => write!(
-                f,
-                "the wavelength is {nm}, expected a number of nanometers above 0"
-            ),
-            Self::BesideGrid {
-                smallest,
-                largest,
-                ref units,
-            } => {
-                write!(
-                    f,
-                    "no point of the curve is from {FIRST} to {LAST} nm, all are from {smallest} to \
-                     {largest}; wavelengths are in nm"
-                )?;
-                write_units(f, ", these look like", units)
-            }
-            Self::NotAscending { nm, before, .. } if nm == before => write!(
-                f,
-                "the wavelength {nm} nm is there twice, expected each once, in ascending order"
-            ),
-            Self::NotAscending { nm, before, .. } => write!(
-                f,
-                "the wavelength {nm} nm comes after {before} nm, expected ascending order"
-            ),
-            Self::BadValue { value, .. } => {
-                write!(f, "the value is {value}, expected a number of at least 0")
-            }
-            Self::OutsideGrid { nm, .. } => write!(
-                f,
-                "the line is at {nm} nm, expected a wavelength from {FIRST} to {LAST} nm"
-            )
-            .and_then(|()| write_units(f, "; this looks like", &WavelengthUnit::likely(&[nm]))),
-            Self::NoLines => write!(f, "there are no lines, expected at least 1"),
-        }
-    }
-}
-
-/// "these look like µm (1 µm is 1000 nm)", or nothing where there are no units.
-fn write_units(f: &mut fmt::Formatter<'_>, start: &str, units: &[WavelengthUnit]) -> fmt::Result {
-    for (number, unit) in units.iter().enumerate() {
-        let link = if number == 0 { start } else { " or" };
-        write!(f, "{link} {unit} ({})", unit.in_nm())?;
-    }
-    Ok(())
 }
 
 impl Curve {
@@ -405,52 +165,6 @@ impl Curve {
         }
         // A mean is within; a rounding must not make a reflectance of 1 more than that.
         sum.clamp(least, most)
-    }
-}
-
-/// An emission of single wavelengths, each with its power.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lines(Vec<[f64; 2]>);
-
-impl Lines {
-    /// Lines of (wavelength in nm, power); any order, also several at one wavelength.
-    ///
-    /// # Errors
-    /// No lines, wavelengths beyond the grid, powers that are negative or not finite.
-    pub fn new(lines: Vec<[f64; 2]>) -> Result<Self, CurveProblem> {
-        if lines.is_empty() {
-            return Err(CurveProblem::NoLines);
-        }
-        for (index, &[nm, value]) in lines.iter().enumerate() {
-            if !is_on_grid(nm) {
-                return Err(CurveProblem::OutsideGrid { index, nm });
-            }
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(CurveProblem::BadValue { index, value });
-            }
-        }
-        Ok(Self(lines))
-    }
-
-    /// Wavelength in nm and power of each line.
-    pub fn lines(&self) -> &[[f64; 2]] {
-        &self.0
-    }
-
-    /// The lines on the grid, as power per nm: each is parted among the two wavelengths beside it,
-    /// the nearer getting more.
-    ///
-    /// An integral with any weights is then the weights' own, interpolated linearly at the line.
-    pub fn spectrum(&self) -> Spectrum {
-        let mut values = [0.0; SAMPLES];
-        for &[nm, power] in &self.0 {
-            let place = nm - f64::from(FIRST);
-            let below = (place as usize).min(SAMPLES - 2);
-            let share = place - below as f64;
-            values[below] += power * (1.0 - share);
-            values[below + 1] += power * share;
-        }
-        Spectrum(Box::new(values))
     }
 }
 
@@ -626,18 +340,6 @@ mod tests {
             "no point of the curve is from 360 to 830 nm, all are from 900 to 1700; wavelengths are \
              in nm"
         );
-        // 550 nm in each unit.
-        for (unit, number) in Unit::ALL.into_iter().zip([
-            0.55,
-            5500.0,
-            18_181.818_181_818_18,
-            2.254_258_152_727_273,
-            5.5e-7,
-            5.5e-4,
-            5.450_771_963_636_364e14,
-        ]) {
-            assert!((unit.nm(number) / 550.0 - 1.0).abs() < ROUNDING, "{unit}");
-        }
     }
 
     #[test]
@@ -668,22 +370,5 @@ mod tests {
             let problem = problem(&wavelengths, &values);
             assert_eq!(problem.index(), Some(index), "{problem}");
         }
-    }
-
-    #[test]
-    fn lines_keep_their_power_and_their_place() {
-        let lines = Lines::new(vec![[589.0, 0.5], [589.6, 0.25], [830.0, 1.0]]).unwrap();
-        let spectrum = lines.spectrum();
-        assert!((spectrum.total() - 1.75).abs() < 1e-15);
-        let first_moment: f64 = super::super::wavelengths()
-            .zip(spectrum.values())
-            .map(|(nm, power)| nm * power)
-            .sum();
-        let expected = 589.0 * 0.5 + 589.6 * 0.25 + 830.0;
-        assert!((first_moment - expected).abs() < 1e-10);
-        assert!(Lines::new(Vec::new()).is_err());
-        assert!(Lines::new(vec![[359.0, 1.0]]).is_err());
-        assert!(Lines::new(vec![[f64::NAN, 1.0]]).is_err());
-        assert!(Lines::new(vec![[500.0, -1.0]]).is_err());
     }
 }

@@ -16,17 +16,27 @@
 
 mod blackbody;
 mod curve;
+mod curve_problem;
 mod daylight;
 mod illuminant;
+mod lines;
 mod observer;
+#[doc(hidden)]
 pub mod tables;
+#[doc(hidden)]
 pub mod upsample;
+mod wavelength_unit;
 
+#[doc(hidden)]
 pub use blackbody::blackbody;
-pub use curve::{Curve, CurveProblem, Lines, WavelengthUnit};
+pub use curve::Curve;
+pub use curve_problem::CurveProblem;
+#[doc(hidden)]
 pub use daylight::daylight;
 pub use illuminant::Illuminant;
+pub use lines::Lines;
 pub use observer::Observer;
+pub use wavelength_unit::WavelengthUnit;
 
 /// The first wavelength of the grid in nm.
 pub const FIRST: u32 = 360;
@@ -35,15 +45,23 @@ pub const FIRST: u32 = 360;
 pub const LAST: u32 = 830;
 
 /// Wavelengths of the grid.
+#[doc(hidden)]
 pub const SAMPLES: usize = (LAST - FIRST) as usize + 1;
 
 /// The part of the grid, in nm, in which all but 5e-4 of each color matching function lies: a
 /// curve should cover it.
+#[doc(hidden)]
 pub const VISIBLE: [f64; 2] = [380.0, 780.0];
 
 /// The wavelengths of the grid in nm.
+#[doc(hidden)]
 pub fn wavelengths() -> impl Iterator<Item = f64> {
     (FIRST..=LAST).map(f64::from)
+}
+
+/// Whether a wavelength is on the range of the grid.
+fn is_on_grid(nm: f64) -> bool {
+    (f64::from(FIRST)..=f64::from(LAST)).contains(&nm)
 }
 
 /// A function of wavelength: one number for each nm of the grid.

@@ -6,15 +6,15 @@ use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
 
 /// Rays that are traced and shaded together.
-pub const BATCH: usize = 256;
+pub(crate) const BATCH: usize = 256;
 
 /// Packets of a batch.
-pub const PACKETS: usize = BATCH / LANES;
+pub(crate) const PACKETS: usize = BATCH / LANES;
 
 /// One number for each ray of a batch.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct Column(pub(crate) [f64; BATCH]);
+pub(crate) struct Column(pub(crate) [f64; BATCH]);
 
 impl Column {
     pub(crate) const ZERO: Self = Self([0.0; BATCH]);

@@ -43,11 +43,11 @@ mod tests;
 
 use fearless_simd::Simd;
 
-pub use batch::{BATCH, PACKETS};
+pub(crate) use batch::{BATCH, PACKETS};
 pub(crate) use batch::{Column, columns};
 pub(crate) use incoherent::{Candidates, Hits, RayBatch, SegmentBatch};
 pub(crate) use points::Facing;
-pub use points::Points;
+pub(crate) use points::Points;
 
 use crate::camera::{Camera, Projection};
 use crate::math::{DVec3, Point, both};
@@ -80,7 +80,7 @@ const FEW: u32 = 8;
 
 /// A world and its shapes, as rays ask them.
 #[derive(Debug)]
-pub struct Visibility<'w> {
+pub(crate) struct Visibility<'w> {
     shapes: Shapes<'w>,
     is_smooth: bool,
     /// A point amid the shapes.
@@ -169,7 +169,7 @@ impl Samples<'_> {
 
 /// What a thread needs to trace batches, to be used again and again.
 #[derive(Debug)]
-pub struct Workspace {
+pub(crate) struct Workspace {
     projection: BatchProjection,
     setups: Setups,
     stack: Box<Stack>,
@@ -190,7 +190,7 @@ impl Default for Workspace {
 
 impl<'w> Visibility<'w> {
     /// Arranges the shapes of a world as its plan says; builds the trees.
-    pub fn new(world: &'w World, plan: &Plan) -> Self {
+    pub(crate) fn new(world: &'w World, plan: &Plan) -> Self {
         Self::of(world, Parts::new(world, plan))
     }
 
@@ -217,14 +217,14 @@ impl<'w> Visibility<'w> {
     ///
     /// # Errors
     /// If there is not.
-    pub fn try_new(world: &'w World, plan: &Plan) -> Result<Self, OutOfMemory> {
+    pub(crate) fn try_new(world: &'w World, plan: &Plan) -> Result<Self, OutOfMemory> {
         let needed = memory::look_for(Self::memory_needed(world));
         needed.map_err(|error| error.for_what("building the trees over all shapes"))?;
         Ok(Self::new(world, plan))
     }
 
     /// About how many bytes [`Visibility::new`] takes at once, of which it keeps about half.
-    pub fn memory_needed(world: &World) -> u64 {
+    pub(crate) fn memory_needed(world: &World) -> u64 {
         let triangles = world.triangles().len() as u64;
         let spheres = world.spheres().len() as u64;
         triangles * BYTES_OF_TRIANGLE + spheres * BYTES_OF_SPHERE
@@ -547,7 +547,7 @@ impl<'w> Visibility<'w> {
     }
 
     /// Bytes of the arrays and trees.
-    pub fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         self.shapes.memory()
     }
 }

@@ -31,7 +31,7 @@ const EDGE_ON: f64 = 1.0 / 64.0;
 /// p of the lecture for every ray of a batch, with all that L3 to L8 need there, number by number in
 /// columns. Where a ray hits nothing the numbers mean nothing.
 #[derive(Clone, Debug)]
-pub struct Points {
+pub(crate) struct Points {
     /// For each packet one bit for each ray that hits something.
     pub(crate) hit: [u32; PACKETS],
     /// p, relative to the world's anchor.
@@ -138,6 +138,7 @@ pub(super) struct Known<'s, S: Simd> {
 }
 
 /// Where the rays of a packet meet shapes.
+#[derive(Clone, Copy)]
 struct Met<S: Simd> {
     t: F64x16<S>,
     /// The center of a curved shape, or the normal of a flat one.
@@ -174,29 +175,29 @@ impl Points {
         packet: usize,
         rays: &Rays<S>,
         nearest: &NearestHit<S>,
-        known: Known<'_, S>,
+        Known { slots, met, last }: Known<'_, S>,
     ) {
         let infinite = F64x16::splat(simd, f64::INFINITY);
         let asked = (nearest.t.lt(infinite) & nearest.asked).to_bits();
-        let found = below(simd, known.slots, NOTHING) & known.met;
+        let found = below(simd, slots, NOTHING) & met;
         let bits = asked | found;
         self.hit[packet] = bits;
         if bits == 0 {
             return;
         }
-        let slot = known.slots[bits.trailing_zeros() as usize];
+        let slot = slots[bits.trailing_zeros() as usize];
         let are_all_known = asked == 0;
-        let met = if are_all_known && are_equal(simd, known.slots, slot) & bits == bits {
-            self.meet_one(simd, shapes, packet, rays, bits, slot, known.last)
-        } else if are_all_known && below(simd, known.slots, SPHERES) & bits == bits {
-            self.meet_triangles(simd, shapes, packet, rays, bits, known.slots)
+        let surface = if are_all_known && are_equal(simd, slots, slot) & bits == bits {
+            self.meet_one(simd, shapes, packet, rays, bits, slot, last)
+        } else if are_all_known && below(simd, slots, SPHERES) & bits == bits {
+            self.meet_triangles(simd, shapes, packet, rays, bits, slots)
         } else {
             let mut surfaces = SurfaceRecords::new(nearest);
-            surfaces.ask(simd, shapes, rays, known.slots, found);
+            surfaces.ask(simd, shapes, rays, slots, found);
             surfaces.take(shapes.world, asked);
             self.meet_several(simd, packet, bits, &surfaces)
         };
-        self.place(simd, packet, rays, bits, met);
+        self.place(simd, packet, rays, bits, surface);
     }
 
     /// L2 for rays that are known to hit one shape.

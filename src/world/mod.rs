@@ -10,24 +10,37 @@
 //! the bits that it shows in a world that was made anew.
 
 mod build;
+#[doc(hidden)]
 pub mod colorimetry;
 mod containment;
+#[doc(hidden)]
 pub mod difference;
 pub(crate) mod geometry;
+#[doc(hidden)]
 pub mod light;
+#[doc(hidden)]
 pub mod material;
+#[doc(hidden)]
 pub mod physics;
+#[doc(hidden)]
 pub mod plan;
+#[doc(hidden)]
 pub mod spectra;
 
 use std::path::Path;
 
+#[doc(hidden)]
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
+#[doc(hidden)]
 pub use light::{Light, PointLight, SpotLight};
+#[doc(hidden)]
 pub use material::Material;
+#[doc(hidden)]
 pub use plan::Plan;
 pub(crate) use spectra::RecentProducts;
-pub use spectra::{Bands, Spectra, Wavelengths};
+pub use spectra::Wavelengths;
+#[doc(hidden)]
+pub use spectra::{Bands, Spectra};
 
 use crate::camera::Camera;
 use crate::math::DVec3;
@@ -74,6 +87,7 @@ pub struct Loaded {
 }
 
 /// Something with the name that the user gave it.
+#[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named<T> {
     /// The user's name.
@@ -83,6 +97,7 @@ pub struct Named<T> {
 }
 
 /// One quantity for each lobe of a material (L8).
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lobes<T> {
     /// Of the diffuse lobe (L5).
@@ -92,6 +107,7 @@ pub struct Lobes<T> {
 }
 
 /// An object: its name, what it is made of and what it became.
+#[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// The user's name.
@@ -103,6 +119,7 @@ pub struct Object {
 }
 
 /// Where the shape of an object is kept.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// An index into [`World::spheres`].
@@ -202,6 +219,7 @@ impl World {
     }
 
     /// Radiance where a ray hits nothing.
+    #[doc(hidden)]
     pub fn background(&self) -> Radiance {
         self.background
     }
@@ -212,52 +230,62 @@ impl World {
     }
 
     /// The materials in the order of the file.
+    #[doc(hidden)]
     pub fn materials(&self) -> &[Named<Material>] {
         &self.materials
     }
 
     /// The lights in the order of the file, which is the order of the sum (L9).
+    #[doc(hidden)]
     pub fn lights(&self) -> &[Named<Light>] {
         &self.lights
     }
 
     /// The objects in the order of the file, which settles ties between surfaces.
+    #[doc(hidden)]
     pub fn objects(&self) -> &[Object] {
         &self.objects
     }
 
     /// All spheres, in the order of the objects.
+    #[doc(hidden)]
     pub fn spheres(&self) -> &[Sphere] {
         &self.spheres
     }
 
     /// All planes, in the order of the objects.
+    #[doc(hidden)]
     pub fn planes(&self) -> &[Plane] {
         &self.planes
     }
 
     /// All triangles, in the order of the objects.
+    #[doc(hidden)]
     pub fn triangles(&self) -> &Triangles {
         &self.triangles
     }
 
     /// What the scene asks for about the way of light.
+    #[doc(hidden)]
     pub fn transport_asked(&self) -> scene::Transport {
         self.asked
     }
 
     /// What in the scene is spectral, as people name it: "light `key`", …
+    #[doc(hidden)]
     pub fn spectral_values(&self) -> &[String] {
         &self.spectral_values
     }
 
     /// The spectra of lights and materials; `None` where light is carried as RGB.
+    #[doc(hidden)]
     pub fn spectra(&self) -> Option<&Spectra> {
         self.spectra.as_ref()
     }
 
     /// The curves that leave out a part of the visible range, by the names of their entries, with
     /// their ranges in nm.
+    #[doc(hidden)]
     pub fn gaps(&self) -> &[Named<[f64; 2]>] {
         &self.gaps
     }
@@ -269,6 +297,7 @@ impl World {
     /// is spectral, an integral, made when it is first asked for. Whenever and wherever it is made, it has the
     /// same bits.
     #[inline]
+    #[doc(hidden)]
     pub fn reflected(&self, light: usize, material: usize) -> Lobes<ReflectedIntensity> {
         self.reflected_from(light, None)(material)
     }
@@ -318,6 +347,7 @@ impl World {
 
     /// Bytes of the table of I · k of lights and materials; `None` where light is carried as RGB,
     /// which takes none, 0 where a table would be too large, and products are made where they are needed.
+    #[doc(hidden)]
     pub fn products_memory(&self) -> Option<u64> {
         self.products.as_ref().map(Products::memory)
     }
@@ -331,6 +361,7 @@ impl World {
     }
 
     /// The materials that objects have, as indices into [`World::materials`], ascending.
+    #[doc(hidden)]
     pub fn used_materials(&self) -> Vec<usize> {
         let mut used = vec![false; self.materials.len()];
         for object in &self.objects {

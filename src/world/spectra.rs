@@ -289,7 +289,7 @@ impl Wavelengths {
 const LARGEST_BANDS: u64 = 1 << 25;
 
 /// What the pixels of a spectral image are made of: I · k of lights and the materials that objects have, and the
-/// background, band by band. As [products](Products), they are made when they are first asked for.
+/// background, band by band. As products, they are made when they are first asked for.
 #[derive(Clone, Debug)]
 pub struct Bands<'w> {
     spectra: &'w Spectra,

@@ -146,7 +146,8 @@ enum Bulbs {
 /// Writes a kind of scene.
 type Compose<'f> = fn(&mut Draft<'f>);
 
-fn scene(seed: u64, folder: &Path) -> (String, Scene) {
+/// The scene of a number.
+pub(crate) fn scene(seed: u64, folder: &Path) -> (String, Scene) {
     let (kind, composition) = kind(seed);
     compose(seed, kind, composition, Bulbs::Points, folder)
 }

@@ -6,9 +6,9 @@ use std::path::Path;
 use candela::exr::{ExrOptions, Precision};
 use candela::image::{ChannelKind, Film};
 use candela::output::Unfinished;
+use candela::render::SimdLevel;
 use candela::render::{self, Layers, Options};
 use candela::scene::{Object, Scene, Value};
-use candela::simd::SimdLevel;
 use candela::world::{Wavelengths, World};
 
 use super::{ALL, F32_ROUNDING, WALL, ball, depths, scenes, share, spectral, with_layers};

@@ -464,7 +464,7 @@ fn the_oracle_agrees() {
                     pixel: film.pixels()[pixel],
                     shares: film.values(pixel),
                 };
-                let is_flip = is_flip(&oracle, at, &rendered, floor);
+                let is_flip = is_flip(&oracle, &scene, at, &rendered, floor);
                 assert!(is_flip, "{name} at {at:?}: {errors:?}");
                 flips += 1;
             }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use candela::internal::printable;
 use candela::oracle::{
     Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, SpotTerms, TransportUsed,
 };
-use candela::printable::printable;
 
 use super::{Report, SpectralRadiance};
 

@@ -3,7 +3,7 @@
 use candela::Camera;
 use candela::exr::{ExrOptions, Precision, Preserve};
 use candela::image::{Channels, Window};
-use candela::memory::Size;
+use candela::internal::Size;
 use candela::render::{self, Layers, Options};
 use candela::world::{Bands, World};
 

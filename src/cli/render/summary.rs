@@ -7,7 +7,7 @@ use candela::display::exposure::scale;
 use candela::display::{self, Exposure, LOOKS_BLACK, MANY_CLIPPED, digits};
 use candela::exr::ExrReport;
 use candela::image::Window;
-use candela::printable::printable_path;
+use candela::internal::printable_path;
 use candela::render::Counts;
 use candela::world::physics::Warning;
 

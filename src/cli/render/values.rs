@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use candela::image::Window;
-use candela::printable::printable_path;
+use candela::internal::printable_path;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 
 use super::Failure;

@@ -1,9 +1,9 @@
 //! The body of a binary PLY file.
 
+use super::super::decimal::whole;
 use super::super::error::{Fault, MeshError, Position};
 use super::super::source::Source;
 use super::super::surface::{Surface, corner_count};
-use super::super::text::whole;
 use super::{Body, Element, Endian, Kind, Property, Scalar, VertexLayout, VertexRecord, Vertices};
 use super::{LEAST_CORNERS, Strip, UNUSED};
 use super::{checked_index, end_strip, list_length, strip_corner};

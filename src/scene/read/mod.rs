@@ -8,14 +8,16 @@ mod entries;
 mod fields;
 mod foreign;
 mod habits;
+mod illuminant;
 pub(super) mod key;
+pub(super) mod notation;
 pub(super) mod outline;
 mod pieces;
 mod sections;
 mod syntax;
 #[cfg(test)]
 mod tests;
-pub(super) mod value;
+mod value;
 
 use std::collections::{HashMap, HashSet};
 use std::fs::File;

@@ -1,218 +1,23 @@
 //! Values for light and color, in every notation.
 
-use std::ops::Bound;
 use std::path::Path;
 use std::sync::Arc;
 
 use toml::de::{DeTable, DeValue};
 
 use super::super::diagnostic::{Problem, Span, Spanned};
-use super::super::value::{Unit, Value};
+use super::super::value::Value;
 use super::Node;
 use super::fields::{Fields, Reader, spanned};
-use super::key::{AMOUNT, BRIGHTEST, Form, Key, Kind, Purpose, Range, key};
+use super::illuminant::{illuminant_called, temperature, unknown_illuminant};
+use super::key::{Form, Key, Purpose};
+use super::notation::{
+    BLACKBODY, COLOR, DAYLIGHT, DENSITY, FILE, ILLUMINANT, LINES, Notation, RGB, SIZE, SPACE,
+    VALUES, WAVELENGTHS,
+};
 use crate::color::ColorSpace;
 use crate::printable::shortened;
 use crate::spectrum::{Curve, CurveProblem, Illuminant, Lines};
-
-const RGB: Key = key!("rgb", "three linear numbers", "[0.7, 0.3, 0.2]")
-    .of(Kind::Channels)
-    .about("Red, green and blue, linear, of the primaries of `space`.");
-const SPACE: Key = key!("space", "the name of a color space", "\"rec709\"")
-    .of(Kind::Name(space_names))
-    .or("\"rec709\"")
-    .about("Whose primaries these are.")
-    .also(&["color_space", "colorspace"]);
-const ILLUMINANT: Key = key!("illuminant", "the name of an illuminant", "\"D65\"")
-    .of(Kind::Name(illuminant_names))
-    .about("An illuminant of the CIE.");
-const DAYLIGHT: Key = key!("daylight", "a color temperature in K", "5600")
-    .of(Kind::Number(DAYLIGHTS))
-    .about("Daylight by its correlated color temperature in K: 4000 to 25000.");
-const BLACKBODY: Key = key!("blackbody", "a temperature in K", "3200")
-    .of(Kind::Number(BLACKBODIES))
-    .about("A glowing body by its temperature in K: 500 to 1000000.")
-    .also(&["black_body", "temperature", "kelvin", "cct"]);
-const WAVELENGTHS: Key = key!(
-    "wavelengths",
-    "wavelengths in nm, ascending",
-    "[400, 550, 700]"
-)
-.of(Kind::Wavelengths)
-.about("Two or more wavelengths in nm, ascending.")
-.also(&["nm", "lambda", "wavelength"]);
-const VALUES: Key = key!("values", "a number for each wavelength", "[0.1, 0.5, 0.4]")
-    .of(Kind::Amounts)
-    .about("A number from 0 for each wavelength; the curve is linear between them.");
-const FILE: Key = key!("file", "a CSV file beside the scene", "\"curve.csv\"")
-    .of(Kind::Text)
-    .about("A curve from a file of two columns, nm and value, relative to the scene's folder.")
-    .also(&["filename", "path", "csv", "spd"]);
-const LINES: Key = key!(
-    "lines",
-    "wavelengths in nm, each with its W/sr",
-    "[[589.0, 0.5], [589.6, 0.5]]"
-)
-.of(Kind::Lines)
-.about("Light of single wavelengths: pairs of nm, 360 to 830, and W/sr.");
-const CANDELA: Key = key!("candela", "a luminous intensity in cd", "120")
-    .of(Kind::Number(AMOUNT))
-    .about("Luminous intensity in cd.")
-    .also(&["cd", "candelas"]);
-const LUMENS: Key = key!("lumens", "a luminous flux in lm", "800")
-    .of(Kind::Number(AMOUNT))
-    .about("Luminous flux in lm: 4π times the intensity in cd.")
-    .also(&["lm", "lumen"]);
-const WATTS_PER_STERADIAN: Key = key!("watts_per_steradian", "a radiant intensity in W/sr", "0.5")
-    .of(Kind::Number(AMOUNT))
-    .about("Radiant intensity in W/sr, summed over 360 to 830 nm.");
-const WATTS: Key = key!("watts", "a radiant flux in W", "6")
-    .of(Kind::Number(AMOUNT))
-    .about("Radiant flux in W: the light that leaves the lamp, not the electricity that enters.")
-    .also(&["w", "watt"]);
-const DENSITY: Key = key!(
-    "watts_per_steradian_nm",
-    "a spectral intensity in W/(sr nm), a number or a curve",
-    "0.002"
-)
-.of(Kind::Density)
-.about("Spectral intensity in W/(sr nm): a number for every wavelength, or a curve.");
-const COLOR: Key = key!(
-    "color",
-    "the light's color (`[r, g, b]`, `\"#rrggbb\"`, `{ illuminant = \"A\" }`, …)",
-    "{ blackbody = 3200 }"
-)
-.of(Kind::Value(Purpose::Color, BRIGHTEST))
-.or("1")
-.about("The light's color, of any size: it is scaled to the size that is said beside it.")
-.also(&["colour", "tint", "rgb"]);
-/// The size that a light of a color alone lacks.
-const SIZE: Key = Key {
-    line: "the light's size in a unit, such as `{ candela = 120, color = … }` \
-           (or `lumens`, `watts_per_steradian`, `watts`)",
-    ..CANDELA
-};
-
-/// The temperatures in K for which daylight is defined (CIE 15:2018).
-const DAYLIGHTS: Range = (Bound::Included(4000.0), Bound::Included(25_000.0));
-
-/// The temperatures in K of black bodies.
-const BLACKBODIES: Range = (Bound::Included(500.0), Bound::Included(1e6));
-
-/// The names of the color spaces.
-pub(super) fn space_names() -> Vec<&'static str> {
-    ColorSpace::ALL.map(ColorSpace::name).to_vec()
-}
-
-fn illuminant_names() -> Vec<&'static str> {
-    Illuminant::ALL.map(Illuminant::name).to_vec()
-}
-
-/// The notations that are tables, each known by the first of its keys that is there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::scene) enum Notation {
-    Rgb,
-    Illuminant,
-    Daylight,
-    Blackbody,
-    Curve,
-    File,
-    Lines,
-    Sized(Unit),
-    Density,
-}
-
-impl Notation {
-    pub(in crate::scene) const ALL: [Self; 12] = [
-        Self::Rgb,
-        Self::Illuminant,
-        Self::Daylight,
-        Self::Blackbody,
-        Self::Curve,
-        Self::File,
-        Self::Lines,
-        Self::Sized(Unit::Candela),
-        Self::Sized(Unit::Lumens),
-        Self::Sized(Unit::WattsPerSteradian),
-        Self::Sized(Unit::Watts),
-        Self::Density,
-    ];
-
-    const fn key(self) -> &'static Key {
-        match self {
-            Self::Rgb => &RGB,
-            Self::Illuminant => &ILLUMINANT,
-            Self::Daylight => &DAYLIGHT,
-            Self::Blackbody => &BLACKBODY,
-            Self::Curve => &WAVELENGTHS,
-            Self::File => &FILE,
-            Self::Lines => &LINES,
-            Self::Sized(Unit::Candela) => &CANDELA,
-            Self::Sized(Unit::Lumens) => &LUMENS,
-            Self::Sized(Unit::WattsPerSteradian) => &WATTS_PER_STERADIAN,
-            Self::Sized(Unit::Watts) => &WATTS,
-            Self::Density => &DENSITY,
-        }
-    }
-
-    /// The keys of its table.
-    pub(in crate::scene) const fn form(self) -> Form<'static> {
-        Form::new(match self {
-            Self::Rgb => &[&RGB, &SPACE],
-            Self::Illuminant => &[&ILLUMINANT],
-            Self::Daylight => &[&DAYLIGHT],
-            Self::Blackbody => &[&BLACKBODY],
-            Self::Curve => &[&WAVELENGTHS, &VALUES],
-            Self::File => &[&FILE],
-            Self::Lines => &[&LINES],
-            Self::Sized(Unit::Candela) => &[&CANDELA, &COLOR],
-            Self::Sized(Unit::Lumens) => &[&LUMENS, &COLOR],
-            Self::Sized(Unit::WattsPerSteradian) => &[&WATTS_PER_STERADIAN, &COLOR],
-            Self::Sized(Unit::Watts) => &[&WATTS, &COLOR],
-            Self::Density => &[&DENSITY],
-        })
-    }
-
-    /// Whether it is light rather than a share of it, and whether its size is said.
-    pub(in crate::scene) const fn is_for(self, purpose: Purpose) -> Result<(), &'static str> {
-        match (self, purpose) {
-            (Self::Rgb | Self::Curve | Self::File, _)
-            | (Self::Lines, Purpose::Light | Purpose::Color | Purpose::Background)
-            | (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Color)
-            | (Self::Sized(_) | Self::Density, Purpose::Light) => Ok(()),
-            (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Light) => Err(
-                "is a color without a size; write `{ candela = 120, color = … }` \
-                     (or `lumens`, `watts_per_steradian`, `watts`)",
-            ),
-            (
-                Self::Illuminant
-                | Self::Daylight
-                | Self::Blackbody
-                | Self::Sized(_)
-                | Self::Density,
-                Purpose::Background,
-            ) => Err(
-                "is for lights; a background is a radiance: a number or `[r, g, b]` in cd/m², \
-                     or a curve in W/(m² sr nm)",
-            ),
-            (Self::Sized(_) | Self::Density, Purpose::Color) => {
-                Err("is a size, which is said once, beside `color`")
-            }
-            (
-                Self::Illuminant
-                | Self::Daylight
-                | Self::Blackbody
-                | Self::Lines
-                | Self::Sized(_)
-                | Self::Density,
-                Purpose::Surface,
-            ) => Err(
-                "is for lights; a surface has a reflectance: a number, `[r, g, b]`, \
-                     `\"#rrggbb\"` or a curve from 0 to 1",
-            ),
-        }
-    }
-}
 
 impl Fields<'_, '_, '_> {
     pub(super) fn value(&mut self, key: &'static Key, purpose: Purpose) -> Option<Spanned<Value>> {
@@ -555,70 +360,6 @@ impl Reader<'_> {
     }
 }
 
-/// What to say of an illuminant that there is not.
-fn unknown_illuminant(name: &str) -> Problem {
-    let what = "illuminant";
-    if let Some(illuminant) = illuminant_called(name) {
-        return Problem::OtherWord {
-            what,
-            name: name.to_owned(),
-            meant: illuminant.name(),
-        };
-    }
-    let advice = match temperature(name) {
-        Some(kelvin) => format!(
-            "a color by its temperature is `{{ blackbody = {kelvin} }}` or, of daylight from 4000 K, \
-             `{{ daylight = {kelvin} }}`"
-        ),
-        None if matches!(name, "B" | "C" | "b" | "c") => {
-            "the CIE has withdrawn its illuminants B and C; \
-            `{ daylight = 4874 }` and `{ daylight = 6774 }` have their temperatures"
-                .to_owned()
-        }
-        None => {
-            let names = Illuminant::ALL.iter().map(|known| known.name());
-            return Problem::unknown(what, name, names);
-        }
-    };
-    Problem::Elsewhere {
-        what,
-        name: name.to_owned(),
-        key: None,
-        advice: advice.into(),
-    }
-}
-
-/// The illuminant that has this name elsewhere: `d65`, `FL2`, `CIE A`, `LED_B3`.
-fn illuminant_called(name: &str) -> Option<Illuminant> {
-    let upper = name.to_uppercase().replace(['-', '_', '.', ' '], "");
-    let mut short = upper.as_str();
-    for word in ["CIE", "STD", "STANDARD", "ILLUMINANT", "ILL"] {
-        short = short.strip_prefix(word).unwrap_or(short);
-    }
-    let short = match short {
-        "TUNGSTEN" | "INCANDESCENT" => "A".to_owned(),
-        "EQUALENERGY" => "E".to_owned(),
-        "NOON" | "DAYLIGHT" => "D65".to_owned(),
-        _ => match short.strip_prefix("FL") {
-            Some(number) => format!("F{number}"),
-            None => short.to_owned(),
-        },
-    };
-    let is_it = |illuminant: &Illuminant| illuminant.name().replace('-', "") == short;
-    Illuminant::ALL.into_iter().find(is_it)
-}
-
-/// The kelvins in `6500K`, `6500 K` or, of a D illuminant that has no table here, `D60`.
-fn temperature(name: &str) -> Option<u32> {
-    let upper = name.to_uppercase();
-    if let Some(hundreds) = upper.strip_prefix('D') {
-        let hundreds = hundreds.parse::<u32>().ok();
-        return hundreds.filter(|n| (40..=250).contains(n)).map(|n| n * 100);
-    }
-    let kelvin = upper.strip_suffix('K')?.trim_end().parse().ok()?;
-    (500..=1_000_000).contains(&kelvin).then_some(kelvin)
-}
-
 /// The table that a text where a color should be stands for, if it does.
 fn table_for(text: &str, purpose: Purpose) -> Option<String> {
     let is_color = purpose == Purpose::Color;
@@ -641,51 +382,4 @@ pub(in crate::scene) fn srgb(text: &str) -> Option<[u8; 3]> {
     }
     let channels = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
     Some([channels[1], channels[2], channels[3]])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn illuminants_have_many_names() {
-        for (written, meant) in [
-            ("d65", "D65"),
-            ("FL2", "F2"),
-            ("FL11", "F11"),
-            ("fl 1", "F1"),
-            ("CIE A", "A"),
-            ("cie-d50", "D50"),
-            ("illuminant A", "A"),
-            ("CIE Standard Illuminant D65", "D65"),
-            ("LED_B3", "LED-B3"),
-            ("ledbh1", "LED-BH1"),
-            ("hp1", "HP1"),
-        ] {
-            let problem = unknown_illuminant(written);
-            assert!(
-                matches!(problem, Problem::OtherWord { meant: found, .. } if found == meant),
-                "{written}: {problem:?}"
-            );
-        }
-        for (written, kelvin) in [
-            ("6500K", "6500"),
-            ("3200 k", "3200"),
-            ("D60", "6000"),
-            ("D93", "9300"),
-        ] {
-            let problem = unknown_illuminant(written);
-            assert!(
-                matches!(&problem, Problem::Elsewhere { advice, .. } if advice.contains(kelvin)),
-                "{written}: {problem:?}"
-            );
-        }
-        for written in ["", "D", "X", "F13", "FL", "D65 daylight", "Ⅾ65", "K"] {
-            let problem = unknown_illuminant(written);
-            assert!(
-                matches!(problem, Problem::Unknown { .. }),
-                "{written}: {problem:?}"
-            );
-        }
-    }
 }

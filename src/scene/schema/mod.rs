@@ -11,8 +11,8 @@ use std::ops::Bound;
 use toml::de::DeValue;
 
 use super::read::key::{AMOUNT, Form, Key, Kind, LARGEST, Presence, Purpose, Range};
+use super::read::notation::Notation;
 use super::read::outline::{self, Named};
-use super::read::value::Notation;
 use super::{MAX_RESOLUTION, Unit};
 use crate::spectrum::{FIRST, LAST};
 use json::{Json, Members, list, object};

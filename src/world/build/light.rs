@@ -80,7 +80,7 @@ impl Builder<'_> {
         outer: Spanned<f64>,
         falloff: scene::Falloff,
     ) -> Result<Cone, Reported> {
-        let legal_outer = |angle: f64| angle >= Cone::NARROWEST && angle <= Cone::WIDEST;
+        let legal_outer = |angle: f64| (Cone::NARROWEST..=Cone::WIDEST).contains(&angle);
         let outer_angle = self.number(
             "outer",
             outer,

@@ -8,8 +8,8 @@ use super::super::super::{Image, MAX_RESOLUTION};
 use super::super::Node;
 use super::super::fields::{Fields, Reader, spanned};
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
+use super::super::notation::space_names;
 use super::super::syntax::header;
-use super::super::value::space_names;
 use crate::spectrum::Observer;
 
 const RESOLUTION: Key = key!("resolution", "width and height in pixels", "[1280, 720]")

@@ -96,6 +96,7 @@ impl<S: Simd> SphereLanes<S> {
 }
 
 /// The discriminants of sixteen spheres, over the sum of the magnitudes of their terms.
+#[derive(Clone, Copy)]
 struct Discriminants<S: Simd> {
     /// Of 1, x, y, x², x y and y².
     coefficients: [F32x16<S>; 6],
@@ -103,6 +104,7 @@ struct Discriminants<S: Simd> {
 }
 
 /// The reciprocal depths of sixteen spheres.
+#[derive(Clone, Copy)]
 struct Roots<S: Simd> {
     /// The coefficients of 1, x and y of oc · d.
     along: [F32x16<S>; 3],

@@ -108,6 +108,7 @@ impl<S: Simd> Corners<S> {
 }
 
 /// The reciprocal depths of triangles, as affine functions of a sample.
+#[derive(Clone, Copy)]
 struct Planes<S: Simd> {
     reciprocal_depth: SingleVectors<S>,
     /// The sum of the magnitudes of its terms.
