@@ -272,6 +272,7 @@ pub fn digits(number: f64) -> String {
 
 /// An EXR file could not be shown.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DisplayError {
     /// The EXR could not be read.
     #[error(transparent)]

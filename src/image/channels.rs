@@ -24,6 +24,7 @@ pub struct Channel {
 
 /// What a channel holds, which decides how it may be stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ChannelKind {
     /// Light, or a share of it: in the precision that is asked for, as R, G and B.
     Light,

@@ -9,6 +9,7 @@ use crate::printable::{excerpt, printable};
 
 /// Why a mesh file cannot be used. The message says where in the file and what was expected.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshError {
     /// The file cannot be read.
     #[error("{0}")]

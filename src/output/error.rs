@@ -18,6 +18,7 @@ pub struct OutputError {
 
 /// Why a file could not be written. Each message says the way out, where there is one.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OutputProblem {
     /// The target's folder is not there.
     #[error("the folder {} does not exist; create it, or choose another place", printable_path(.0))]

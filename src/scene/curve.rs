@@ -19,6 +19,7 @@ const LEAST_POINT: usize = 4;
 
 /// Why a curve file cannot be used, with the line where it is one.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CurveError {
     /// The file cannot be read.
     #[error("{0}")]

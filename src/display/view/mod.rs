@@ -10,6 +10,7 @@ use std::str::FromStr;
 
 /// The views by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum View {
     /// As it is; what exceeds the screen's range clips.
     #[default]

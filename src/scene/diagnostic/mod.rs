@@ -79,6 +79,7 @@ pub struct Diagnostics {
 
 /// What is wrong. Each message says what was expected.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Problem {
     /// The scene file itself cannot be read.
     #[error("cannot read the scene file: {0}")]
