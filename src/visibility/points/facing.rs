@@ -40,12 +40,8 @@ impl Points {
     #[inline(always)]
     pub(crate) fn facing<S: Simd>(&self, simd: S, world: &World, light: Point) -> Facing {
         // What holds for all points of the batch will often do: a bound on the rounding of each, and a
-        // light that is outside of the box around them. With p₀ a point of the tangent plane, n·l − n·p₀ and
-        // what it is compared with point by point are off by 2 ROUNDING (|l| + |l − p₀|) and the error of p₀,
-        // and |p₀| ROUNDING is below the error of p: twice that.
-        let light_length = light.0.abs().max_element();
-        let room = 6.0 * self.largest_error + 8.0 * ROUNDING * light_length;
-        let room = F64x16::splat(simd, room);
+        // light that is outside of the box around them.
+        let room = F64x16::splat(simd, batch_height_error(self.largest_error, light));
         let [least, most] = self.bounds;
         let outside = (least - light.0).max(light.0 - most).max_element();
         let is_apart = outside > 2.0 * self.largest_error;
@@ -105,10 +101,8 @@ impl Points {
                 let tangent = is_flat.select_vectors(DVec3x16::load(simd, [x, y, z]), position);
                 let known_to = is_flat.select(F64x16::splat(simd, 0.0), error);
                 let to_light = -tangent.minus(light.0);
-                // The largest component stands for the length, which is at most √3 times as long.
-                let light_length = light.0.abs().max_element();
-                let rounding = (to_light.largest() + light_length) * (2.0 * ROUNDING);
                 let normal = self.facing_normals(simd, packet);
+                let rounding = height_error(to_light, light);
                 let is_above = normal.dot(to_light).gt(rounding + known_to);
                 let offset = position.minus(light.0);
                 let is_at = offset.dot(offset).le(error * error).to_bits() & hit;
@@ -116,6 +110,29 @@ impl Points {
             },
         )
     }
+}
+
+/// At least √3: a vector is so many times longer than its largest component, at most.
+const LENGTH_OVER_LARGEST: f64 = 2.0;
+
+/// A bound on the rounding of n·(l − p₀), the height of a light l above a tangent plane through p₀, beside the
+/// error of p₀ itself: that of the difference and of the product are below [`ROUNDING`] times |l| + |l − p₀|, n
+/// being of unit length.
+#[inline(always)]
+fn height_error<S: Simd>(to_light: DVec3x16<S>, light: Point) -> F64x16<S> {
+    let light_length = light.0.abs().max_element();
+    (to_light.largest() + light_length) * (LENGTH_OVER_LARGEST * ROUNDING)
+}
+
+/// The same for all points of a batch, of which the largest error is known, and for n·l − n·p₀ in place of
+/// n·(l − p₀).
+///
+/// Both are off by 2 [`ROUNDING`] (|l| + |l − p₀|) and the error of p₀, with |l − p₀| ≤ |l| + |p₀| and
+/// |p₀| [`ROUNDING`] below the error of p: 4 [`ROUNDING`] |l| and three errors, and that twice.
+#[inline(always)]
+fn batch_height_error(largest_error: f64, light: Point) -> f64 {
+    let light_length = light.0.abs().max_element();
+    6.0 * largest_error + 8.0 * ROUNDING * light_length
 }
 
 /// A point of a flat primitive that is known exactly; `None` for a curved one.
