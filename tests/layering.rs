@@ -362,7 +362,7 @@ fn arrows_are_found() {
             "src/oracle/value.rs",
             "use super::spectrum::curve;\nuse crate::spectrum::{Curve, tables};",
         ),
-        ("src/scene/mesh/mod.rs", "use super::super::scene::Scene;"),
+        ("src/scene/read/mod.rs", "use super::super::scene::Scene;"),
         (
             "src/display/mod.rs",
             "use crate::{image::Film, exr::{self, read}};",
