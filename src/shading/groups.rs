@@ -88,11 +88,11 @@ impl Groups {
     /// Takes the points with a bit, and forgets all others.
     #[inline(always)]
     pub(super) fn take(&mut self, world: &World, materials: &[u32], bits: u32, are_uniform: bool) {
-        self.clear();
         if are_uniform {
-            self.push(world, materials[bits.trailing_zeros() as usize], bits);
+            self.take_one(world, materials[bits.trailing_zeros() as usize], bits);
             return;
         }
+        self.clear();
         self.materials.clear();
         for lane in ones(bits) {
             let material = materials[lane];
@@ -107,6 +107,20 @@ impl Groups {
                     self.push(world, material, 1 << lane);
                 }
             }
+        }
+    }
+
+    /// Takes points of one material. What one packet is made of, the next one mostly is.
+    #[inline(always)]
+    fn take_one(&mut self, world: &World, material: u32, members: u32) {
+        if let ([group], [share]) = (&mut self.groups[..], &mut self.shares[..])
+            && share.reflectance == material
+            && share.weights.is_none()
+        {
+            (group.members, share.members) = (members, members);
+        } else {
+            self.clear();
+            self.push(world, material, members);
         }
     }
 

@@ -138,6 +138,7 @@ impl Shaded {
         space: &mut Workspace,
     ) {
         self.lit.clear();
+        self.groups.clear();
         (self.shadow_rays, self.lit_points, self.singular) = (0, 0, 0);
         if points.none_hit() {
             return;
