@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///     pixels.fetch_add(more, Ordering::Relaxed);
 /// });
 /// let (film, _) = renderer.film(&camera, &Options::default(), &job)?;
-/// assert_eq!(pixels.into_inner(), film.pixels().len() as u64);
+/// assert_eq!(pixels.load(Ordering::Relaxed), film.pixels().len() as u64);
 ///
 /// let job = Job::new();
 /// job.cancel(); // most often by another thread
