@@ -114,6 +114,27 @@ impl<'w> Renderer<'w> {
         })
     }
 
+    /// Of another world, such as the next frame, with the trees of the shapes that are where they were: the
+    /// same pictures as of [`Renderer::new`], sooner.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn again<'v>(&self, world: &'v World) -> Result<Renderer<'v>, OutOfMemory> {
+        let plan = Plan::new(world);
+        let visibility = self.visibility.again(world, &plan)?;
+        Ok(Renderer {
+            world,
+            plan,
+            visibility,
+        })
+    }
+
+    /// How many trees were built for it: of each large mesh one, of all other triangles one, of the spheres one,
+    /// where they are many; none of what [`Renderer::again`] keeps.
+    pub fn trees_built(&self) -> usize {
+        self.visibility.trees_built()
+    }
+
     /// About how many bytes [`Renderer::new`] takes at once, of which it keeps about half.
     pub fn memory_needed(world: &World) -> u64 {
         Visibility::memory_needed(world)

@@ -82,6 +82,8 @@ const FEW: u32 = 8;
 #[derive(Debug)]
 pub(crate) struct Visibility<'w> {
     shapes: Shapes<'w>,
+    /// What they were put together from.
+    parts: Parts,
     is_smooth: bool,
     /// A point amid the shapes.
     somewhere: DVec3,
@@ -191,17 +193,37 @@ impl Default for Workspace {
 impl<'w> Visibility<'w> {
     /// Arranges the shapes of a world as its plan says; builds the trees.
     pub(crate) fn new(world: &'w World, plan: &Plan) -> Self {
-        Self::of(world, Parts::new(world, plan))
+        Self::of(world, Parts::new(world, plan, None))
+    }
+
+    /// The shapes of another world, with the trees of those that are where they were.
+    ///
+    /// # Errors
+    /// If there is not as much memory as all of it takes.
+    pub(crate) fn again<'v>(
+        &self,
+        world: &'v World,
+        plan: &Plan,
+    ) -> Result<Visibility<'v>, OutOfMemory> {
+        Self::look_for_memory(world)?;
+        let kept = (self.shapes.world, &self.parts);
+        Ok(Visibility::of(world, Parts::new(world, plan, Some(kept))))
+    }
+
+    /// How many trees were built for it: none for what was kept.
+    pub(crate) fn trees_built(&self) -> usize {
+        self.parts.built()
     }
 
     /// A world and the parts that were built of it.
     fn of(world: &'w World, parts: Parts) -> Self {
-        let shapes = Shapes::of(world, parts);
+        let shapes = Shapes::of(world, &parts);
         let meshes = world.triangles().meshes();
         let count = world.triangles().len() + world.spheres().len();
         Self {
             somewhere: shapes.somewhere(),
             shapes,
+            parts,
             is_smooth: meshes.iter().any(|mesh| mesh.normals.is_some()),
             are_few: count <= FEW_SHAPES,
             most_spread: if count <= FEW_SHAPES {
@@ -218,9 +240,13 @@ impl<'w> Visibility<'w> {
     /// # Errors
     /// If there is not.
     pub(crate) fn try_new(world: &'w World, plan: &Plan) -> Result<Self, OutOfMemory> {
-        let needed = memory::look_for(Self::memory_needed(world));
-        needed.map_err(|error| error.for_what("building the trees over all shapes"))?;
+        Self::look_for_memory(world)?;
         Ok(Self::new(world, plan))
+    }
+
+    fn look_for_memory(world: &World) -> Result<(), OutOfMemory> {
+        let needed = memory::look_for(Self::memory_needed(world));
+        needed.map_err(|error| error.for_what("building the trees over all shapes"))
     }
 
     /// About how many bytes [`Visibility::new`] takes at once, of which it keeps about half.
@@ -548,7 +574,7 @@ impl<'w> Visibility<'w> {
 
     /// Bytes of the arrays and trees.
     pub(crate) fn memory(&self) -> usize {
-        self.shapes.memory()
+        self.shapes.memory() + self.parts.memory()
     }
 }
 

@@ -8,8 +8,8 @@ use super::projection::{BatchProjection, DepthTest};
 use super::rays::ShearedRays;
 use super::shape::{Block, Shape};
 use super::tree::{
-    Approach, BlockRange, Bounds, Descent, HalfSpace, Stack, Step, Tree, TreeRay, TreeVolume,
-    blocks_of,
+    Approach, BlockRange, Bounds, Descent, HalfSpace, PlacedPart, Stack, Step, Tree, TreeRay,
+    TreeVolume, blocks_of,
 };
 use crate::math::DVec3;
 use crate::simd::ones;
@@ -87,6 +87,33 @@ impl<T: Shape> Search<T> {
             order.extend(treed);
             tree
         });
+        Self::of(&order, listed, tree, &members, shape)
+    }
+
+    /// Of parts, each with a tree of its own under a common one, and a few `listed` shapes beside them.
+    pub(super) fn of_parts(
+        parts: &[PlacedPart<'_>],
+        listed: Vec<u32>,
+        shape: impl Fn(u32) -> T + Sync,
+    ) -> Self {
+        let mut members = Vec::new();
+        members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
+        let bounds = |number| shape(number).bounds();
+        let count = listed.len();
+        let (tree, treed) = Tree::of_parts(parts, T::WIDTH, &bounds, count as u32, &mut members);
+        let mut order = listed;
+        order.extend(treed);
+        Self::of(&order, count, Some(tree), &members, shape)
+    }
+
+    /// Of shapes in the order of their blocks.
+    fn of(
+        order: &[u32],
+        listed: usize,
+        tree: Option<Tree>,
+        members: &[BlockRange],
+        shape: impl Fn(u32) -> T + Sync,
+    ) -> Self {
         let shapes = order.par_iter().map(|&index| shape(index));
         let mut shapes: Vec<T> = shapes.collect();
         let blocks: Vec<T::Block> = members
@@ -425,7 +452,7 @@ impl<T: Shape> Search<T> {
 }
 
 /// The few shapes that are far larger than the others, in order.
-fn outsized<T: Shape>(count: u32, shape: &(impl Fn(u32) -> T + Sync)) -> Vec<u32> {
+pub(super) fn outsized<T: Shape>(count: u32, shape: &(impl Fn(u32) -> T + Sync)) -> Vec<u32> {
     let extent = |index: u32| {
         let Bounds { min, max } = shape(index).bounds();
         (max - min).max_element()

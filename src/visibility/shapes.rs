@@ -3,24 +3,42 @@
 use std::sync::Arc;
 
 use fearless_simd::Simd;
+use rayon::prelude::*;
 
 use super::batch::{BATCH, Column, columns, offsets};
 use super::primitive::{PLANES, Primitive, ShapeId};
 use super::projection::{BatchProjection, DepthTest};
 use super::question::{NearestHit, Occlusion, SegmentEnds};
 use super::rays::{Rays, ShearedRays};
-use super::search::Search;
+use super::search::{Search, outsized};
 use super::shape::{Block, Shape, Sphere, Triangle, plane};
-use super::tree::Stack;
-use crate::math::{DVec3, Point};
+use super::tree::{PartTree, PlacedPart, Stack};
+use crate::math::{DVec3, Point, all_three, both};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
+use crate::world::plan::Acceleration;
 use crate::world::{Plan, World};
+
+/// A mesh of so many triangles has a tree of its own, so that it is kept when something else moves. A tree over
+/// fewer is soon built: all smaller meshes share one.
+const LEAST_PART: usize = 1024;
 
 /// The shapes of a world, arranged for tracing, whatever looks at them. Copies share what was built.
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
     spheres: Arc<Search<Sphere>>,
     triangles: Arc<Search<Triangle>>,
+    /// The trees of meshes that stand under the one of all triangles, if there is more than one.
+    meshes: Vec<MeshPart>,
+    /// How many trees were built for it.
+    built: usize,
+}
+
+/// Triangles with a tree of their own.
+#[derive(Clone, Debug)]
+struct MeshPart {
+    /// In the order of the world.
+    numbers: Vec<u32>,
+    tree: Arc<PartTree>,
 }
 
 /// A world with its shapes, as rays ask them.
@@ -52,29 +70,165 @@ pub(super) struct Segments<'p> {
 }
 
 impl Parts {
-    /// Arranges the shapes of a world as its plan says; builds the trees.
-    pub(super) fn new(world: &World, plan: &Plan) -> Self {
-        let triangles = world.triangles();
-        let meshes = triangles.meshes();
-        let triangle = |index| {
-            let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= index);
-            let primitive = Primitive::triangle(meshes[mesh].object, index);
-            Triangle::new(primitive, triangles.vertices(index))
+    /// Arranges the shapes of a world as its plan says; builds the trees, but those that another world has of the
+    /// same shapes.
+    pub(super) fn new(world: &World, plan: &Plan, kept: Option<(&World, &Self)>) -> Self {
+        Self::with_parts_of(LEAST_PART, world, plan, kept)
+    }
+
+    /// [`Parts::new`] with trees of their own for meshes of this many triangles.
+    pub(super) fn with_parts_of(
+        least: usize,
+        world: &World,
+        plan: &Plan,
+        kept: Option<(&World, &Self)>,
+    ) -> Self {
+        let mut built = 0;
+        let spheres = match kept {
+            Some((other, parts)) if other.spheres() == world.spheres() => {
+                Arc::clone(&parts.spheres)
+            }
+            _ => {
+                built += usize::from(plan.spheres() == Acceleration::Tree);
+                let sphere = |index: u32| Sphere::new(&world.spheres()[index as usize]);
+                let count = world.spheres().len() as u32;
+                Arc::new(Search::new(count, sphere, plan.spheres()))
+            }
         };
-        let triangles = Search::new(triangles.len() as u32, triangle, plan.triangles());
-        let sphere = |index: u32| Sphere::new(&world.spheres()[index as usize]);
-        let spheres = Search::new(world.spheres().len() as u32, sphere, plan.spheres());
+        if let Some((other, parts)) = kept
+            && have_same_triangles(other, world)
+        {
+            return Self {
+                spheres,
+                built,
+                ..parts.clone()
+            };
+        }
+        let (triangles, meshes) = search_triangles(least, world, plan, kept, &mut built);
         Self {
-            spheres: Arc::new(spheres),
+            spheres,
             triangles: Arc::new(triangles),
+            meshes,
+            built,
         }
     }
+
+    /// How many trees were built for it: none for what was kept.
+    pub(super) fn built(&self) -> usize {
+        self.built
+    }
+
+    /// Bytes of the trees of meshes.
+    pub(super) fn memory(&self) -> usize {
+        let meshes = self.meshes.iter();
+        meshes
+            .map(|part| size_of_val(part.numbers.as_slice()) + part.tree.memory())
+            .sum()
+    }
+}
+
+/// The triangle of a world with a number.
+fn triangle_of(world: &World, number: u32) -> Triangle {
+    let triangles = world.triangles();
+    let meshes = triangles.meshes();
+    let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= number);
+    let primitive = Primitive::triangle(meshes[mesh].object, number);
+    Triangle::new(primitive, triangles.vertices(number))
+}
+
+/// All triangles, and the trees of their parts if there is more than one; `built` counts those that are new.
+fn search_triangles(
+    least: usize,
+    world: &World,
+    plan: &Plan,
+    kept: Option<(&World, &Parts)>,
+    built: &mut usize,
+) -> (Search<Triangle>, Vec<MeshPart>) {
+    let count = world.triangles().len() as u32;
+    let triangle = |number| triangle_of(world, number);
+    if plan.triangles() != Acceleration::Tree {
+        return (Search::new(count, triangle, plan.triangles()), Vec::new());
+    }
+    let listed = outsized(count, &triangle);
+    let parts = numbers_of_parts(least, world, &listed);
+    if parts.len() < 2 {
+        *built += 1;
+        return (Search::new(count, triangle, plan.triangles()), Vec::new());
+    }
+    let bounds = |number| triangle(number).bounds();
+    let tree_of = |numbers: &Vec<u32>| {
+        let (other, parts) = kept?;
+        let mut parts = parts.meshes.iter();
+        let known = parts
+            .find(|part| part.numbers == *numbers && are_same_triangles(other, world, numbers));
+        known.map(|part| Arc::clone(&part.tree))
+    };
+    let parts: Vec<MeshPart> = parts
+        .into_iter()
+        .map(|numbers| {
+            let tree = tree_of(&numbers).unwrap_or_else(|| {
+                *built += 1;
+                Arc::new(PartTree::new(&numbers, Triangle::WIDTH, &bounds))
+            });
+            MeshPart { numbers, tree }
+        })
+        .collect();
+    let placed: Vec<PlacedPart<'_>> = parts
+        .iter()
+        .map(|MeshPart { numbers, tree }| PlacedPart { tree, numbers })
+        .collect();
+    (Search::of_parts(&placed, listed, triangle), parts)
+}
+
+/// The numbers of the triangles of each part, but the `listed` ones: each mesh of at least so many, and all others.
+fn numbers_of_parts(least: usize, world: &World, listed: &[u32]) -> Vec<Vec<u32>> {
+    let is_treed = |number: &u32| listed.binary_search(number).is_err();
+    let (mut parts, mut loose) = (Vec::new(), Vec::new());
+    for mesh in world.triangles().meshes() {
+        let numbers = mesh.triangles.clone().filter(is_treed);
+        if mesh.triangles.len() >= least {
+            parts.push(numbers.collect());
+        } else {
+            loose.extend(numbers);
+        }
+    }
+    parts.push(loose);
+    parts.retain(|numbers| !numbers.is_empty());
+    parts
+}
+
+/// Whether triangles of two worlds have the same corners, to the bit.
+fn are_same_triangles(one: &World, other: &World, numbers: &[u32]) -> bool {
+    let count = one.triangles().len().min(other.triangles().len());
+    let corners = |world: &World, number| {
+        let vertices = world.triangles().vertices(number);
+        all_three(vertices, |vertex| {
+            all_three(vertex.to_array(), f64::to_bits)
+        })
+    };
+    numbers
+        .par_iter()
+        .all(|&number| (number as usize) < count && corners(one, number) == corners(other, number))
+}
+
+/// Whether all triangles of two worlds are the same, and of the same objects.
+fn have_same_triangles(one: &World, other: &World) -> bool {
+    let [one_has, other_has] = both([one, other], World::triangles);
+    let mut meshes = one_has.meshes().iter().zip(other_has.meshes());
+    let are_alike = one_has.len() == other_has.len()
+        && one_has.meshes().len() == other_has.meshes().len()
+        && meshes
+            .all(|(one, other)| (one.object, &one.triangles) == (other.object, &other.triangles));
+    let numbers: Vec<u32> = (0..one_has.len() as u32).collect();
+    are_alike && are_same_triangles(one, other, &numbers)
 }
 
 impl<'w> Shapes<'w> {
     /// A world and the parts that were built of it.
-    pub(super) fn of(world: &'w World, parts: Parts) -> Self {
-        let Parts { spheres, triangles } = parts;
+    pub(super) fn of(world: &'w World, parts: &Parts) -> Self {
+        let Parts {
+            spheres, triangles, ..
+        } = parts.clone();
         Self {
             world,
             spheres,

@@ -10,6 +10,12 @@ pub(in crate::visibility) struct Bounds {
 }
 
 impl Bounds {
+    /// Around nothing.
+    pub(in crate::visibility) const NOWHERE: Self = Self {
+        min: DVec3::INFINITY,
+        max: DVec3::NEG_INFINITY,
+    };
+
     /// The smallest box around two boxes.
     #[inline]
     pub(in crate::visibility) fn union(self, other: Self) -> Self {

@@ -4,7 +4,9 @@ mod beam;
 mod bounds;
 mod builder;
 mod bvh;
+mod frame;
 mod node;
+mod parts;
 mod ray;
 mod shaft;
 mod stack;
@@ -12,6 +14,7 @@ mod wide;
 
 pub(in crate::visibility) use beam::Beam;
 pub(in crate::visibility) use bounds::Bounds;
+pub(in crate::visibility) use parts::{PartTree, PlacedPart};
 pub(in crate::visibility) use ray::{Approach, Descent, Step, TreeRay};
 pub(in crate::visibility) use shaft::{HalfSpace, MOST_SIDES, TreeVolume};
 pub(in crate::visibility) use stack::{EMPTY_STACK, Stack};

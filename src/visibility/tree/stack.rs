@@ -13,8 +13,11 @@ pub(in crate::visibility) struct Entry {
     pub(in crate::visibility) at: f32,
 }
 
-/// Boxes that wait to be opened at most: a tree is at most 64 nodes deep, and each leaves 7 behind.
-const STACK: usize = 64 * (WIDTH - 1) + 2 * WIDTH;
+/// A part's tree is at most 64 nodes deep, and the one over 2³² parts at most 11.
+const DEEPEST: usize = 64 + 11;
+
+/// Boxes that wait to be opened at most: each node leaves 7 behind.
+const STACK: usize = DEEPEST * (WIDTH - 1) + 2 * WIDTH;
 
 /// Boxes that wait to be opened.
 pub(in crate::visibility) type Stack = [Entry; STACK];

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::bounds::Bounds;
 use super::bvh::Bvh;
 use super::node::{Child, Member, WIDTH};
+use super::parts::PlacedPart;
 
 /// Up to eight boxes and what is in them.
 #[derive(Clone, Debug)]
@@ -54,9 +55,29 @@ impl Tree {
         blocks: &mut Vec<BlockRange>,
     ) -> (Self, Vec<u32>) {
         let (bvh, order) = Bvh::new(count, width, bounds, listed);
-        let before = listed.len() as u32;
+        blocks.reserve(order.len() / width * 5 / 4);
+        (
+            Self::widened(&bvh, width, listed.len() as u32, blocks),
+            order,
+        )
+    }
+
+    /// A tree over the shapes of parts, with blocks and an order as of [`Tree::new`]; `listed` shapes come before
+    /// them.
+    pub(in crate::visibility) fn of_parts(
+        parts: &[PlacedPart<'_>],
+        width: usize,
+        bounds: &(impl Fn(u32) -> Bounds + Sync),
+        listed: u32,
+        blocks: &mut Vec<BlockRange>,
+    ) -> (Self, Vec<u32>) {
+        let (bvh, order) = Bvh::of_parts(parts, bounds);
+        blocks.reserve(order.len() / width * 5 / 4);
+        (Self::widened(&bvh, width, listed, blocks), order)
+    }
+
+    fn widened(bvh: &Bvh, width: usize, before: u32, blocks: &mut Vec<BlockRange>) -> Self {
         let mut starts = Vec::with_capacity(bvh.nodes().len());
-        blocks.reserve(count as usize / width * 5 / 4);
         for node in bvh.nodes() {
             starts.push(blocks.len() as u32);
             for member in node.members() {
@@ -75,13 +96,12 @@ impl Tree {
             })
         });
         let nodes: Vec<WideNode> = nodes.collect();
-        let tree = Self {
+        Self {
             reach: bvh.reach(),
             nodes,
             center: bvh.center(),
             scale: bvh.scale(),
-        };
-        (tree, order)
+        }
     }
 
     /// Bytes of the nodes.
