@@ -13,6 +13,7 @@ mod display;
 mod examples;
 mod exr;
 mod extremes;
+mod frames;
 mod fuzz_mesh;
 mod fuzz_scene;
 mod fuzzing;

@@ -11,6 +11,7 @@ mod contacts;
 mod incoherent;
 mod lifted;
 mod parallel;
+mod parts;
 mod shafts;
 
 /// Columns and rows of the images.

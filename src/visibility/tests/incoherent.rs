@@ -191,12 +191,17 @@ fn bundle(all: &Everything<'_>, size: f64, count: u32) -> Vec<Ray> {
 /// all rays that hit something.
 #[track_caller]
 fn agrees_with_brute_force(world: &World, size: f64, count: u32) -> f64 {
-    let all = Everything::new(world);
     let visibility = Visibility::new(world, &Plan::new(world));
+    agree_with_brute_force(&visibility, size, count)
+}
+
+#[track_caller]
+pub(super) fn agree_with_brute_force(visibility: &Visibility<'_>, size: f64, count: u32) -> f64 {
+    let all = Everything::new(visibility.shapes.world);
     let rays = bundle(&all, size, count);
     let expected = SimdLevel::default().run(BruteForce(&all, &rays));
     for (name, level) in SimdLevel::available() {
-        let found = level.run(Traced(&visibility, &rays));
+        let found = level.run(Traced(visibility, &rays));
         for ((found, expected), ray) in found.iter().zip(&expected).zip(&rays) {
             let bits = |(t, primitive): (f64, u64)| (t.to_bits(), primitive);
             assert_eq!(
