@@ -73,10 +73,19 @@ impl<T: Shape> Search<T> {
         shape: impl Fn(u32) -> T + Sync,
         acceleration: Acceleration,
     ) -> Self {
-        let listed: Vec<u32> = match acceleration {
+        let listed = match acceleration {
             Acceleration::None | Acceleration::List => (0..count).collect(),
             Acceleration::Tree => outsized(count, &shape),
         };
+        Self::in_one_tree(count, listed, shape)
+    }
+
+    /// Of `count` shapes in one tree, but the `listed` ones.
+    pub(super) fn in_one_tree(
+        count: u32,
+        listed: Vec<u32>,
+        shape: impl Fn(u32) -> T + Sync,
+    ) -> Self {
         let mut members = Vec::new();
         members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
         let mut order = listed;

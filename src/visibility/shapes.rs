@@ -150,11 +150,11 @@ fn search_triangles(
         return (Search::new(count, triangle, plan.triangles()), Vec::new());
     }
     let listed = outsized(count, &triangle);
-    let parts = numbers_of_parts(least, world, &listed);
-    if parts.len() < 2 {
+    if !has_parts(least, world, &listed) {
         *built += 1;
-        return (Search::new(count, triangle, plan.triangles()), Vec::new());
+        return (Search::in_one_tree(count, listed, triangle), Vec::new());
     }
+    let parts = numbers_of_parts(least, world, &listed);
     let bounds = |number| triangle(number).bounds();
     let tree_of = |numbers: &Vec<u32>| {
         let (other, parts) = kept?;
@@ -178,6 +178,16 @@ fn search_triangles(
         .map(|MeshPart { numbers, tree }| PlacedPart { tree, numbers })
         .collect();
     (Search::of_parts(&placed, listed, triangle), parts)
+}
+
+/// Whether there are more trees than one.
+fn has_parts(least: usize, world: &World, listed: &[u32]) -> bool {
+    let meshes = world.triangles().meshes();
+    let large = meshes.iter().filter(|mesh| mesh.triangles.len() >= least);
+    let mut small = meshes.iter().filter(|mesh| mesh.triangles.len() < least);
+    let is_treed = |number: u32| listed.binary_search(&number).is_err();
+    let has_loose = small.any(|mesh| mesh.triangles.clone().any(is_treed));
+    large.count() + usize::from(has_loose) > 1
 }
 
 /// The numbers of the triangles of each part, but the `listed` ones: each mesh of at least so many, and all others.

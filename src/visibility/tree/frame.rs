@@ -36,13 +36,13 @@ impl TreeFrame {
     #[inline]
     pub(super) fn around_box(&self, Bounds { min, max }: Bounds) -> (Vec3, Vec3) {
         (
-            rounded_down(self.to_frame(min)),
-            rounded_up(self.to_frame(max)),
+            rounded_down(self.of_world(min)),
+            rounded_up(self.of_world(max)),
         )
     }
 
     #[inline]
-    fn to_frame(&self, position: DVec3) -> DVec3 {
+    fn of_world(&self, position: DVec3) -> DVec3 {
         (position - self.center) * self.scale
     }
 }
