@@ -51,7 +51,7 @@ fn scene(sheets: &[(Arc<MeshFile>, Placement)]) -> Scene {
         Light::point([-3.0, 0.6, 2.0], Value::from([5.0, 8.0, 9.0])),
     );
     for (number, (sheet, placement)) in sheets.iter().enumerate() {
-        let object = Object::mesh("clay", Arc::clone(sheet), placement.clone());
+        let object = Object::mesh("clay", Arc::clone(sheet), *placement);
         scene = scene.object(format!("sheet {number}"), object);
     }
     for number in 0..20 {
