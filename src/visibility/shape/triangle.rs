@@ -36,32 +36,32 @@ pub(in crate::visibility) struct Triangle {
     primitive: Primitive,
 }
 
-/// A coordinate of a corner: one for all rays, or one for each.
-trait Coordinate<S: Simd>: Copy {
-    /// How far it is beyond where rays start.
-    fn beyond(self, origin: F64x16<S>) -> F64x16<S>;
+/// A corner: one for all rays, or one for each.
+trait Corner<S: Simd>: Copy {
+    /// How far it is along an axis beyond where rays start.
+    fn beyond(self, axis: usize, origin: F64x16<S>) -> F64x16<S>;
 }
 
-impl<S: Simd> Coordinate<S> for f64 {
+impl<S: Simd> Corner<S> for DVec3 {
     #[inline(always)]
-    fn beyond(self, origin: F64x16<S>) -> F64x16<S> {
-        -(origin - self)
+    fn beyond(self, axis: usize, origin: F64x16<S>) -> F64x16<S> {
+        -(origin - self.to_array()[axis])
     }
 }
 
-impl<S: Simd> Coordinate<S> for F64x16<S> {
+impl<S: Simd> Corner<S> for DVec3x16<S> {
     #[inline(always)]
-    fn beyond(self, origin: F64x16<S>) -> F64x16<S> {
-        -(origin - self)
+    fn beyond(self, axis: usize, origin: F64x16<S>) -> F64x16<S> {
+        -(origin - self.component(axis))
     }
 }
 
 /// Which rays pass through a triangle, or each through its own: all edge functions have one sign. The i-th
 /// edge function is twice the area that the ray makes with the edge opposite of the i-th corner.
 #[inline(always)]
-fn passes_through<S: Simd, V: Coordinate<S>>(
+fn passes_through<S: Simd, V: Corner<S>>(
     simd: S,
-    vertices: [[V; 3]; 3],
+    vertices: [V; 3],
     packet: &ShearedRays<S>,
     asked: u32,
 ) -> Mask64x16<S> {
@@ -82,8 +82,8 @@ fn passes_through<S: Simd, V: Coordinate<S>>(
 }
 
 #[inline(always)]
-fn edge_functions<S: Simd, V: Coordinate<S>>(
-    vertices: [[V; 3]; 3],
+fn edge_functions<S: Simd, V: Corner<S>>(
+    vertices: [V; 3],
     rays: &Rays<S>,
     shear: &Shear<S>,
     axis: usize,
@@ -98,16 +98,16 @@ fn edge_functions<S: Simd, V: Coordinate<S>>(
 
 /// A corner as seen along the rays.
 #[inline(always)]
-fn projected<S: Simd, V: Coordinate<S>>(
-    vertex: [V; 3],
+fn projected<S: Simd, V: Corner<S>>(
+    vertex: V,
     origin: [F64x16<S>; 3],
     shear: &Shear<S>,
     [u, v, w]: [usize; 3],
 ) -> [F64x16<S>; 2] {
-    let z = vertex[w].beyond(origin[w]);
+    let z = vertex.beyond(w, origin[w]);
     [
-        vertex[u].beyond(origin[u]) - shear.slopes[0] * z,
-        vertex[v].beyond(origin[v]) - shear.slopes[1] * z,
+        vertex.beyond(u, origin[u]) - shear.slopes[0] * z,
+        vertex.beyond(v, origin[v]) - shear.slopes[1] * z,
     ]
 }
 
@@ -215,9 +215,7 @@ impl Triangle {
         packet: &ShearedRays<S>,
         asked: u32,
     ) -> Mask64x16<S> {
-        let [a, b, c] = self.vertices;
-        let vertices = [a.to_array(), b.to_array(), c.to_array()];
-        passes_through(simd, vertices, packet, asked)
+        passes_through(simd, self.vertices, packet, asked)
     }
 
     #[inline]

@@ -20,9 +20,8 @@ pub(in crate::visibility) struct TrianglePerRay<S: Simd> {
 impl<S: Simd> TrianglePerRay<S> {
     #[inline(always)]
     fn passed_through(&self, simd: S, packet: &ShearedRays<S>) -> Mask64x16<S> {
-        let [a, b, c] = self.corners;
-        let corners = [[a.x, a.y, a.z], [b.x, b.y, b.z], [c.x, c.y, c.z]];
-        passes_through(simd, corners, packet, self.asked) & Mask64x16::from_bits(simd, self.asked)
+        passes_through(simd, self.corners, packet, self.asked)
+            & Mask64x16::from_bits(simd, self.asked)
     }
 
     /// L2: which rays meet their triangles at t above 0, and where.
