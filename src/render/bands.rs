@@ -10,7 +10,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::shading::Term;
+use crate::shading::{LightTerms, Share};
+use crate::simd::ones;
 use crate::world::{Bands, Lobes};
 
 /// The geometry terms of the pixels that are being sampled.
@@ -92,13 +93,29 @@ impl Geometry {
         }
     }
 
-    /// Adds a term to the sum of its light.
-    pub(super) fn add(&mut self, Place(place): Place, term: &Term) {
-        let sum = &mut self.sums[place * self.lights + term.light];
+    /// Adds what a light does at those of some points that it reaches, by their weights of a share.
+    pub(super) fn add(
+        &mut self,
+        Place(place): Place,
+        of_light: &LightTerms,
+        share: &Share,
+        points: u32,
+    ) {
+        let sum = &mut self.sums[place * self.lights + of_light.light];
+        let Lobes {
+            mut diffuse,
+            mut specular,
+        } = *sum;
+        for lane in ones(of_light.points & points) {
+            let weight = share.weight(lane);
+            diffuse += of_light.geometry.diffuse[lane] * weight;
+            specular += of_light.geometry.specular[lane] * weight;
+        }
         // At a light the terms are as large as f64 holds; infinity times black would be NaN.
-        let and = |sum: f64, more: f64| (sum + more).min(f64::MAX);
-        sum.diffuse = and(sum.diffuse, term.geometry.diffuse);
-        sum.specular = and(sum.specular, term.geometry.specular);
+        *sum = Lobes {
+            diffuse: diffuse.min(f64::MAX),
+            specular: specular.min(f64::MAX),
+        };
     }
 
     /// Takes up what a pixel had after the pass before.
@@ -183,6 +200,7 @@ pub(super) fn add_scaled(sum: &mut [f64], factor: f64, bands: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::LANES;
 
     #[test]
     fn a_pixel_has_one_place_for_each_material() {
@@ -198,19 +216,23 @@ mod tests {
     fn sums_at_a_light_stay_finite() {
         let mut geometry = Geometry::new(1);
         let place = geometry.place(0, 0);
-        let term = Term {
-            point: 0,
-            light: 0,
+        let share = Share {
+            members: 0b11,
             reflectance: 0,
-            place: 0,
-            reflected: Lobes::default(),
-            geometry: Lobes {
-                diffuse: f64::MAX,
-                specular: 0.0,
-            },
+            weights: None,
         };
-        geometry.add(place, &term);
-        geometry.add(place, &term);
-        assert_eq!(geometry.sums[0].diffuse, f64::MAX);
+        let of_light = LightTerms {
+            light: 0,
+            points: 0b11,
+            geometry: Lobes {
+                diffuse: [f64::MAX; LANES],
+                specular: [0.0; LANES],
+            },
+            radiance: [[0.0; LANES]; 3],
+        };
+        for _ in 0..2 {
+            geometry.add(place, &of_light, &share, 0b11);
+            assert_eq!(geometry.sums[0].diffuse, f64::MAX);
+        }
     }
 }

@@ -365,6 +365,11 @@ impl SampleRange {
         self.pixel(self.len - 1)
     }
 
+    /// The slot after the last sample of a pixel that has samples in the batch.
+    fn end(self, pixel: usize) -> usize {
+        ((pixel + 1) * self.samples - self.first).min(self.len)
+    }
+
     /// Samples of a pixel, and the pixels, where no pixel has samples in another batch.
     #[inline(always)]
     pub(super) fn whole_pixels(self) -> Option<(usize, Range<usize>)> {
@@ -422,8 +427,27 @@ impl NumberedSamples<'_> {
             .map(move |slot| (slot, self.pixel(slot)))
     }
 
+    /// The samples of a packet that starts in a slot, pixel by pixel: one bit for each.
+    pub(super) fn of_packet(self, first: usize) -> impl Iterator<Item = (usize, u32)> {
+        let end = self.range.len.min(first + LANES);
+        let mut start = first;
+        std::iter::from_fn(move || {
+            if start >= end {
+                return None;
+            }
+            let pixel = self.range.pixel(start);
+            let of_pixel = start..self.range.end(pixel).min(end);
+            start = of_pixel.end;
+            let mut bits = 0;
+            for slot in of_pixel {
+                bits |= u32::from(self.contains(slot)) << (slot - first);
+            }
+            Some((self.numbers[pixel] as usize, bits))
+        })
+    }
+
     /// The pixel of the sample in a slot.
-    pub(super) fn pixel(self, slot: usize) -> usize {
+    fn pixel(self, slot: usize) -> usize {
         self.numbers[self.range.pixel(slot)] as usize
     }
 
@@ -433,7 +457,7 @@ impl NumberedSamples<'_> {
     }
 
     /// Whether the sample in a slot is one of these.
-    pub(super) fn contains(self, slot: usize) -> bool {
+    fn contains(self, slot: usize) -> bool {
         self.subset.is_none_or(|subset| {
             let sample = self.start + (self.range.first + slot) % self.range.samples;
             sample % SUBSETS == subset

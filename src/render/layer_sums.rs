@@ -5,14 +5,15 @@
 //! layer wants them, the terms of L9 packet by packet ([`LayerSums::add`]); without layers there are no
 //! sums.
 
-use super::bands::{self, Further, Geometry, Place};
+use super::bands::{self, Further, Geometry};
 use super::batch::NumberedSamples;
 use super::layers::{Layers, has_background_share};
 use super::sums::narrowed;
 use crate::camera::Camera;
 use crate::image::BACKGROUND_DEPTH;
 use crate::math::DVec3;
-use crate::shading::{Term, Terms};
+use crate::shading::Terms;
+use crate::simd::ones;
 use crate::visibility::{Column, Points};
 use crate::world::{Bands, World};
 
@@ -106,17 +107,18 @@ impl<'w> LayerSums<'w> {
     }
 
     /// Adds the terms of the points of a packet. Packets come in order.
-    pub(super) fn add(&mut self, batch: NumberedSamples<'_>, terms: &Terms) {
-        if let Some(lights) = &mut self.lights {
-            // Within, not by calls of `next`, which would take half as long again.
-            terms.iter().for_each(|term| {
-                if batch.contains(term.point) {
-                    lights.add(batch.pixel(term.point), &term);
-                }
-            });
-        }
-        if let Some(spectral) = &mut self.spectral {
-            spectral.add(batch, terms);
+    pub(super) fn add(&mut self, batch: NumberedSamples<'_>, terms: &Terms<'_>) {
+        for (pixel, samples) in batch.of_packet(terms.first) {
+            let hit = samples & terms.hit;
+            if hit == 0 {
+                continue;
+            }
+            if let Some(lights) = &mut self.lights {
+                lights.add(pixel, hit, terms);
+            }
+            if let Some(spectral) = &mut self.spectral {
+                spectral.add(pixel, hit, terms);
+            }
         }
     }
 
@@ -218,13 +220,15 @@ impl<'w> LightSums<'w> {
         (0..self.shares).map(move |share| &self.sums[share * self.pixels + pixel])
     }
 
-    #[inline]
-    fn add(&mut self, pixel: usize, term: &Term) {
-        let (diffuse, specular) = (term.reflected.diffuse.0.0, term.reflected.specular.0.0);
-        let sum = &mut self.sums[term.light * self.pixels + pixel];
-        for (channel, sum) in sum.iter_mut().enumerate() {
-            *sum += diffuse[channel] * term.geometry.diffuse
-                + specular[channel] * term.geometry.specular;
+    /// Adds some samples of a pixel.
+    fn add(&mut self, pixel: usize, samples: u32, terms: &Terms<'_>) {
+        for of_light in terms.lights {
+            let [r, g, b] = &mut self.sums[of_light.light * self.pixels + pixel];
+            for lane in ones(of_light.points & samples) {
+                *r += of_light.radiance[0][lane];
+                *g += of_light.radiance[1][lane];
+                *b += of_light.radiance[2][lane];
+            }
         }
     }
 
@@ -287,12 +291,21 @@ impl Depths {
     }
 }
 
+/// What samples of a pixel reflect with.
+#[derive(Clone, Copy, Debug)]
+struct PixelShare {
+    /// Its place among those of the packet.
+    share: usize,
+    /// One bit for each sample that has it, and any weight of it.
+    samples: u32,
+}
+
 /// The bands of a tile's pixels.
 struct SpectralSums<'b> {
     bands: &'b Bands<'b>,
     geometry: Geometry,
-    /// Where the terms of each of [`Terms::reflecting`] belong.
-    places: Vec<Option<Place>>,
+    /// The shares of a packet in one pixel, in the order of their first sample.
+    shares: Vec<PixelShare>,
     /// Of pixels with all samples, pixel by pixel, band by band.
     sums: Vec<f64>,
     /// Of one pixel, whatever it has.
@@ -304,28 +317,32 @@ impl<'b> SpectralSums<'b> {
         Self {
             bands,
             geometry: Geometry::new(bands.lights()),
-            places: Vec::new(),
+            shares: Vec::new(),
             sums: vec![0.0; pixels * bands.wavelengths().count()],
             pixel: Vec::new(),
         }
     }
 
-    fn add(&mut self, batch: NumberedSamples<'_>, terms: &Terms) {
-        self.places.clear();
-        for of_point in terms.reflecting() {
-            let pixel = batch.pixel(of_point.point);
-            let is_here = batch.contains(of_point.point);
-            let place = is_here.then(|| self.geometry.place(pixel, of_point.reflectance));
-            self.places.push(place);
-        }
+    /// Adds some samples of a pixel.
+    fn add(&mut self, pixel: usize, samples: u32, terms: &Terms<'_>) {
         let Self {
-            geometry, places, ..
+            geometry, shares, ..
         } = self;
-        terms.iter().for_each(|term| {
-            if let Some(place) = places[term.place] {
-                geometry.add(place, &term);
+        shares.clear();
+        for (share, of_share) in terms.shares.iter().enumerate() {
+            let samples = of_share.weighted() & samples;
+            if samples != 0 {
+                shares.push(PixelShare { share, samples });
             }
-        });
+        }
+        shares.sort_by_key(|of_pixel| of_pixel.samples.trailing_zeros());
+        for of_pixel in &*shares {
+            let share = &terms.shares[of_pixel.share];
+            let place = geometry.place(pixel, share.reflectance as usize);
+            for of_light in terms.lights {
+                geometry.add(place, of_light, share, of_pixel.samples);
+            }
+        }
     }
 
     fn finish(&mut self, end: usize, further: Further) {

@@ -55,7 +55,7 @@ impl<'w> Statistics<'w> {
     }
 
     /// Adds the terms of the points of a packet.
-    pub(super) fn add_terms(&mut self, samples: NumberedSamples<'_>, terms: &Terms) {
+    pub(super) fn add_terms(&mut self, samples: NumberedSamples<'_>, terms: &Terms<'_>) {
         for (number, subset) in self.subsets.iter_mut().enumerate() {
             if let Some(layers) = &mut subset.layers {
                 layers.add(samples.subset(number), terms);

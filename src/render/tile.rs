@@ -267,10 +267,10 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
         for packet in 0..PACKETS {
             let terms = shading::packet_terms(simd, world, points, packet, shaded);
             if let Some(layers) = &mut tile.layers {
-                layers.add(batch.numbered(), terms);
+                layers.add(batch.numbered(), &terms);
             }
             if let Some(statistics) = &mut tile.statistics {
-                statistics.add_terms(batch.numbered(), terms);
+                statistics.add_terms(batch.numbered(), &terms);
             }
         }
     } else {

@@ -58,14 +58,14 @@ pub(super) struct Group {
 /// A point has a share in each of its reflectances, and what it reflects is linear in their weights:
 /// Σ weight · k. Most have one reflectance, their material's, of weight 1.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Share {
+pub(crate) struct Share {
     /// One bit for each point.
-    pub(super) members: u32,
+    pub(crate) members: u32,
     /// An index into [`World::materials`].
-    pub(super) reflectance: u32,
+    pub(crate) reflectance: u32,
     /// The weight at each point of the packet; `None` is 1 at all of them, which multiplies nothing. Where it
     /// is 0, the reflectance is left out.
-    pub(super) weights: Option<[f64; LANES]>,
+    pub(crate) weights: Option<[f64; LANES]>,
 }
 
 /// The points of a packet, material by material.

@@ -11,11 +11,13 @@ mod tests;
 use fearless_simd::Simd;
 
 use groups::Groups;
+pub(crate) use groups::Share;
 use reflectance::{Ends, geometry};
-pub(crate) use terms::{Term, Terms};
+pub(crate) use terms::{LightTerms, Terms};
 
 use crate::math::Point;
 use crate::simd::{F64x16, LANES, Mask64x16};
+use crate::units::ReflectedIntensity;
 use crate::visibility::{Column, Facing, PACKETS, Points, Visibility, Workspace};
 use crate::world::{Light, Lobes, RecentProducts, World};
 
@@ -32,7 +34,8 @@ pub(crate) struct Shaded {
     pub singular: u64,
     lit: Vec<Lit>,
     groups: Groups,
-    terms: Terms,
+    /// Of the last packet whose terms were kept.
+    terms: Vec<LightTerms>,
     recent: RecentProducts,
 }
 
@@ -60,7 +63,7 @@ impl Default for Shaded {
             singular: 0,
             lit: Vec::new(),
             groups: Groups::default(),
-            terms: Terms::default(),
+            terms: Vec::new(),
             recent: RecentProducts::default(),
         }
     }
@@ -111,12 +114,17 @@ pub(crate) fn packet_terms<'s, S: Simd>(
     points: &Points,
     packet: usize,
     shaded: &'s mut Shaded,
-) -> &'s Terms {
+) -> Terms<'s> {
     simd.vectorize(
         #[inline(always)]
         || shaded.sum(simd, world, points, packet, KeepsTerms::Yes),
     );
-    &shaded.terms
+    Terms {
+        first: packet * LANES,
+        hit: points.hit[packet],
+        shares: shaded.groups.shares(),
+        lights: &shaded.terms,
+    }
 }
 
 /// Whether a sum keeps its terms.
@@ -193,9 +201,7 @@ impl Shaded {
             let is_uniform = points.is_uniform[packet];
             self.groups.take(world, materials, hit, is_uniform);
         }
-        if keeps == KeepsTerms::Yes {
-            self.terms.begin(first, hit, &self.groups);
-        }
+        self.terms.clear();
         let sums = if hit == 0 {
             [F64x16::splat(simd, 0.0); 3]
         } else {
@@ -249,38 +255,65 @@ impl Shaded {
                 geometry.specular = geometry.specular * part;
             }
             let mut reflected = world.reflected_from(light, Some(recent));
+            let mut alone = [zero; 3];
             for share in groups.shares() {
-                let is_lit = Mask64x16::from_bits(simd, bits & share.members);
                 let reflected = reflected(share.reflectance as usize);
-                let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
-                let mut diffuse = is_lit.select(geometry.diffuse, zero);
-                let mut specular = is_lit.select(geometry.specular, zero);
-                match &share.weights {
-                    None => {
-                        sums[0] = sums[0] + (diffuse * kd[0] + specular * ks[0]);
-                        sums[1] = sums[1] + (diffuse * kd[1] + specular * ks[1]);
-                        sums[2] = sums[2] + (diffuse * kd[2] + specular * ks[2]);
-                    }
-                    Some(weights) => {
-                        let weights = F64x16::load(simd, weights);
-                        let counts = is_lit & !weights.eq(zero);
-                        diffuse = diffuse * weights;
-                        specular = specular * weights;
-                        for channel in 0..3 {
-                            let more = diffuse * kd[channel] + specular * ks[channel];
-                            sums[channel] = counts.select(sums[channel] + more, sums[channel]);
-                        }
-                    }
+                let lit = Mask64x16::from_bits(simd, bits & share.members);
+                add_share(simd, share, lit, &geometry, &reflected, &mut sums);
+                if keeps == KeepsTerms::Yes {
+                    add_share(simd, share, lit, &geometry, &reflected, &mut alone);
                 }
             }
             if keeps == KeepsTerms::Yes {
-                let geometry = Lobes {
-                    diffuse: geometry.diffuse.to_array(),
-                    specular: geometry.specular.to_array(),
-                };
-                terms.add(light, bits, geometry, groups, reflected);
+                terms.push(LightTerms {
+                    light,
+                    points: bits,
+                    geometry: Lobes {
+                        diffuse: geometry.diffuse.to_array(),
+                        specular: geometry.specular.to_array(),
+                    },
+                    radiance: [
+                        alone[0].to_array(),
+                        alone[1].to_array(),
+                        alone[2].to_array(),
+                    ],
+                });
             }
         }
         sums
+    }
+}
+
+/// Adds geometry × weight × I · k of a share to the sums of the points that are lit.
+#[inline(always)]
+fn add_share<S: Simd>(
+    simd: S,
+    share: &Share,
+    is_lit: Mask64x16<S>,
+    geometry: &Lobes<F64x16<S>>,
+    reflected: &Lobes<ReflectedIntensity>,
+    sums: &mut [F64x16<S>; 3],
+) {
+    let zero = F64x16::splat(simd, 0.0);
+    let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
+    let mut diffuse = is_lit.select(geometry.diffuse, zero);
+    let mut specular = is_lit.select(geometry.specular, zero);
+    match &share.weights {
+        None => {
+            sums[0] = sums[0] + (diffuse * kd[0] + specular * ks[0]);
+            sums[1] = sums[1] + (diffuse * kd[1] + specular * ks[1]);
+            sums[2] = sums[2] + (diffuse * kd[2] + specular * ks[2]);
+        }
+        Some(weights) => {
+            let weights = F64x16::load(simd, weights);
+            // What is of weight 0 is left out.
+            let counts = is_lit & !weights.eq(zero);
+            diffuse = diffuse * weights;
+            specular = specular * weights;
+            for channel in 0..3 {
+                let more = diffuse * kd[channel] + specular * ks[channel];
+                sums[channel] = counts.select(sums[channel] + more, sums[channel]);
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::groups::Share;
 use super::*;
 use crate::math::DVec3;
 use crate::scene::Scene;
-use crate::simd::{Kernel, SimdLevel};
+use crate::simd::{Kernel, SimdLevel, ones};
 use crate::visibility::BATCH;
 
 /// Some materials, under a point light, a spot and a light that is a curve.
@@ -89,7 +89,7 @@ struct Sum<'w> {
 }
 
 impl Kernel for Sum<'_> {
-    type Output = ([[f64; LANES]; 3], Vec<Term>);
+    type Output = ([[f64; LANES]; 3], Vec<LightTerms>, Vec<Share>);
 
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let points = points();
@@ -112,9 +112,9 @@ impl Kernel for Sum<'_> {
         if let Some(shares) = self.shares {
             shaded.groups.replace(shares);
         }
-        shaded.terms.begin(0, hit, &shaded.groups);
         let sums = shaded.sum_lights(simd, self.world, &points, 0, KeepsTerms::Yes);
-        (sums.map(F64x16::to_array), shaded.terms.iter().collect())
+        let shares = shaded.groups.shares().to_vec();
+        (sums.map(F64x16::to_array), shaded.terms, shares)
     }
 }
 
@@ -126,7 +126,7 @@ fn terms(
     world: &World,
     shares: Option<Vec<Share>>,
     transmitted: Option<f64>,
-) -> ([[f64; LANES]; 3], Vec<Term>) {
+) -> ([[f64; LANES]; 3], Vec<LightTerms>, Vec<Share>) {
     SimdLevel::default().run(Sum {
         world,
         shares,
@@ -218,33 +218,39 @@ fn two_reflectances_are_the_mix_of_two_renders() {
     }
 }
 
-/// Layers are made of the terms: they must add up to the radiance, to the bit.
+/// Layers are made of the terms: these must add up to the radiance, to the bit.
 #[test]
 fn terms_are_what_the_sum_is_made_of() {
     let weight = |lane: usize| if lane == 3 { 0.0 } else { lane as f64 / 7.0 };
     for transport in TRANSPORTS {
         let world = world(transport);
         for shares in [None, Some(vec![whole(1), share(2, weight)])] {
-            let (sums, terms) = terms(&world, shares.clone(), None);
+            let is_mixed = shares.is_some();
+            let (sums, lights, shares) = terms(&world, shares, None);
             let mut added = [[0.0; LANES]; 3];
-            for term in &terms {
-                let (kd, ks) = (term.reflected.diffuse.0.0, term.reflected.specular.0.0);
-                assert_eq!(
-                    term.reflected,
-                    world.reflected(term.light, term.reflectance)
-                );
-                for (channel, added) in added.iter_mut().enumerate() {
-                    added[term.point] +=
-                        term.geometry.diffuse * kd[channel] + term.geometry.specular * ks[channel];
+            let mut count = 0;
+            for of_light in &lights {
+                let mut alone = [[0.0; LANES]; 3];
+                for share in &shares {
+                    let reflected = world.reflected(of_light.light, share.reflectance as usize);
+                    let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
+                    for lane in ones(of_light.points & share.weighted()) {
+                        let [diffuse, specular] =
+                            [of_light.geometry.diffuse, of_light.geometry.specular]
+                                .map(|geometry| geometry[lane] * share.weight(lane));
+                        for channel in 0..3 {
+                            let more = diffuse * kd[channel] + specular * ks[channel];
+                            added[channel][lane] += more;
+                            alone[channel][lane] += more;
+                        }
+                        count += 1;
+                    }
                 }
+                assert_eq!(of_light.radiance, alone);
             }
             assert_eq!(added, sums);
-            let points = if shares.is_some() {
-                2 * LANES - 1
-            } else {
-                LANES
-            };
-            assert!(terms.len() > 2 * points && terms.len() < 3 * points);
+            let points = if is_mixed { 2 * LANES - 1 } else { LANES };
+            assert!(count > 2 * points && count < 3 * points);
         }
     }
 }
@@ -252,9 +258,9 @@ fn terms_are_what_the_sum_is_made_of() {
 #[test]
 fn a_part_of_the_light_is_that_part_of_the_sum() {
     let world = world("rgb");
-    let (all, _) = terms(&world, None, None);
+    let (all, ..) = terms(&world, None, None);
     assert_eq!(terms(&world, None, Some(1.0)).0, all);
-    let (half, _) = terms(&world, None, Some(0.5));
+    let (half, ..) = terms(&world, None, Some(0.5));
     assert_eq!(half, all.map(|channel| channel.map(|sum| 0.5 * sum)));
 }
 
@@ -262,7 +268,7 @@ fn a_part_of_the_light_is_that_part_of_the_sum() {
 #[test]
 fn products_without_a_table_have_the_same_bits() {
     let mut world = world("spectral");
-    let expected = terms(&world, None, None);
+    let (expected, expected_terms, _) = terms(&world, None, None);
     let products = |world: &World| -> Vec<_> {
         let pairs = (0..9).map(|pair| world.reflected(pair / 3, pair % 3));
         pairs.collect()
@@ -271,6 +277,7 @@ fn products_without_a_table_have_the_same_bits() {
     assert!(world.products_memory().unwrap() > 0);
     world.drop_table();
     assert_eq!(world.products_memory(), Some(0));
-    assert_eq!(terms(&world, None, None), expected);
+    let (sums, terms, _) = terms(&world, None, None);
+    assert_eq!((sums, terms), (expected, expected_terms));
     assert_eq!(products(&world), table);
 }
