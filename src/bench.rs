@@ -4,7 +4,9 @@ use fearless_simd::Simd;
 
 use crate::math::DVec3;
 use crate::simd::{Kernel, SimdLevel};
-use crate::visibility::{BATCH, Candidates, Hits, PACKETS, RayBatch, SegmentBatch, Visibility};
+use crate::visibility::{
+    BATCH, IncoherentRays, IncoherentSegments, PACKETS, SegmentBatch, Visibility, Workspace,
+};
 use crate::world::{Plan, World};
 
 /// A world whose trees are built, on one thread.
@@ -12,27 +14,27 @@ use crate::world::{Plan, World};
 pub struct Tracer<'w> {
     visibility: Visibility<'w>,
     level: SimdLevel,
-    space: Candidates,
-    rays: Box<RayBatch>,
-    segments: Box<SegmentBatch>,
-    hits: Box<Hits>,
+    space: Workspace,
+    rays: Box<IncoherentRays>,
+    segments: Box<IncoherentSegments>,
 }
 
-struct Nearest<'t, 'w>(&'t mut Tracer<'w>);
+struct Nearest<'t, 'w>(&'t mut Tracer<'w>, &'t mut Vec<f64>);
 
 impl Kernel for Nearest<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
+        let Self(tracer, t) = self;
         let Tracer {
             visibility,
             space,
             rays,
-            hits,
             ..
-        } = self.0;
-        visibility.nearest(simd, rays, space, hits);
+        } = tracer;
+        let hits = visibility.hits(simd, rays, space);
+        t.extend(&hits.t[..rays.count()]);
     }
 }
 
@@ -49,7 +51,7 @@ impl Kernel for Free<'_, '_> {
             segments,
             ..
         } = self.0;
-        visibility.free(simd, segments, space)
+        visibility.free(simd, SegmentBatch::Any(segments), space)
     }
 }
 
@@ -59,10 +61,9 @@ impl<'w> Tracer<'w> {
         Self {
             visibility: Visibility::new(world, &Plan::new(world)),
             level,
-            space: Candidates::default(),
+            space: Workspace::default(),
             rays: Box::default(),
             segments: Box::default(),
-            hits: Box::default(),
         }
     }
 
@@ -70,12 +71,11 @@ impl<'w> Tracer<'w> {
     pub fn nearest(&mut self, rays: &[[DVec3; 2]], t: &mut Vec<f64>) {
         t.clear();
         for rays in rays.chunks(BATCH) {
-            self.rays.count = 0;
+            self.rays.clear();
             for &[origin, direction] in rays {
                 self.rays.push(origin, direction);
             }
-            self.level.run(Nearest(self));
-            t.extend(&self.hits.t[..rays.len()]);
+            self.level.run(Nearest(self, t));
         }
     }
 

@@ -43,7 +43,7 @@ const MAY_USE: [(&str, &[&str]); 22] = [
             "memory",
         ],
     ),
-    ("visibility", &["world", "camera", "math", "simd", "memory"]),
+    ("visibility", &["world", "math", "simd", "memory"]),
     ("shading", &["world", "visibility", "units", "math", "simd"]),
     ("turns", &[]),
     ("image", &["color"]),

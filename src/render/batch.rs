@@ -5,11 +5,11 @@ use std::ops::Range;
 use fearless_simd::Simd;
 
 use super::sampling::Sampler;
-use crate::camera::Camera;
+use crate::camera::{Camera, Projection};
 use crate::image::Window;
-use crate::math::both;
-use crate::simd::{LANES, U32x16};
-use crate::visibility::{BATCH, Column, Samples};
+use crate::math::DVec3;
+use crate::simd::{DVec3x16, F64x16, LANES, U32x16};
+use crate::visibility::{BATCH, Column, RayBatch};
 
 /// Pixels along the side of a tile: its rays are alike enough to be traced as one batch.
 pub(super) const TILE: u32 = 16;
@@ -268,23 +268,57 @@ impl Batch {
         self.len
     }
 
-    /// Where in the image of a camera the samples are.
-    pub(super) fn samples<'s>(&'s self, camera: &'s Camera) -> Samples<'s> {
+    /// L1: the primary rays of a camera through the samples.
+    #[inline(always)]
+    pub(super) fn rays<S: Simd>(
+        &self,
+        simd: S,
+        camera: &Camera,
+    ) -> RayBatch<'_, impl Fn(usize) -> DVec3x16<S>> {
+        let [x, y] = &self.positions;
+        self.sharing(
+            camera,
+            #[inline(always)]
+            move |packet| {
+                let first = packet * LANES;
+                let x = F64x16::load(simd, &x[first..]);
+                camera.varying(simd, x, F64x16::load(simd, &y[first..]))
+            },
+        )
+    }
+
+    /// The primary rays of a camera, of which `varying` is what differs.
+    #[inline(always)]
+    fn sharing<F>(&self, camera: &Camera, varying: F) -> RayBatch<'_, F> {
+        let count = self.len;
+        match camera.projection() {
+            Projection::Perspective { .. } => RayBatch::FromPoint {
+                origin: camera.eye(),
+                direction: varying,
+                count,
+                around: Some(self.corners(camera)),
+            },
+            Projection::Orthographic { .. } => RayBatch::Along {
+                direction: camera.forward().get(),
+                origin: varying,
+                count,
+            },
+        }
+    }
+
+    /// The directions of the primary rays around all samples.
+    #[inline(always)]
+    fn corners(&self, camera: &Camera) -> [DVec3; 4] {
         let pixels = self.range().pixel(0)..=self.range().last_pixel();
         let [x, y] = &self.pixels.in_image;
-        let window = both([x, y], |places| {
-            let places = &places[pixels.clone()];
-            let (least, most) = places.iter().fold((u32::MAX, 0), |(least, most), &place| {
-                (least.min(place), most.max(place))
-            });
-            [f64::from(least), f64::from(most) + 1.0]
-        });
-        Samples {
-            camera,
-            places: [&self.positions[0], &self.positions[1]],
-            count: self.len,
-            window,
-        }
+        let [left, right] = around(&x[pixels.clone()]);
+        let [top, bottom] = around(&y[pixels]);
+        [
+            camera.ray(left, top).direction,
+            camera.ray(right, top).direction,
+            camera.ray(left, bottom).direction,
+            camera.ray(right, bottom).direction,
+        ]
     }
 
     /// The samples, counted through the pass.
@@ -463,6 +497,17 @@ impl NumberedSamples<'_> {
             sample % SUBSETS == subset
         })
     }
+}
+
+/// The least and the largest place in the image that pixels with these columns, or rows, cover.
+#[inline(always)]
+fn around(numbers: &[u32]) -> [f64; 2] {
+    let (mut least, mut most) = (u32::MAX, 0);
+    for &number in numbers {
+        least = least.min(number);
+        most = most.max(number);
+    }
+    [f64::from(least), f64::from(most) + 1.0]
 }
 
 /// Gives each of N samples the number of its pixel.

@@ -255,7 +255,7 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
         shaded,
         ..
     } = space;
-    visibility.see(simd, batch.samples(camera), tracing, points);
+    visibility.nearest(simd, &batch.rays(simd, camera), tracing, points);
     if let Some(layers) = &mut tile.layers {
         layers.see(batch.numbered(), points);
     }

@@ -18,7 +18,7 @@ pub(crate) use terms::{LightTerms, Terms};
 use crate::math::Point;
 use crate::simd::{F64x16, LANES, Mask64x16};
 use crate::units::ReflectedIntensity;
-use crate::visibility::{Column, Facing, PACKETS, Points, Visibility, Workspace};
+use crate::visibility::{Column, Facing, PACKETS, Points, SegmentBatch, Visibility, Workspace};
 use crate::world::{Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
@@ -170,7 +170,12 @@ impl Shaded {
                 self.shadow_rays += u64::from(asked);
                 self.singular += u64::from(at);
                 if asked > 0 {
-                    let lit = visibility.lit(simd, origin, points, &above, space);
+                    let segments = SegmentBatch::ToPoint {
+                        end: origin,
+                        points,
+                        facing: &above,
+                    };
+                    let lit = visibility.free(simd, segments, space);
                     let reached: u32 = lit.iter().map(|bits| bits.count_ones()).sum();
                     self.lit_points += u64::from(reached);
                     self.lit.push(Lit {

@@ -433,6 +433,13 @@ impl<S: Simd> DVec3x16<S> {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    /// The vector in one lane.
+    #[inline(always)]
+    pub(crate) fn lane(self, lane: usize) -> DVec3 {
+        let [x, y, z] = [self.x.to_array(), self.y.to_array(), self.z.to_array()];
+        DVec3::new(x[lane], y[lane], z[lane])
+    }
+
     /// x, y or z.
     #[inline(always)]
     pub(crate) fn component(self, axis: usize) -> F64x16<S> {

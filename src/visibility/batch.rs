@@ -61,6 +61,13 @@ pub(super) fn columns_mut(columns: &mut [Column; 3], packet: usize) -> [&mut [f6
     [&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]]
 }
 
+/// The vector of one ray in three columns.
+#[inline(always)]
+pub(super) fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {
+    let [x, y, z] = columns;
+    DVec3::new(x[ray], y[ray], z[ray])
+}
+
 /// The offsets of a packet's points from an origin.
 #[inline(always)]
 pub(super) fn offsets<S: Simd>(
@@ -106,16 +113,17 @@ pub(super) fn ranges<S: Simd>(
         most.y = high.y.max(most.y);
         most.z = high.z.max(most.z);
     }
-    (any != 0).then(|| {
-        [
-            -DVec3::new(
-                (-least.x).largest(),
-                (-least.y).largest(),
-                (-least.z).largest(),
-            ),
-            DVec3::new(most.x.largest(), most.y.largest(), most.z.largest()),
-        ]
-    })
+    if any == 0 {
+        return None;
+    }
+    Some([
+        -DVec3::new(
+            (-least.x).largest(),
+            (-least.y).largest(),
+            (-least.z).largest(),
+        ),
+        DVec3::new(most.x.largest(), most.y.largest(), most.z.largest()),
+    ])
 }
 
 /// The largest component of any direction in a range.

@@ -13,41 +13,98 @@ mod nearest;
 
 use fearless_simd::Simd;
 
-use super::Visibility;
-use super::batch::PACKETS;
+use super::batch::{PACKETS, first_lanes};
+use super::points::{Known, Points};
+use super::projection::NOTHING;
+use super::question::NearestHit;
+use super::ray_batch::IncoherentRays;
+use super::{Visibility, Workspace};
+use crate::simd::{F64x16, LANES, U64x16};
 #[cfg(test)]
 pub(crate) use batch::EndBatch;
-pub(crate) use batch::{Hits, RayBatch, SegmentBatch};
-pub(crate) use candidates::Candidates;
+pub(crate) use batch::{Hits, IncoherentSegments};
+pub(super) use candidates::Candidates;
+
+/// What a thread needs for batches that share nothing, to be used again and again.
+#[derive(Debug, Default)]
+pub(super) struct IncoherentSpace {
+    candidates: Candidates,
+    hits: Box<Hits>,
+}
 
 impl Visibility<'_> {
-    /// L2: what each ray of a batch meets first, whatever they share.
+    /// L2: the points that rays meet first that share nothing.
     #[inline(never)]
-    pub(crate) fn nearest<S: Simd>(
+    pub(super) fn nearest_incoherent<S: Simd>(
         &self,
         simd: S,
-        rays: &RayBatch,
-        space: &mut Candidates,
-        hits: &mut Hits,
+        rays: &IncoherentRays,
+        space: &mut Workspace,
+        points: &mut Points,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.shapes.nearest_all(simd, rays, space, hits),
+            || {
+                let IncoherentSpace { candidates, hits } = &mut space.incoherent;
+                self.shapes.nearest_all(simd, rays, candidates, hits);
+                points.begin(self.is_smooth);
+                for packet in 0..PACKETS {
+                    let asked = first_lanes(rays.count(), packet);
+                    if asked == 0 {
+                        points.hit[packet] = 0;
+                        continue;
+                    }
+                    let first = packet * LANES;
+                    let rays = rays.packet(simd, packet);
+                    let nearest = NearestHit {
+                        t: F64x16::load(simd, &hits.t[first..]),
+                        primitive: U64x16::load(simd, &hits.primitive[first..]),
+                        ..NearestHit::new(simd, asked)
+                    };
+                    let known = Known {
+                        slots: &[NOTHING; LANES],
+                        met: 0,
+                        last: &mut None,
+                    };
+                    points.fill(simd, &self.shapes, packet, &rays, &nearest, known);
+                    if self.is_smooth {
+                        points.interpolate(simd, self.shapes.world, packet, &rays);
+                    }
+                }
+                points.end(simd);
+            },
         );
+    }
+
+    /// L2 alone: at what t each ray of a batch that shares nothing meets what first.
+    #[inline(never)]
+    pub(crate) fn hits<'s, S: Simd>(
+        &self,
+        simd: S,
+        rays: &IncoherentRays,
+        space: &'s mut Workspace,
+    ) -> &'s Hits {
+        let IncoherentSpace { candidates, hits } = &mut space.incoherent;
+        simd.vectorize(
+            #[inline(always)]
+            || self.shapes.nearest_all(simd, rays, candidates, hits),
+        );
+        hits
     }
 
     /// L4: one bit for each segment of a batch, packet by packet, that no shape stands strictly between the ends
     /// of, whatever they share.
     #[inline(never)]
-    pub(crate) fn free<S: Simd>(
+    pub(super) fn free_incoherent<S: Simd>(
         &self,
         simd: S,
-        segments: &SegmentBatch,
-        space: &mut Candidates,
+        segments: &IncoherentSegments,
+        space: &mut Workspace,
     ) -> [u32; PACKETS] {
+        let candidates = &mut space.incoherent.candidates;
         simd.vectorize(
             #[inline(always)]
-            || self.shapes.free_all(simd, segments, space),
+            || self.shapes.free_all(simd, segments, candidates),
         )
     }
 }

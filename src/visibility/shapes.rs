@@ -59,9 +59,9 @@ pub(super) struct Setups {
     triangles: SetupOf<Triangle>,
 }
 
-/// The ends of a batch's segments to a light.
+/// Where a batch's segments to a light start.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Segments<'p> {
+pub(super) struct SegmentStarts<'p> {
     pub(super) position: &'p [Column; 3],
     /// A bound on the rounding error of each.
     pub(super) error: &'p Column,
@@ -310,7 +310,7 @@ impl<'w> Shapes<'w> {
         &self,
         simd: S,
         light: Point,
-        ends: Segments<'_>,
+        ends: SegmentStarts<'_>,
         packet: usize,
         asked: u32,
         stack: &mut Stack,

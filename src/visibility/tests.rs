@@ -2,10 +2,15 @@
 
 use std::fmt::Write as _;
 
+use fearless_simd::Simd;
+
+use super::batch::Column;
+use super::projection::State;
 use super::*;
+use crate::camera::{Camera, Projection};
 use crate::mesh::{MeshFile, MeshNormals};
 use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
-use crate::simd::{Kernel, SimdLevel};
+use crate::simd::{F64x16, Kernel, LANES, SimdLevel};
 
 mod contacts;
 mod incoherent;
@@ -195,6 +200,59 @@ struct Compare<'w> {
     ways: [&'w Visibility<'w>; 2],
 }
 
+impl Compare<'_> {
+    /// The primary rays through a tile of 16 × 16 pixels, of which `varying` is what differs.
+    fn rays<F>(&self, tile: &[u32; 2], varying: F) -> RayBatch<'_, F> {
+        let camera = self.camera;
+        match camera.projection() {
+            Projection::Perspective { .. } => RayBatch::FromPoint {
+                origin: camera.eye(),
+                direction: varying,
+                count: BATCH,
+                around: Some([[0, 0], [16, 0], [0, 16], [16, 16]].map(|[right, down]| {
+                    let [x, y] = [tile[0] + right, tile[1] + down].map(f64::from);
+                    camera.ray(x, y).direction
+                })),
+            },
+            Projection::Orthographic { .. } => RayBatch::Along {
+                direction: camera.forward().get(),
+                origin: varying,
+                count: BATCH,
+            },
+        }
+    }
+}
+
+/// The same rays, as if they shared nothing.
+fn separate<S: Simd>(
+    simd: S,
+    rays: &RayBatch<'_, impl Fn(usize) -> DVec3x16<S>>,
+) -> IncoherentRays {
+    let mut separate = IncoherentRays::default();
+    for packet in 0..PACKETS {
+        let rays = rays.packet(simd, packet);
+        for lane in 0..LANES {
+            separate.push(rays.origin.lane(lane), rays.direction.lane(lane));
+        }
+    }
+    separate
+}
+
+/// The segments from a light to points of surfaces, as if they shared nothing.
+fn segments_from(light: Point, points: &Points) -> IncoherentSegments {
+    let mut segments = IncoherentSegments::default();
+    let starts = points.starts();
+    for slot in 0..BATCH {
+        let [x, y, z] = starts.position;
+        let position = DVec3::new(x[slot], y[slot], z[slot]);
+        let (error, primitive) = (starts.error[slot], points.primitive[slot]);
+        segments.start.set(slot, light.0, 0.0, u64::MAX);
+        segments.end.set(slot, position, error, primitive);
+    }
+    segments.count = BATCH;
+    segments
+}
+
 impl Kernel for Compare<'_> {
     /// The part of all rays that the projection left to the packets, and the bits of all that was seen.
     type Output = (f64, Vec<u64>);
@@ -202,8 +260,8 @@ impl Kernel for Compare<'_> {
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let [width, height] = RESOLUTION;
         // A batch is 16 × 16 pixels, in squares of four by four.
-        let mut spaces = [Workspace::default(), Workspace::default()];
-        let mut points = [Points::default(), Points::default()];
+        let mut spaces: [Workspace; 3] = Default::default();
+        let mut points: [Points; 3] = Default::default();
         let (mut asked, mut fell_back) = (0_u32, 0_u32);
         let mut all = Vec::new();
         for tile in 0..(width / 16) * (height / 16) {
@@ -222,16 +280,18 @@ impl Kernel for Compare<'_> {
                     *place = f64::from(corner[axis] + pixel[axis]) + within;
                 }
             }
+            let rays = self.rays(&corner, |packet| {
+                let [x, y] = places.each_ref().map(|places| &places[packet * LANES..]);
+                let [x, y] = [F64x16::load(simd, x), F64x16::load(simd, y)];
+                self.camera.varying(simd, x, y)
+            });
             for way in 0..2 {
-                let (space, points) = (&mut spaces[way], &mut points[way]);
-                let samples = Samples {
-                    camera: self.camera,
-                    places: [&places[0], &places[1]],
-                    count: BATCH,
-                    window: corner.map(|least| [f64::from(least), f64::from(least + 16)]),
-                };
-                self.ways[way].see(simd, samples, space, points);
+                self.ways[way].nearest(simd, &rays, &mut spaces[way], &mut points[way]);
             }
+            // The same rays, of which it is not known that they share anything.
+            let separate = separate(simd, &rays);
+            let separate: RayBatch<'_, fn(usize) -> DVec3x16<S>> = RayBatch::Any(&separate);
+            self.ways[0].nearest(simd, &separate, &mut spaces[2], &mut points[2]);
             // A projection that does not fit leaves all rays to the packets, one that is only bounded none.
             let fallback = |space: &Workspace, bits: &dyn Fn(usize) -> u32| -> u32 {
                 let fallback = |packet| match space.projection.state {
@@ -245,8 +305,9 @@ impl Kernel for Compare<'_> {
             };
             asked += BATCH as u32;
             fell_back += fallback(&spaces[0], &|_| u32::from(u16::MAX));
-            let [seen, expected] = &points;
+            let [seen, expected, separate] = &points;
             assert_eq!(seen.hit, expected.hit);
+            assert_eq!(separate.hit, expected.hit);
             for slot in (0..BATCH).filter(|&slot| expected.is_hit(slot)) {
                 assert_eq!(seen.primitive[slot], expected.primitive[slot]);
                 let bits = |points: &Points| {
@@ -254,6 +315,8 @@ impl Kernel for Compare<'_> {
                     columns.map(|vector| vector.each_ref().map(|column| column[slot].to_bits()))
                 };
                 assert_eq!(bits(seen), bits(expected), "{:?}", seen.primitive[slot]);
+                assert_eq!(separate.primitive[slot], expected.primitive[slot]);
+                assert_eq!(bits(separate), bits(expected), "{:?}", seen.primitive[slot]);
                 all.push(seen.primitive[slot]);
                 all.extend(bits(seen).as_flattened());
             }
@@ -261,9 +324,19 @@ impl Kernel for Compare<'_> {
                 let light = light.value.position();
                 let facing = seen.facing(simd, self.world, light).above;
                 let [lit, expected] = [0, 1].map(|way: usize| {
-                    self.ways[way].lit(simd, light, &points[way], &facing, &mut spaces[way])
+                    let segments = SegmentBatch::ToPoint {
+                        end: light,
+                        points: &points[way],
+                        facing: &facing,
+                    };
+                    self.ways[way].free(simd, segments, &mut spaces[way])
                 });
                 assert_eq!(lit, expected);
+                let segments = segments_from(light, &points[1]);
+                let free = self.ways[0].free(simd, SegmentBatch::Any(&segments), &mut spaces[2]);
+                for packet in 0..PACKETS {
+                    assert_eq!(free[packet] & facing[packet], expected[packet]);
+                }
                 all.extend(lit.map(u64::from));
                 asked += facing.iter().map(|bits| bits.count_ones()).sum::<u32>();
                 fell_back += fallback(&spaces[0], &|packet| lit[packet]);

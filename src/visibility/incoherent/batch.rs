@@ -1,22 +1,15 @@
-//! Rays, segments and hits of a batch, number by number in columns.
+//! Segments and hits of a batch, number by number in columns.
 
 use fearless_simd::Simd;
 
 use super::candidates::{Pair, gathered};
 use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, LANES, U64x16};
-use crate::visibility::batch::{BATCH, Column, PACKETS, columns};
+use crate::visibility::batch::{BATCH, Column, PACKETS, columns, vector};
 use crate::visibility::primitive::Primitive;
 use crate::visibility::question::{End, SegmentEnds};
+use crate::visibility::ray_batch::IncoherentRays;
 use crate::visibility::search::Way;
-
-/// Rays, each with a start and a direction of its own: r(t) = o + t ω, ω of any length but zero.
-#[derive(Clone, Debug)]
-pub(crate) struct RayBatch {
-    pub(crate) origin: [Column; 3],
-    pub(crate) direction: [Column; 3],
-    pub(crate) count: usize,
-}
 
 /// What rays meet first.
 #[derive(Clone, Debug)]
@@ -40,20 +33,10 @@ pub(crate) struct EndBatch {
 
 /// Segments, each with ends of its own.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct SegmentBatch {
+pub(crate) struct IncoherentSegments {
     pub(crate) start: EndBatch,
     pub(crate) end: EndBatch,
     pub(crate) count: usize,
-}
-
-impl Default for RayBatch {
-    fn default() -> Self {
-        Self {
-            origin: [Column::ZERO; 3],
-            direction: [Column::ZERO; 3],
-            count: 0,
-        }
-    }
 }
 
 impl Default for Hits {
@@ -75,35 +58,20 @@ impl Default for EndBatch {
     }
 }
 
-/// The vector of one ray in three columns.
-#[inline(always)]
-fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {
-    let [x, y, z] = columns;
-    DVec3::new(x[ray], y[ray], z[ray])
-}
-
-impl RayBatch {
+impl IncoherentRays {
     #[inline(always)]
     pub(super) fn way(&self, ray: usize, limit: f64) -> Way {
+        let [origin, direction] = self.ray(ray);
         Way {
-            origin: vector(&self.origin, ray),
-            direction: vector(&self.direction, ray),
+            origin,
+            direction,
             error: 0.0,
             limit,
         }
     }
-
-    /// Puts a ray to the others; there are at most [`BATCH`].
-    pub(crate) fn push(&mut self, origin: DVec3, direction: DVec3) {
-        for axis in 0..3 {
-            self.origin[axis][self.count] = origin[axis];
-            self.direction[axis][self.count] = direction[axis];
-        }
-        self.count += 1;
-    }
 }
 
-impl SegmentBatch {
+impl IncoherentSegments {
     #[inline(always)]
     pub(super) fn ends(&self, segment: usize) -> [End; 2] {
         [self.start.end(segment), self.end.end(segment)]

@@ -5,6 +5,8 @@ use fearless_simd::Simd;
 use crate::math::all_three;
 use crate::simd::{DVec3x16, LANES, U64x16};
 use crate::visibility::batch::{BATCH, Column, first_lanes};
+use crate::visibility::ray_batch::IncoherentRays;
+use crate::visibility::rays::Rays;
 use crate::visibility::search::{Descents, Way};
 use crate::visibility::shape::{SingleRay, TrianglePerRay, side_by_side};
 use crate::visibility::shapes::Shapes;
@@ -131,6 +133,19 @@ impl CurrentRay {
         self.single = SingleRay::new(way.origin, way.direction);
         self.limit = way.limit;
         self.list.len = 0;
+    }
+}
+
+impl IncoherentRays {
+    /// The rays of at most sixteen pairs.
+    #[inline(always)]
+    pub(super) fn gathered<S: Simd>(&self, simd: S, pairs: &[Pair]) -> Rays<S> {
+        let [origin, direction] = self.vectors();
+        Rays::new(
+            gathered(simd, origin, pairs),
+            gathered(simd, direction, pairs),
+            None,
+        )
     }
 }
 

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::batch::SegmentBatch;
+use super::batch::IncoherentSegments;
 use super::candidates::{Candidates, CurrentRay, Pair};
 use crate::simd::{DVec3x16, LANES, ones};
 use crate::visibility::batch::{PACKETS, first_lanes};
@@ -19,7 +19,7 @@ fn hide(free: &mut [u32; PACKETS], segment: usize) {
 
 /// L4 for spheres.
 struct SegmentSpheres<'b> {
-    segments: &'b SegmentBatch,
+    segments: &'b IncoherentSegments,
     free: &'b mut [u32; PACKETS],
     current: [usize; DESCENTS],
 }
@@ -54,7 +54,7 @@ impl<S: Simd> Along<S, SphereBlock> for SegmentSpheres<'_> {
 /// L4 for triangles: what f32 is sure of, and the candidates.
 struct SegmentTriangles<'b, 'w> {
     shapes: &'b Shapes<'w>,
-    segments: &'b SegmentBatch,
+    segments: &'b IncoherentSegments,
     free: &'b mut [u32; PACKETS],
     pairs: &'b mut Vec<Pair>,
     current: [CurrentRay; DESCENTS],
@@ -123,7 +123,7 @@ impl Shapes<'_> {
     pub(super) fn free_all<S: Simd>(
         &self,
         simd: S,
-        segments: &SegmentBatch,
+        segments: &IncoherentSegments,
         space: &mut Candidates,
     ) -> [u32; PACKETS] {
         let Candidates { descents, pairs } = space;
@@ -158,7 +158,7 @@ impl Shapes<'_> {
     }
 
     #[inline(always)]
-    fn free_of_planes<S: Simd>(&self, simd: S, segments: &SegmentBatch) -> [u32; PACKETS] {
+    fn free_of_planes<S: Simd>(&self, simd: S, segments: &IncoherentSegments) -> [u32; PACKETS] {
         let mut free = [0; PACKETS];
         for (packet, free) in free.iter_mut().enumerate() {
             *free = first_lanes(segments.count, packet);
@@ -178,7 +178,7 @@ impl Shapes<'_> {
 
     /// Puts at most sixteen pairs to f64; one bit for each whose triangle stands in the way.
     #[inline(never)]
-    fn hidden_pairs<S: Simd>(&self, simd: S, segments: &SegmentBatch, pairs: &[Pair]) -> u32 {
+    fn hidden_pairs<S: Simd>(&self, simd: S, segments: &IncoherentSegments, pairs: &[Pair]) -> u32 {
         simd.vectorize(
             #[inline(always)]
             || {

@@ -2,12 +2,13 @@
 
 use fearless_simd::Simd;
 
-use super::batch::{Hits, RayBatch};
-use super::candidates::{Candidates, CurrentRay, Pair, gathered};
+use super::batch::Hits;
+use super::candidates::{Candidates, CurrentRay, Pair};
 use crate::simd::{DVec3x16, LANES, ones};
-use crate::visibility::batch::{columns, first_lanes};
+use crate::visibility::batch::first_lanes;
 use crate::visibility::primitive::Primitive;
 use crate::visibility::question::NearestHit;
+use crate::visibility::ray_batch::IncoherentRays;
 use crate::visibility::rays::{Rays, ShearedRays};
 use crate::visibility::search::{Along, DESCENTS, Way};
 use crate::visibility::shape::{SphereBlock, TriangleBlock, plane};
@@ -15,7 +16,7 @@ use crate::visibility::shapes::Shapes;
 
 /// L2 for spheres.
 struct NearestSpheres<'b> {
-    rays: &'b RayBatch,
+    rays: &'b IncoherentRays,
     hits: &'b mut Hits,
     current: [usize; DESCENTS],
 }
@@ -52,7 +53,7 @@ impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
 /// L2 for triangles: their candidates.
 struct NearestTriangles<'b, 'w> {
     shapes: &'b Shapes<'w>,
-    rays: &'b RayBatch,
+    rays: &'b IncoherentRays,
     hits: &'b mut Hits,
     pairs: &'b mut Vec<Pair>,
     current: [CurrentRay; DESCENTS],
@@ -115,7 +116,7 @@ impl Shapes<'_> {
     pub(super) fn nearest_all<S: Simd>(
         &self,
         simd: S,
-        rays: &RayBatch,
+        rays: &IncoherentRays,
         space: &mut Candidates,
         hits: &mut Hits,
     ) {
@@ -129,7 +130,7 @@ impl Shapes<'_> {
                 current: [0; DESCENTS],
             };
             self.spheres
-                .along::<S, _, true>(simd, rays.count, &mut asker, descents);
+                .along::<S, _, true>(simd, rays.count(), &mut asker, descents);
         }
         if !self.triangles.is_empty() {
             let mut asker = NearestTriangles {
@@ -140,7 +141,7 @@ impl Shapes<'_> {
                 current: [CurrentRay::NONE; DESCENTS],
             };
             self.triangles
-                .along::<S, _, true>(simd, rays.count, &mut asker, descents);
+                .along::<S, _, true>(simd, rays.count(), &mut asker, descents);
             for pairs in pairs.chunks(LANES) {
                 self.meet_pairs(simd, rays, pairs, hits);
             }
@@ -149,15 +150,11 @@ impl Shapes<'_> {
 
     /// Begins with the planes.
     #[inline(always)]
-    fn meet_planes<S: Simd>(&self, simd: S, rays: &RayBatch, hits: &mut Hits) {
-        for packet in 0..rays.count.div_ceil(LANES) {
+    fn meet_planes<S: Simd>(&self, simd: S, rays: &IncoherentRays, hits: &mut Hits) {
+        for packet in 0..rays.count().div_ceil(LANES) {
             let lanes = packet * LANES..(packet + 1) * LANES;
-            let packet_of_rays = Rays::new(
-                DVec3x16::load(simd, columns(&rays.origin, packet)),
-                DVec3x16::load(simd, columns(&rays.direction, packet)),
-                None,
-            );
-            let mut nearest = NearestHit::new(simd, first_lanes(rays.count, packet));
+            let packet_of_rays = rays.packet(simd, packet);
+            let mut nearest = NearestHit::new(simd, first_lanes(rays.count(), packet));
             for plane in self.world.planes() {
                 plane::intersect(simd, plane, &packet_of_rays, &mut nearest);
             }
@@ -168,13 +165,11 @@ impl Shapes<'_> {
 
     /// Puts at most sixteen pairs to f64.
     #[inline(never)]
-    fn meet_pairs<S: Simd>(&self, simd: S, rays: &RayBatch, pairs: &[Pair], hits: &mut Hits) {
+    fn meet_pairs<S: Simd>(&self, simd: S, rays: &IncoherentRays, pairs: &[Pair], hits: &mut Hits) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let origin = gathered(simd, &rays.origin, pairs);
-                let direction = gathered(simd, &rays.direction, pairs);
-                let packet = ShearedRays::new(Rays::new(origin, direction, None));
+                let packet = ShearedRays::new(rays.gathered(simd, pairs));
                 let (triangles, primitives) = self.triangles_of(simd, pairs);
                 let (found, t) = triangles.intersect(simd, &packet);
                 let t = t.to_array();

@@ -3,14 +3,14 @@
 use super::*;
 use crate::simd::{DVec3x16, Mask64x16, U64x16};
 use crate::visibility::batch::BATCH;
-use crate::visibility::incoherent::{Candidates, EndBatch, Hits, RayBatch, SegmentBatch};
+use crate::visibility::incoherent::{EndBatch, IncoherentSegments};
 use crate::visibility::primitive::Primitive;
 use crate::visibility::question::{End, NearestHit, SegmentEnds};
-use crate::visibility::rays::{Rays, ShearedRays};
+use crate::visibility::rays::{ROUNDING, Rays, ShearedRays};
 use crate::visibility::shape::{
     Block as _, Shape as _, Sphere, SphereBlock, Triangle, TrianglePerRay, plane,
 };
-use crate::visibility::shapes::Segments;
+use crate::visibility::shapes::SegmentStarts;
 
 /// A ray o + t ω.
 pub(super) type Ray = [DVec3; 2];
@@ -137,15 +137,15 @@ impl Kernel for Traced<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let Self(visibility, rays) = self;
-        let (mut batch, mut hits) = (RayBatch::default(), Hits::default());
-        let mut space = Candidates::default();
+        let mut batch = IncoherentRays::default();
+        let mut space = Workspace::default();
         let mut found = Vec::new();
         for rays in rays.chunks(BATCH) {
-            batch.count = 0;
+            batch.clear();
             for &[origin, direction] in rays {
                 batch.push(origin, direction);
             }
-            visibility.nearest(simd, &batch, &mut space, &mut hits);
+            let hits = visibility.hits(simd, &batch, &mut space);
             found.extend((0..rays.len()).map(|ray| (hits.t[ray], hits.primitive[ray])));
         }
         found
@@ -340,8 +340,8 @@ impl Kernel for FreeSegments<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let Self(visibility, segments) = self;
-        let mut batch = SegmentBatch::default();
-        let mut space = Candidates::default();
+        let mut batch = IncoherentSegments::default();
+        let mut space = Workspace::default();
         let mut free = Vec::new();
         for segments in segments.chunks(BATCH) {
             batch.count = segments.len();
@@ -350,7 +350,7 @@ impl Kernel for FreeSegments<'_> {
                 batch.start.set(place, start, start_error, start_on);
                 batch.end.set(place, end, end_error, end_on);
             }
-            let bits = visibility.free(simd, &batch, &mut space);
+            let bits = visibility.free(simd, SegmentBatch::Any(&batch), &mut space);
             let places = 0..segments.len();
             free.extend(places.map(|place| bits[place / LANES] >> (place % LANES) & 1 == 1));
         }
@@ -494,7 +494,7 @@ fn segments_from_one_point_are_those_of_a_light() {
             for (place, &[_, (position, error, primitive)]) in segments.iter().enumerate() {
                 ends.set(place, position, error, primitive);
             }
-            let points = Segments {
+            let points = SegmentStarts {
                 position: &ends.position,
                 error: &ends.error,
                 primitive: &ends.primitive,

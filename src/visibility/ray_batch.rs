@@ -1,0 +1,124 @@
+//! Rays of a batch, by what they share.
+
+use fearless_simd::Simd;
+
+use super::batch::{BATCH, Column, columns, first_lanes, vector};
+use super::rays::Rays;
+use crate::math::{DVec3, Point};
+use crate::simd::DVec3x16;
+
+/// At most [`BATCH`] rays r(t) = o + t ω, ω of any length but zero, with what they have in common, if anything.
+///
+/// What differs among rays that share something is a function `F` of a packet's number: it is called when it is
+/// needed, perhaps more than once, perhaps never.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum RayBatch<'r, F> {
+    /// They start at one point: those of a perspective camera, and of its image in a plane mirror.
+    FromPoint {
+        origin: Point,
+        direction: F,
+        count: usize,
+        /// Four directions that enclose all of theirs, where these are known.
+        around: Option<[DVec3; 4]>,
+    },
+    /// They go one way: those of an orthographic camera.
+    Along {
+        direction: DVec3,
+        origin: F,
+        count: usize,
+    },
+    /// Nothing.
+    #[cfg_attr(not(test), expect(dead_code, reason = "curved mirrors are to ask"))]
+    Any(&'r IncoherentRays),
+}
+
+/// Rays, each with a start and a direction of its own, ray by ray in columns.
+#[derive(Clone, Debug)]
+pub(crate) struct IncoherentRays {
+    origin: [Column; 3],
+    direction: [Column; 3],
+    count: usize,
+}
+
+impl<F> RayBatch<'_, F> {
+    /// One bit for each ray of a packet.
+    #[inline(always)]
+    pub(super) fn lanes(&self, packet: usize) -> u32 {
+        match *self {
+            Self::FromPoint { count, .. } | Self::Along { count, .. } => first_lanes(count, packet),
+            Self::Any(rays) => first_lanes(rays.count, packet),
+        }
+    }
+
+    /// The rays of a packet.
+    #[inline(always)]
+    pub(super) fn packet<S: Simd>(&self, simd: S, packet: usize) -> Rays<S>
+    where
+        F: Fn(usize) -> DVec3x16<S>,
+    {
+        match self {
+            Self::FromPoint {
+                origin, direction, ..
+            } => Rays::from_point(simd, *origin, direction(packet)),
+            Self::Along {
+                direction, origin, ..
+            } => Rays::new(origin(packet), DVec3x16::splat(simd, *direction), None),
+            Self::Any(rays) => rays.packet(simd, packet),
+        }
+    }
+}
+
+impl Default for IncoherentRays {
+    fn default() -> Self {
+        Self {
+            origin: [Column::ZERO; 3],
+            direction: [Column::ZERO; 3],
+            count: 0,
+        }
+    }
+}
+
+impl IncoherentRays {
+    /// Forgets all rays.
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Puts a ray to the others; there are at most [`BATCH`].
+    pub(crate) fn push(&mut self, origin: DVec3, direction: DVec3) {
+        debug_assert!(self.count < BATCH);
+        for axis in 0..3 {
+            self.origin[axis][self.count] = origin[axis];
+            self.direction[axis][self.count] = direction[axis];
+        }
+        self.count += 1;
+    }
+
+    /// How many there are.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Where they start, and where they go.
+    #[inline(always)]
+    pub(super) fn vectors(&self) -> [&[Column; 3]; 2] {
+        [&self.origin, &self.direction]
+    }
+
+    /// Where one starts, and where it goes.
+    #[inline(always)]
+    pub(super) fn ray(&self, ray: usize) -> [DVec3; 2] {
+        [vector(&self.origin, ray), vector(&self.direction, ray)]
+    }
+
+    /// Those of a packet.
+    #[inline(always)]
+    pub(super) fn packet<S: Simd>(&self, simd: S, packet: usize) -> Rays<S> {
+        Rays::new(
+            DVec3x16::load(simd, columns(&self.origin, packet)),
+            DVec3x16::load(simd, columns(&self.direction, packet)),
+            None,
+        )
+    }
+}
