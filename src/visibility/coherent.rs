@@ -14,6 +14,9 @@ use super::{Visibility, Workspace};
 use crate::math::{DVec3, Point};
 use crate::simd::{DVec3x16, F64x16, LANES};
 
+/// How far offsets from a light are off, over its distance from the anchor: its own place and the difference.
+const LIGHT_ROUNDING: f64 = 2.0 * ROUNDING;
+
 /// Fewer rays than this are not worth a projection.
 const FEW: u32 = 8;
 
@@ -381,7 +384,7 @@ fn unit_of(way: DVec3) -> f64 {
 /// coordinates and the differences, in scene units.
 #[inline(always)]
 fn light_error(light: Point) -> f64 {
-    light.0.length() * (2.0 * ROUNDING)
+    light.0.length() * LIGHT_ROUNDING
 }
 
 /// Points too far apart for one beam, in two groups: by where along the widest side of their range, seen from

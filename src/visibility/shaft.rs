@@ -28,6 +28,10 @@ use super::tree::{Bounds, EMPTY_STACK, HalfSpace, MOST_SIDES, Stack};
 use crate::math::DVec3;
 use solid::{CornerRay, Solid};
 
+/// How far a depth along the middle of a shaft is off, over the largest coordinates: it is a scalar product, and each
+/// of its three terms is off by [`MARGIN`](solid::MARGIN).
+const DEPTH_MARGIN: f64 = solid::MARGIN * 3.0;
+
 /// All rays of a kind.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Shaft {
@@ -335,7 +339,7 @@ impl Hull {
         }
         match self.kind {
             Kind::Point(_) | Kind::Parallel => {
-                Some(deepest + (self.size + deepest.abs()) * (solid::MARGIN * 3.0))
+                Some(deepest + (self.size + deepest.abs()) * DEPTH_MARGIN)
             }
             Kind::Boxes => Some(solid.farthest(self.along)),
         }
@@ -433,7 +437,7 @@ impl ShaftSearch<'_> {
         }
         let hull = self.hull;
         let (half_spaces, along) = (hull.half_spaces(), hull.along);
-        let error = hull.size * solid::MARGIN * 3.0;
+        let error = hull.size * DEPTH_MARGIN;
         shapes.spheres.within(
             simd,
             half_spaces,

@@ -20,6 +20,10 @@ use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
 use crate::visibility::batch::{Column, PACKETS, columns, columns_mut, ranges};
 use crate::visibility::rays::ROUNDING;
 
+/// How far a lift is off, over its reach, which bounds every term of it: twice what a few operations are, for the
+/// scalar products and their sum over the vertices.
+const LIFT_ROUNDING: f64 = 2.0 * ROUNDING;
+
 /// Where the shadow rays of a batch start.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::visibility) struct Starts<'p> {
@@ -144,7 +148,7 @@ impl Points {
         let position = DVec3x16::load(simd, columns(&self.position, packet));
         let error = F64x16::load(simd, &self.error[first..]);
         let Lifted { start, reach } = lifted(simd, position, corners, normals, weights);
-        let start_error = error * 2.0 + reach * (2.0 * ROUNDING);
+        let start_error = error * 2.0 + reach * LIFT_ROUNDING;
         let start = is_lifted.select_vectors(start, position);
         start.store(columns_mut(&mut self.lifts.start, packet));
         let start_error = is_lifted.select(start_error, error);

@@ -23,6 +23,10 @@ const SMALLEST_UNIT: f64 = 1e-290;
 /// to f32, 2⁻²⁴, and as much again.
 const START_ERROR: f64 = 1.0 / (1 << 23) as f64;
 
+/// How far along the direction starts are from their plane by rounding, over the largest coordinates: a scalar
+/// product of differences, six roundings of ε/2 of numbers up to three times those, and less than as much again for room.
+const COORDINATE_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 impl BatchProjection {
     /// Projects rays of one direction, those with a bit, that start on the plane across it
     /// through `eye`; `amid` is a point amid the shapes.
@@ -62,8 +66,8 @@ impl BatchProjection {
         let reciprocal_depth = depth / unit;
         // The rounding of coordinates moves a start along w as well.
         let coordinates = least.abs().max(most.abs()).max_element() + eye.abs().max_element();
-        let room = (reciprocal_depth.abs() + 2.0) * START_ERROR
-            + coordinates / unit * (16.0 * f64::EPSILON);
+        let room =
+            (reciprocal_depth.abs() + 2.0) * START_ERROR + coordinates / unit * COORDINATE_ROUNDING;
         self.shared = Shared::Direction(Start {
             depth: -depth,
             reciprocal_depth: [

@@ -10,6 +10,11 @@ use super::{Bounds, node::WIDTH};
 use crate::math::DVec3;
 use crate::simd::ones;
 
+/// How far a plane is off in the frame of a tree, over the largest coordinate of its middle: three products and
+/// their sum, and the difference from the plane's own offset, are rounded by ε/2 each, of numbers up to three times
+/// that; and as much again for room.
+const FRAME_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Half-spaces of a volume, at most.
 pub(in crate::visibility) const MOST_SIDES: usize = 12;
 
@@ -40,7 +45,7 @@ impl TreeVolume {
         error: f64,
     ) -> Self {
         // The middle of the frame takes digits as well.
-        let error = error + tree.center.abs().max_element() * (16.0 * f64::EPSILON);
+        let error = error + tree.center.abs().max_element() * FRAME_ROUNDING;
         let side = |HalfSpace { normal, offset }: HalfSpace| {
             let in_frame = (offset - normal.dot(tree.center)) * tree.scale;
             Side::new(normal, in_frame, 0.0, error * tree.scale)

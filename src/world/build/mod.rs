@@ -222,17 +222,7 @@ impl<'a> Builder<'a> {
                 Ok(())
             },
         );
-        let hidden = self.broken.lost_entries || !self.broken.objects.is_empty();
-        if self.scene.objects.is_empty() && !hidden {
-            self.report(
-                Span::default(),
-                Problem::Missing {
-                    what: "section",
-                    name: "objects.NAME.VARIANT".to_owned(),
-                    expected: "at least one object, such as `[objects.ball.sphere]`",
-                },
-            );
-        }
+        self.look_for_objects();
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
             let materials = world.used_materials();
@@ -247,22 +237,42 @@ impl<'a> Builder<'a> {
                 used,
                 background: background.spectrum.expect("spectral light has a spectrum"),
             };
-            match Products::new(&spectra) {
-                Ok(products) => world.products = Some(products),
-                Err(error) => {
-                    let what = format!(
-                        "the products of the spectra of {} and {}",
-                        counted(world.lights.len(), "light", "lights"),
-                        counted(materials.len(), "material", "materials"),
-                    );
-                    let way_out = "; use fewer of them, or `transport = \"rgb\"` in `[image]`, \
-                                   which takes none";
-                    self.out_of_memory(error.for_what(what), way_out);
-                }
-            }
+            self.products(&spectra, &mut world, materials.len());
             world.spectra = Some(spectra);
         }
         world
+    }
+
+    /// A scene has an object.
+    fn look_for_objects(&mut self) {
+        let hidden = self.broken.lost_entries || !self.broken.objects.is_empty();
+        if self.scene.objects.is_empty() && !hidden {
+            self.report(
+                Span::default(),
+                Problem::Missing {
+                    what: "section",
+                    name: "objects.NAME.VARIANT".to_owned(),
+                    expected: "at least one object, such as `[objects.ball.sphere]`",
+                },
+            );
+        }
+    }
+
+    /// A place for the products of lights with so many materials.
+    fn products(&mut self, spectra: &Spectra, world: &mut World, materials: usize) {
+        match Products::new(spectra) {
+            Ok(products) => world.products = Some(products),
+            Err(error) => {
+                let what = format!(
+                    "the products of the spectra of {} and {}",
+                    counted(world.lights.len(), "light", "lights"),
+                    counted(materials, "material", "materials"),
+                );
+                let way_out = "; use fewer of them, or `transport = \"rgb\"` in `[image]`, \
+                               which takes none";
+                self.out_of_memory(error.for_what(what), way_out);
+            }
+        }
     }
 
     /// Makes something of each entry of a section, until memory ends. An entry that cannot be made is

@@ -173,6 +173,7 @@ impl Builder<'_> {
         })
     }
 
+    /// A mesh, put where its placement says.
     fn mesh(
         &mut self,
         file: &MeshFile,
@@ -182,18 +183,60 @@ impl Builder<'_> {
         path: &Spanned<PathBuf>,
         triangles: &mut Triangles,
     ) -> Result<(), Reported> {
-        let first_vertex = triangles.positions.len();
-        let start = triangles.len();
+        self.make_room(file, path, triangles)?;
+        let (first_vertex, start) = (triangles.positions.len(), triangles.len());
+        self.place_vertices(file, placement, path, &mut triangles.positions)?;
+        let faces = self.faces(file, path, &triangles.positions[first_vertex..])?;
+        faces.keep(&mut triangles.corners, &file.triangles, first_vertex as u32);
+        let normals = match &file.normals {
+            Some(normals) if smooth => {
+                let written = normals.triangles.as_ref().unwrap_or(&file.triangles);
+                let (mut vectors, mut corners) = (Vec::new(), Vec::new());
+                self.reserve(&mut vectors, normals.vectors.len())?;
+                self.reserve(&mut corners, faces.count)?;
+                // A vector without a direction belongs to no triangle: the file's reader saw to that.
+                vectors.par_extend(normals.vectors.par_iter().map(|&normal| {
+                    Normal::new(placement.normals * DVec3::from_array(normal))
+                        .unwrap_or_else(any_normal)
+                }));
+                faces.keep(&mut corners, written, 0);
+                Some(MeshNormals { vectors, corners })
+            }
+            Some(_) | None => None,
+        };
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start as u32..triangles.len() as u32,
+            normals,
+            shadow_terminator: ShadowTerminator::default(),
+            degenerate: file.triangles.len() - faces.count - faces.vanished,
+            vanished: faces.vanished,
+            remarks: if smooth {
+                file.remarks.clone()
+            } else {
+                file.remarks.without_normals()
+            },
+        });
+        Ok(())
+    }
+
+    /// Room for a mesh, in numbers of 32 bits and in memory.
+    fn make_room(
+        &mut self,
+        file: &MeshFile,
+        path: &Spanned<PathBuf>,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
         let fits = |count: usize| u32::try_from(count).is_ok();
-        if !fits(first_vertex + file.positions.len()) || !fits(start + file.triangles.len()) {
+        if !fits(triangles.positions.len() + file.positions.len())
+            || !fits(triangles.len() + file.triangles.len())
+        {
             let conflict = "the meshes together have more than 4294967295 vertices or triangles";
             self.report(path.span, Problem::Conflict(conflict.to_owned()));
             return Err(Reported);
         }
-        let mut has_area: Vec<bool> = Vec::new();
         let room = triangles.positions.try_reserve(file.positions.len());
         let room = room.and_then(|()| triangles.corners.try_reserve(file.triangles.len()));
-        let room = room.and_then(|()| has_area.try_reserve_exact(file.triangles.len()));
         if let Err(error) = room {
             let problem = Problem::Mesh {
                 path: path.value.clone(),
@@ -202,51 +245,69 @@ impl Builder<'_> {
             self.report(path.span, problem);
             return Err(Reported);
         }
-        self.reserve_mesh(triangles, file.positions.len(), file.triangles.len())?;
+        self.reserve(&mut triangles.meshes, 1)
+    }
+
+    /// Appends the vertices of a mesh.
+    fn place_vertices(
+        &mut self,
+        file: &MeshFile,
+        placement: &Placement,
+        path: &Spanned<PathBuf>,
+        into: &mut Vec<DVec3>,
+    ) -> Result<(), Reported> {
+        let first = into.len();
         let positions = file
             .positions
             .par_iter()
             .map(|&position| placement.linear * DVec3::from_array(position) + placement.moved);
-        triangles.positions.par_extend(positions);
-        let placed = &mut triangles.positions[first_vertex..];
+        into.par_extend(positions);
+        let placed = &mut into[first..];
         let is_beyond =
             |position: &DVec3| position.is_nan() || position.abs().max_element() > 2.0 * LARGEST;
-        if placed.par_iter().any(is_beyond) {
-            let corners = || {
-                file.triangles
-                    .iter()
-                    .flatten()
-                    .map(|&corner| corner as usize)
-            };
-            if corners().any(|corner| is_beyond(&placed[corner])) {
-                let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
-                self.report(path.span, Problem::Conflict(conflict.to_owned()));
-                return Err(Reported);
-            }
-            // Those that no triangle uses may be anywhere; here they are where another one is.
-            let used = corners()
-                .next()
-                .map_or(DVec3::ZERO, |corner| placed[corner]);
-            for position in placed.iter_mut().filter(|position| is_beyond(position)) {
-                *position = used;
-            }
+        if !placed.par_iter().any(is_beyond) {
+            return Ok(());
         }
-        let placed = &triangles.positions[first_vertex..];
+        let corners = || {
+            let corners = file.triangles.iter().flatten();
+            corners.map(|&corner| corner as usize)
+        };
+        if corners().any(|corner| is_beyond(&placed[corner])) {
+            let conflict = "the mesh has vertices beyond 1e30 scene units once it is placed";
+            self.report(path.span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        // Those that no triangle uses may be anywhere; here they are where another one is.
+        let used = corners()
+            .next()
+            .map_or(DVec3::ZERO, |corner| placed[corner]);
+        for position in placed.iter_mut().filter(|position| is_beyond(position)) {
+            *position = used;
+        }
+        Ok(())
+    }
 
-        let flags = file.triangles.par_iter().map(|corners| {
-            triangle_normal(all_three(*corners, |corner| placed[corner as usize])).is_some()
-        });
+    /// Which triangles of a mesh have an area where its vertices are placed.
+    fn faces(
+        &mut self,
+        file: &MeshFile,
+        path: &Spanned<PathBuf>,
+        placed: &[DVec3],
+    ) -> Result<Faces, Reported> {
         let mut has_area = Vec::new();
         self.reserve(&mut has_area, file.triangles.len())?;
-        has_area.par_extend(flags);
+        has_area.par_extend(file.triangles.par_iter().map(|corners| {
+            triangle_normal(all_three(*corners, |corner| placed[corner as usize])).is_some()
+        }));
         let count = has_area.iter().filter(|&&has_area| has_area).count();
-        let without_area =
-            (file.triangles.iter().zip(&has_area)).filter(|(_, has_area)| !**has_area);
+        let without_area = file.triangles.iter().zip(&has_area);
+        let without_area = without_area.filter(|(_, has_area)| !**has_area);
+        let had_area = |corners: &[u32; 3]| {
+            let written = |corner| DVec3::from_array(file.positions[corner as usize]);
+            triangle_normal(corners.map(written)).is_some()
+        };
         let vanished = without_area
-            .filter(|(corners, _)| {
-                let written = |corner| DVec3::from_array(file.positions[corner as usize]);
-                triangle_normal(corners.map(written)).is_some()
-            })
+            .filter(|(corners, _)| had_area(corners))
             .count();
         if count == 0 {
             let conflict = if vanished == 0 {
@@ -258,50 +319,29 @@ impl Builder<'_> {
             self.report(path.span, Problem::Conflict(conflict.to_owned()));
             return Err(Reported);
         }
-        // Appends the corners of the triangles with area.
-        let keep = |kept: &mut Vec<[u32; 3]>, corners: &[[u32; 3]], offset: u32| {
-            let with_area = corners.iter().zip(&has_area);
-            let with_area = with_area.filter(|&(_, &has_area)| has_area);
-            kept.extend(
-                with_area.map(|(corners, _)| all_three(*corners, |corner| corner + offset)),
-            );
-        };
-        keep(&mut triangles.corners, &file.triangles, first_vertex as u32);
-        let normals = match &file.normals {
-            Some(normals) if smooth => {
-                // A vector without a direction belongs to no triangle: the file's reader saw to
-                // that.
-                let vectors = normals.vectors.par_iter().map(|&normal| {
-                    Normal::new(placement.normals * DVec3::from_array(normal))
-                        .unwrap_or_else(any_normal)
-                });
-                let written = normals.triangles.as_ref().unwrap_or(&file.triangles);
-                let (mut normals, mut corners) = (Vec::new(), Vec::new());
-                self.reserve(&mut normals, vectors.len())?;
-                self.reserve(&mut corners, count)?;
-                normals.par_extend(vectors);
-                keep(&mut corners, written, 0);
-                Some(MeshNormals {
-                    vectors: normals,
-                    corners,
-                })
-            }
-            Some(_) | None => None,
-        };
-        triangles.meshes.push(Mesh {
-            object,
-            triangles: start as u32..triangles.len() as u32,
-            normals,
-            shadow_terminator: ShadowTerminator::default(),
-            degenerate: file.triangles.len() - count - vanished,
+        Ok(Faces {
+            has_area,
+            count,
             vanished,
-            remarks: if smooth {
-                file.remarks.clone()
-            } else {
-                file.remarks.without_normals()
-            },
-        });
-        Ok(())
+        })
+    }
+}
+
+/// Which triangles of a mesh have an area.
+struct Faces {
+    has_area: Vec<bool>,
+    /// How many have.
+    count: usize,
+    /// How many of the others have one in the file.
+    vanished: usize,
+}
+
+impl Faces {
+    /// Appends the corners of the triangles with area, each by `offset` larger.
+    fn keep(&self, kept: &mut Vec<[u32; 3]>, corners: &[[u32; 3]], offset: u32) {
+        let with_area = corners.iter().zip(&self.has_area);
+        let with_area = with_area.filter(|&(_, &has_area)| has_area);
+        kept.extend(with_area.map(|(corners, _)| all_three(*corners, |corner| corner + offset)));
     }
 }
 

@@ -9,6 +9,10 @@ use crate::simd::{DVec3x16, F32x16, LANES};
 use crate::visibility::batch::Row;
 use crate::visibility::projection::{BatchProjection, NEGLIGIBLE};
 
+/// How far offsets from the middle are off by its place, over its largest coordinate: a corner less the middle and
+/// back again are two roundings of ε/2, in each of three axes, and less than as much again for room.
+const MIDDLE_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// One rounding to f32.
 pub(in crate::visibility) const F32_ROUNDING: f32 = 1.0 / (1 << 24) as f32;
 
@@ -206,7 +210,7 @@ impl LeafBlock {
 
     /// The rounding of offsets to f32, 2⁻²⁴ of at most three sizes, and of sums in f64.
     pub(in crate::visibility) fn error(&self) -> f64 {
-        self.size * NEGLIGIBLE * 8.0 + self.middle.abs().max_element() * (4.0 * f64::EPSILON)
+        self.size * NEGLIGIBLE * 8.0 + self.middle.abs().max_element() * MIDDLE_ROUNDING
     }
 }
 

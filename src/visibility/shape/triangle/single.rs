@@ -34,6 +34,10 @@ const NU: f32 = 24.0 * F32_ROUNDING;
 /// By how much depths give way beside what edge functions make of them: eight roundings of sums of five.
 const DEPTH_GIVES_WAY: f32 = 64.0 * F32_ROUNDING;
 
+/// How far f64 is off where a ray passes a block's middle, over the way there: the way, a slope, their product,
+/// and a difference are rounded by ε/2 each, of numbers up to twice the way; and as much again for room.
+const WAY_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// What a few roundings to f32 of a segment's ends and their distances from a plane come to.
 const SLACK: f64 = 1.0 / (1 << 20) as f64;
 
@@ -131,7 +135,7 @@ impl LeafBlock {
         let to_middle = to_middle.to_array();
         let [slope_u, slope_v] = ray.slopes;
         let over_size = self.over_size;
-        let noise = distance * over_size * (16.0 * f64::EPSILON);
+        let noise = distance * over_size * WAY_ROUNDING;
         let beside_u = (slope_u * to_middle[w] - to_middle[u]) * over_size;
         let beside_v = (slope_v * to_middle[w] - to_middle[v]) * over_size;
         let is_told = noise < NOISIEST;
