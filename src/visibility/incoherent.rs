@@ -67,9 +67,6 @@ impl Visibility<'_> {
                         last: &mut None,
                     };
                     points.fill(simd, &self.shapes, packet, &rays, &nearest, known);
-                    if self.is_smooth {
-                        points.interpolate(simd, self.shapes.world, packet, &rays);
-                    }
                 }
                 points.end(simd);
             },

@@ -198,6 +198,9 @@ impl Points {
             self.meet_several(simd, packet, bits, &surfaces)
         };
         self.place(simd, packet, rays, bits, surface);
+        if self.is_smooth {
+            self.interpolate(simd, shapes.world, packet, rays);
+        }
     }
 
     /// L2 for rays that are known to hit one shape.

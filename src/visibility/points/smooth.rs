@@ -18,7 +18,7 @@ impl Points {
     /// geometric normal: Σ wᵢ nᵢ at unit length, with the barycentric coordinates wᵢ of the hit. Where
     /// the vertex normals cancel each other, the geometric normal stays.
     #[inline(never)]
-    pub(in crate::visibility) fn interpolate<S: Simd>(
+    pub(super) fn interpolate<S: Simd>(
         &mut self,
         simd: S,
         world: &World,
