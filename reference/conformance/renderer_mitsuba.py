@@ -76,9 +76,14 @@ def shapes(mi, np, object_, scene, extent):
         # A square as large as what is seen of it and no larger, since it takes points as parts of that.
         n = object_.normal
         foot = at(scene.camera.look_at, n, dot(sub(object_.point, scene.camera.look_at), n))
-        hits = [(meets_plane(*ray, object_.point, n), ray) for ray in rays(scene)]
-        seen = [length(sub(at(*ray, t), foot)) for t, ray in hits if t is not None]
-        half = 1.01 * max(seen + [2 * extent])
+        seen = []
+        for ray in rays(scene):
+            t = meets_plane(*ray, object_.point, n)
+            # Behind another plane nothing of it is seen.
+            before = [meets_plane(*ray, other.point, other.normal) for other in scene.objects if other.kind == "plane"]
+            if t is not None and t == min(hit for hit in before if hit is not None):
+                seen.append(length(sub(at(*ray, t), foot)))
+        half = 1.01 * max(seen + [extent])
         aside = unit(cross(n, [1, 0, 0] if abs(n[0]) < 0.9 else [0, 1, 0]))
         world = transform().look_at(origin=foot, target=add(foot, n), up=aside)
         yield {"type": "rectangle", "to_world": world @ transform().scale([half] * 3)}

@@ -51,10 +51,10 @@ def camera(scene):
     )
 
 
-def lamp(light, gain, size):
+def lamp(light, size):
     # 2/(1 + (d/f)²) · I/(2 f²) = I/(f² + d²)
     fade = 1e-5 * size
-    strength = color(mul(light.intensity, gain / (2 * fade * fade)))
+    strength = color(mul(light.intensity, 1 / (2 * fade * fade))) + " * gain"
     spot = ""
     if light.kind == "spot":
         if light.falloff != "smooth":
@@ -109,18 +109,20 @@ def render(scene, program, peak):
     result = [[None] * (scene.width * scene.height) for _ in range(3)]
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        for exposure in range(EXPOSURES):
+        lines = ["#version 3.7;", "global_settings { assumed_gamma 1 max_trace_level 1 }"]
+        # A frame an exposure.
+        lines += [f"#declare gain = {0.9 / peak:.17g} * pow({STEP:g}, frame_number - 1);", camera(scene)]
+        lines += [f"background {{ {color(scene.background)} * gain }}"]
+        lines += [lamp(light, size) for light in scene.lights] + solids
+        (folder / "scene.pov").write_text("\n".join(lines) + "\n")
+        subprocess.run(
+            [program, "scene.pov", "+Oout.ppm", "+FP16", "File_Gamma=1", "Dither=off", "-A", "-J", "-D",
+             f"+W{scene.width}", f"+H{scene.height}", f"+KFF{EXPOSURES}", "Work_Threads=1"],
+            cwd=folder, check=True, capture_output=True,
+        )
+        for exposure, path in enumerate(sorted(folder.glob("out*.ppm"))):
             gain = 0.9 / peak * STEP**exposure
-            lines = ["#version 3.7;", "global_settings { assumed_gamma 1 max_trace_level 1 }", camera(scene)]
-            lines += [f"background {{ {color(mul(scene.background, gain))} }}"]
-            lines += [lamp(light, gain, size) for light in scene.lights] + solids
-            (folder / "scene.pov").write_text("\n".join(lines) + "\n")
-            subprocess.run(
-                [program, "scene.pov", "+Oout.ppm", "+FP16", "File_Gamma=1", "Dither=off", "-A", "-J", "-D",
-                 f"+W{scene.width}", f"+H{scene.height}", "Work_Threads=1"],
-                cwd=folder, check=True, capture_output=True,
-            )
-            channels = picture(folder / "out.ppm")
+            channels = picture(path)
             for i in range(scene.width * scene.height):
                 if exposure == 0 or all(channel[i] < BRIGHTEST for channel in channels):
                     for channel, whole in zip(channels, result):

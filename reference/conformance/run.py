@@ -15,6 +15,7 @@ import importlib
 import json
 import sys
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import exr
@@ -42,6 +43,30 @@ def score(width, height, actual, expected):
     return worst, place
 
 
+def judged(case, renderer, options):
+    """The row of a case, and its pixels as lines."""
+    name = case["name"]
+    # The last digit of what it writes is not its mistake.
+    tolerance = (options.tolerance or case["tolerance"]) + getattr(renderer, "LAST_BIT", 0)
+    path = HERE / f"{name}.toml"
+    width, height, expected = exr.read(HERE / f"{name}.exr")
+    row = {"case": name, "tolerance": tolerance}
+    try:
+        # candela reads the file itself; all others get what it says in plain words.
+        scene = path if options.renderer == "candela" else described(tomllib.loads(path.read_text()), HERE)
+        peak = max(abs(number) for channel in "RGB" for number in expected[channel])
+        actual = renderer.render(scene, options.program, peak)
+    except Refused as reason:
+        return row | {"verdict": "not expressible", "reason": str(reason)}, []
+    worst, place = score(width, height, actual, expected)
+    row |= {"verdict": "pass" if worst <= tolerance else "FAIL", "error": worst, "pixel": place}
+    lines = []
+    for i in range(width * height):
+        rgb = ",".join(f"{actual[channel][i]:.8g}" for channel in "RGB")
+        lines.append(f"{name},{i % width},{i // width},{rgb}\n")
+    return row, lines
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--renderer", required=True, choices=RENDERERS)
@@ -49,6 +74,7 @@ def main():
     parser.add_argument("--tolerance", type=float, help="in place of each case's own")
     parser.add_argument("--json", metavar="FILE", help="also writes the scores")
     parser.add_argument("--values", metavar="FILE", help="also writes the pixels, as lines of case,x,y,R,G,B")
+    parser.add_argument("--jobs", type=int, default=1, help="cases at a time")
     parser.add_argument("case", nargs="*", help="some cases by name; all without")
     options = parser.parse_args()
     renderer = importlib.import_module(f"renderer_{options.renderer}")
@@ -56,34 +82,16 @@ def main():
     unknown = set(options.case) - {case["name"] for case in suite}
     if unknown:
         parser.error(f"no case is called {', '.join(sorted(unknown))}")
+    chosen = [case for case in suite if not options.case or case["name"] in options.case]
     rows, values = [], []
-    for case in suite:
-        name = case["name"]
-        if options.case and name not in options.case:
-            continue
-        # The last digit of what it writes is not its mistake.
-        tolerance = (options.tolerance or case["tolerance"]) + getattr(renderer, "LAST_BIT", 0)
-        path = HERE / f"{name}.toml"
-        width, height, expected = exr.read(HERE / f"{name}.exr")
-        row = {"case": name, "tolerance": tolerance}
-        try:
-            # candela reads the file itself; all others get what it says in plain words.
-            scene = path if options.renderer == "candela" else described(tomllib.loads(path.read_text()), HERE)
-            peak = max(abs(number) for channel in "RGB" for number in expected[channel])
-            actual = renderer.render(scene, options.program, peak)
-        except Refused as reason:
-            row |= {"verdict": "not expressible", "reason": str(reason)}
-        else:
-            worst, place = score(width, height, actual, expected)
-            row |= {"verdict": "pass" if worst <= tolerance else "FAIL", "error": worst, "pixel": place}
-            for i in range(width * height):
-                rgb = ",".join(f"{actual[channel][i]:.8g}" for channel in "RGB")
-                values.append(f"{name},{i % width},{i // width},{rgb}\n")
-        rows.append(row)
-        error = f"{row['error']:.1e}" if "error" in row else ""
-        place = f"at {row['pixel'][0]},{row['pixel'][1]}" if row.get("pixel") else ""
-        detail = row.get("reason") or place
-        print(f"{name:30} {error:>8} {tolerance:8.0e}  {row['verdict']:15} {detail}".rstrip(), flush=True)
+    with ThreadPoolExecutor(options.jobs) as pool:
+        for row, lines in pool.map(lambda case: judged(case, renderer, options), chosen):
+            rows.append(row)
+            values += lines
+            error = f"{row['error']:.1e}" if "error" in row else ""
+            place = f"at {row['pixel'][0]},{row['pixel'][1]}" if row.get("pixel") else ""
+            columns = f"{row['case']:30} {error:>8} {row['tolerance']:8.0e}  {row['verdict']:15}"
+            print(f"{columns} {row.get('reason') or place}".rstrip(), flush=True)
     count = lambda verdict: sum(row["verdict"] == verdict for row in rows)
     print(
         f"\n{options.renderer}: {count('pass')} pass, {count('FAIL')} fail, "
