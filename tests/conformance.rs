@@ -37,7 +37,7 @@ pub(crate) fn printed(output: &Output) -> String {
 }
 
 /// Name, formula and tolerance of each case.
-fn suite() -> Vec<(String, String, f64)> {
+pub(crate) fn suite() -> Vec<(String, String, f64)> {
     let list = fs::read_to_string(Path::new(FOLDER).join("suite.json")).unwrap();
     let list: Value = serde_json::from_str(&list).unwrap();
     let cases = list.as_array().unwrap().iter();

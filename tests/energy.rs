@@ -9,6 +9,9 @@ use candela::scene::{Camera, Image, Light, Material, Object, Scene};
 use crate::images::{film_of, pixel};
 use crate::measured::Measured;
 
+/// Relative error of the albedo of a lobe: of the midpoint rule, where the horizon cuts the lobe.
+pub(crate) const LOBES: f64 = 4.65e-4;
+
 /// Steps of the lobe's cosine and around its axis.
 const STEPS: [u32; 2] = [96, 192];
 
@@ -79,8 +82,6 @@ fn radiance(
 /// all send into this one, each weighted by its cosine.
 #[test]
 fn directional_albedos() {
-    /// The midpoint rule, where the horizon cuts a broad lobe.
-    const LOBES: f64 = 4.64e-4;
     let mut lobes = Measured::new("albedo of lobes", LOBES);
     let mut diffuse = Measured::rounding("albedo of diffuse reflectance");
     for degrees in DEGREES {

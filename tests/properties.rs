@@ -17,6 +17,7 @@ use candela::{Options, Scene, render};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
+use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 use crate::fuzz_scene;
@@ -279,6 +280,24 @@ impl Draft {
         }
         Ok(())
     }
+}
+
+/// The comparison can fail: of a picture that is a thousandth brighter, and of one that is not that scene's.
+#[test]
+fn a_wrong_picture_is_found() {
+    let mut runner = runner(1);
+    let mut found = 0;
+    for _ in 0..20 {
+        let draft = draft().new_tree(&mut runner).unwrap().current();
+        let is_lit = draft.film().pixels().iter().any(|pixel| pixel[1] > 0.0);
+        let mut darker = draft.clone();
+        darker.lights.pop();
+        if is_lit {
+            assert!(draft.assert_becomes(&draft, 1.001).is_err());
+            found += usize::from(draft.assert_becomes(&darker, 1.0).is_err());
+        }
+    }
+    assert!(found > 5, "{found}");
 }
 
 /// All lengths times s: every light is 1/s² as strong.
