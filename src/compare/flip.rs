@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 
 use rayon::prelude::*;
 
-use super::filter::Grid;
+use super::filter::Planes;
 use super::room;
 use crate::memory::OutOfMemory;
 
@@ -21,9 +21,8 @@ const COLOR_POWER: f32 = 0.7;
 const COLOR_PART: f32 = 0.4;
 const COLOR_TARGET: f32 = 0.95;
 
-/// w and q_f of the feature pipeline: the width of features in degrees, and a power.
+/// w of the feature pipeline: the width of features in degrees. Its power q_f is a half: a square root.
 const FEATURE_WIDTH: f32 = 0.082;
-const FEATURE_POWER: f32 = 0.5;
 
 /// a and b of the contrast sensitivities: of luminance, red-green, and both terms of blue-yellow.
 const SENSITIVITIES: [[f32; 2]; 4] = [[1.0, 0.0047], [1.0, 0.0053], [34.1, 0.04], [13.5, 0.025]];
@@ -56,55 +55,44 @@ pub(super) fn flip_of(
     shown: impl Fn([f32; 3]) -> [f32; 3] + Sync,
 ) -> Result<Vec<f32>, OutOfMemory> {
     assert!(width > 0 && reference.len() == image.len() && image.len().is_multiple_of(width));
-    let opponent = |pixels: &[[f32; 3]]| -> Result<Grid<3>, OutOfMemory> {
-        let mut opponent = room(pixels.len(), [0.0; 3])?;
-        let both = opponent.par_iter_mut().zip(pixels);
-        both.for_each(|(opponent, &rgb)| {
+    let opponent = |pixels: &[[f32; 3]]| -> Result<Planes<3>, OutOfMemory> {
+        let mut opponent = Planes::new(width, pixels.len())?;
+        let [ys, cxs, czs] = &mut opponent.planes;
+        let channels = ys.par_iter_mut().zip(cxs).zip(czs).zip(pixels);
+        channels.for_each(|(((y, cx), cz), &rgb)| {
             let light = shown(rgb).map(|channel| channel.clamp(0.0, 1.0));
-            *opponent = opponent_color(xyz(light));
+            [*y, *cx, *cz] = opponent_color(xyz(light));
         });
-        Ok(Grid {
-            width,
-            pixels: opponent,
-        })
+        Ok(opponent)
     };
     let both = [opponent(reference)?, opponent(image)?];
     let mut errors = room(image.len(), 0.0_f32)?;
     color_differences(&both, &mut errors)?;
-    feature_differences(&both, &mut errors)?;
+    feature_differences(both, &mut errors)?;
     Ok(errors)
 }
 
 /// The color pipeline: what is left of colors at the viewer's distance, and how far they are apart.
-fn color_differences(both: &[Grid<3>; 2], errors: &mut [f32]) -> Result<(), OutOfMemory> {
-    let filter = spatial_filter();
+fn color_differences(both: &[Planes<3>; 2], errors: &mut [f32]) -> Result<(), OutOfMemory> {
+    let [of_y, of_cx, of_cz1, of_cz2] = &spatial_filter();
     // Luminance, red-green, and blue-yellow twice.
-    let rows = |grid: &Grid<3>| {
-        grid.along_rows(&filter, |sums: &mut [f32; 4], weights, [y, cx, cz]| {
-            let values = [y, cx, cz, cz];
-            for ((sum, weight), value) in sums.iter_mut().zip(weights).zip(values) {
-                *sum += weight * value;
-            }
-        })
-    };
+    let rows =
+        |image: &Planes<3>| image.along_rows([(0, of_y), (1, of_cx), (2, of_cz1), (2, of_cz2)]);
     let both = [rows(&both[0])?, rows(&both[1])?];
     let most = largest_distance();
     let knee = COLOR_PART * most;
     let width = both[0].width;
     let lines = errors.par_chunks_mut(width).enumerate();
     lines.for_each_init(
-        || [vec![[0.0; 4]; width], vec![[0.0; 4]; width]],
-        |columns, (line, errors)| {
-            for (grid, columns) in both.iter().zip(&mut *columns) {
-                grid.along_columns(line, &filter, columns, |sums, weights, values| {
-                    for ((sum, weight), value) in sums.iter_mut().zip(weights).zip(values) {
-                        *sum += weight * value;
-                    }
-                });
+        || [(); 2].map(|()| [(); 4].map(|()| vec![0.0; width])),
+        |sums, (line, errors)| {
+            for (image, sums) in both.iter().zip(&mut *sums) {
+                let filters = [(0, &**of_y), (1, &**of_cx), (2, &**of_cz1), (3, &**of_cz2)];
+                image.along_columns(line, filters, sums);
             }
-            let [reference, image] = columns;
-            for ((error, &r), &i) in errors.iter_mut().zip(&*reference).zip(&*image) {
-                let [r, i] = [r, i].map(|[y, cx, cz1, cz2]| {
+            for (x, error) in errors.iter_mut().enumerate() {
+                let [r, i] = [0, 1].map(|image: usize| {
+                    let [y, cx, cz1, cz2] = [0, 1, 2, 3].map(|plane: usize| sums[image][plane][x]);
                     let rgb = rgb(xyz_of_opponent([y, cx, cz1 + cz2]));
                     hunt(lab(xyz(rgb.map(|channel| channel.clamp(0.0, 1.0)))))
                 });
@@ -121,43 +109,32 @@ fn color_differences(both: &[Grid<3>; 2], errors: &mut [f32]) -> Result<(), OutO
 }
 
 /// The feature pipeline: edges and points that only one picture has make the difference of colors larger.
-fn feature_differences(both: &[Grid<3>; 2], errors: &mut [f32]) -> Result<(), OutOfMemory> {
-    let filter = feature_filter();
+fn feature_differences(mut both: [Planes<3>; 2], errors: &mut [f32]) -> Result<(), OutOfMemory> {
+    let [blur, rise, bend] = &feature_filter();
     // First and second derivative along the row, and blurred.
-    let rows = |grid: &Grid<3>| {
-        grid.along_rows(&filter, |sums: &mut [f32; 3], [g, d, dd], [y, _, _]| {
-            let gray = y * (1.0 / 116.0) + 16.0 / 116.0;
-            sums[0] += d * gray;
-            sums[1] += dd * gray;
-            sums[2] += g * gray;
-        })
+    let rows = |image: &mut Planes<3>| {
+        let gray = image.planes[0].par_iter_mut();
+        gray.for_each(|y| *y = *y * (1.0 / 116.0) + 16.0 / 116.0);
+        image.along_rows([(0, rise), (0, bend), (0, blur)])
     };
-    let both = [rows(&both[0])?, rows(&both[1])?];
+    let [reference, image] = &mut both;
+    let both = [rows(reference)?, rows(image)?];
     let width = both[0].width;
     let lines = errors.par_chunks_mut(width).enumerate();
     lines.for_each_init(
-        || [vec![[0.0; 4]; width], vec![[0.0; 4]; width]],
-        |columns, (line, errors)| {
-            for (grid, columns) in both.iter().zip(&mut *columns) {
-                grid.along_columns(
-                    line,
-                    &filter,
-                    columns,
-                    |sums, [g, d, dd], [dx, ddx, gray]| {
-                        sums[0] += g * dx;
-                        sums[1] += g * ddx;
-                        sums[2] += d * gray;
-                        sums[3] += dd * gray;
-                    },
-                );
+        || [(); 2].map(|()| [(); 4].map(|()| vec![0.0; width])),
+        |sums, (line, errors)| {
+            for (image, sums) in both.iter().zip(&mut *sums) {
+                let filters = [(0, &**blur), (1, &**blur), (2, &**rise), (2, &**bend)];
+                image.along_columns(line, filters, sums);
             }
-            let [reference, image] = columns;
-            for ((error, &r), &i) in errors.iter_mut().zip(&*reference).zip(&*image) {
-                let [[edge_r, point_r], [edge_i, point_i]] = [r, i].map(|[dx, ddx, dy, ddy]| {
+            for (x, error) in errors.iter_mut().enumerate() {
+                let [[edge_r, point_r], [edge_i, point_i]] = [0, 1].map(|image: usize| {
+                    let [dx, ddx, dy, ddy] = [0, 1, 2, 3].map(|plane: usize| sums[image][plane][x]);
                     [(dx * dx + dy * dy).sqrt(), (ddx * ddx + ddy * ddy).sqrt()]
                 });
                 let largest = (edge_r - edge_i).abs().max((point_r - point_i).abs());
-                let feature = libm::powf((1.0 / 2.0_f32.sqrt()) * largest, FEATURE_POWER);
+                let feature = (largest * std::f32::consts::FRAC_1_SQRT_2).sqrt();
                 *error = libm::powf(*error, 1.0 - feature);
             }
         },
@@ -167,7 +144,7 @@ fn feature_differences(both: &[Grid<3>; 2], errors: &mut [f32]) -> Result<(), Ou
 
 /// The eye's contrast sensitivities as filters along a line, their sums 1; that of blue-yellow is the sum of two
 /// products.
-fn spatial_filter() -> Vec<[f32; 4]> {
+fn spatial_filter() -> [Vec<f32>; 4] {
     let widest = SENSITIVITIES
         .iter()
         .fold(0.0, |most: f32, [_, b]| most.max(*b));
@@ -184,22 +161,18 @@ fn spatial_filter() -> Vec<[f32; 4]> {
             scale(cz2).sqrt() * gaussian(cz2),
         ]
     });
-    let mut taps: Vec<[f32; 4]> = taps.collect();
+    let taps: Vec<[f32; 4]> = taps.collect();
     let sums = taps.iter().fold([0.0; 4], |sums: [f32; 4], tap| {
         std::array::from_fn(|i| sums[i] + tap[i])
     });
     let of_blue = (sums[2] * sums[2] + sums[3] * sums[3]).sqrt();
-    for tap in &mut taps {
-        for (weight, sum) in tap.iter_mut().zip([sums[0], sums[1], of_blue, of_blue]) {
-            *weight *= 1.0 / sum;
-        }
-    }
-    taps
+    let factors = [sums[0], sums[1], of_blue, of_blue].map(|sum| 1.0 / sum);
+    std::array::from_fn(|i| taps.iter().map(|tap| tap[i] * factors[i]).collect())
 }
 
 /// A Gaussian, its first and its second derivative along a line; the sum of the first is 1, those of the positive and
 /// of the negative weights of the others are 1 and −1.
-fn feature_filter() -> Vec<[f32; 3]> {
+fn feature_filter() -> [Vec<f32>; 3] {
     let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
     let radius = (3.0 * deviation).ceil() as i32;
     let taps = (-radius..=radius).map(|x| {
@@ -207,7 +180,7 @@ fn feature_filter() -> Vec<[f32; 3]> {
         let g = libm::expf(-(x * x) / (2.0 * deviation * deviation));
         [g, -x * g, (x * x / (deviation * deviation) - 1.0) * g]
     });
-    let mut taps: Vec<[f32; 3]> = taps.collect();
+    let taps: Vec<[f32; 3]> = taps.collect();
     let sum = |part: &dyn Fn(&[f32; 3]) -> f32| taps.iter().map(part).sum::<f32>();
     let blur = sum(&|tap| tap[0]);
     let [rise, bend] = [1, 2].map(|i| {
@@ -215,12 +188,14 @@ fn feature_filter() -> Vec<[f32; 3]> {
         let negative = sum(&|tap| (-tap[i]).max(0.0));
         [positive, negative]
     });
-    for [g, d, dd] in &mut taps {
-        *g /= blur;
-        *d /= if *d > 0.0 { rise[0] } else { rise[1] };
-        *dd /= if *dd > 0.0 { bend[0] } else { bend[1] };
-    }
-    taps
+    let signed = |value: f32, [positive, negative]: [f32; 2]| {
+        value / if value > 0.0 { positive } else { negative }
+    };
+    [
+        taps.iter().map(|tap| tap[0] / blur).collect(),
+        taps.iter().map(|tap| signed(tap[1], rise)).collect(),
+        taps.iter().map(|tap| signed(tap[2], bend)).collect(),
+    ]
 }
 
 /// Linear Rec.709 to XYZ, by fractions of whole numbers.
@@ -316,14 +291,13 @@ mod tests {
 
     #[test]
     fn filters_are_normalized() {
-        let sum = |i: usize| spatial_filter().iter().map(|tap| tap[i]).sum::<f32>();
-        assert!((sum(0) - 1.0).abs() < 1e-6 && (sum(1) - 1.0).abs() < 1e-6);
-        assert!((sum(2).powi(2) + sum(3).powi(2) - 1.0).abs() < 1e-6);
-        assert_eq!(spatial_filter().len(), 21);
-        let features = feature_filter();
-        assert!((features.iter().map(|tap| tap[0]).sum::<f32>() - 1.0).abs() < 1e-6);
-        for i in [1, 2] {
-            assert!(features.iter().map(|tap| tap[i]).sum::<f32>().abs() < 1e-6);
-        }
+        let sum = |filter: &[f32]| filter.iter().sum::<f32>();
+        let [y, cx, cz1, cz2] = &spatial_filter();
+        assert!((sum(y) - 1.0).abs() < 1e-6 && (sum(cx) - 1.0).abs() < 1e-6);
+        assert!((sum(cz1).powi(2) + sum(cz2).powi(2) - 1.0).abs() < 1e-6);
+        assert_eq!(y.len(), 21);
+        let [blur, rise, bend] = &feature_filter();
+        assert!((sum(blur) - 1.0).abs() < 1e-6);
+        assert!(sum(rise).abs() < 1e-6 && sum(bend).abs() < 1e-6);
     }
 }

@@ -128,3 +128,89 @@ impl<'s> Edges<'s> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pixels of 1 m. A screen ends at x = −0.5, the middle of column 1. `key` throws its edge onto the wall at
+    /// x = 0.5, the middle of column 2. `side` grazes the ball in the middle of pixel 3, 1. The cone of `spot` ends
+    /// on the wall in the middle of pixel 3, 3.
+    const SCENE: &str = r#"
+        [image]
+        resolution = [4, 4]
+
+        [camera.orthographic]
+        eye = [0, 0, 5]
+        look_at = [0, 0, 0]
+        height = 4
+
+        [materials.chalk.phong]
+        diffuse = 0.3
+
+        [lights.key.point]
+        position = [-1.5, 0, 2]
+        intensity = 10
+
+        [lights.side.point]
+        position = [5, 0.5, 1]
+        intensity = 10
+
+        [lights.spot.spot]
+        position = [1.5, -2.5, -1]
+        direction = [0, 0, -1]
+        intensity = 10
+        inner = 45
+        outer = 45
+
+        [objects.screen.triangle]
+        material = "chalk"
+        vertices = [[-0.5, -10, 0], [-0.5, 10, 0], [-10, 0, 0]]
+
+        [objects.ball.sphere]
+        material = "chalk"
+        center = [1.5, 0.5, 0]
+        radius = 1
+
+        [objects.wall.plane]
+        material = "chalk"
+        point = [0, 0, -2]
+        normal = [0, 0, 1]
+    "#;
+
+    #[test]
+    fn edges_have_names() {
+        let scene = Scene::parse(SCENE, "edges.toml").unwrap_or_else(|error| panic!("{error}"));
+        let oracle = Oracle::new(&scene);
+        let edges = Edges::new(&scene, &oracle, 1e-9);
+        let text = |name: &str| name.to_owned();
+        let of = |pixel: [u32; 2], [dx, dy]: [f64; 2]| {
+            let [x, y] = pixel.map(|coordinate| f64::from(coordinate) + 0.5);
+            let sides = [-1e-6, 1e-6].map(|side| [x + side * dx, y + side * dy]);
+            let is_other = |[a, b]: &[f64; 2]| oracle.decisions(*a, *b) != oracle.decisions(x, y);
+            let [x, y] = sides.into_iter().find(is_other)?;
+            // As if the renderer had that side.
+            let there = oracle.radiance(x, y);
+            let [r, g, b] = there.radiance.map(|channel| channel as f32);
+            edges.of(pixel, [r, g, b, there.coverage as f32])
+        };
+        let silhouette = of([1, 3], [1.0, 0.0]);
+        let Some(Edge::Silhouette { between }) = silhouette else {
+            panic!("{silhouette:?}");
+        };
+        let mut between = between.map(Option::unwrap_or_default);
+        between.sort();
+        assert_eq!(between, ["screen", "wall"]);
+        let light = text("key");
+        let occluder = Some(text("screen"));
+        let shadow = Edge::Shadow { light, occluder };
+        assert_eq!(of([2, 3], [1.0, 0.0]), Some(shadow));
+        let light = text("side");
+        assert_eq!(of([3, 1], [1.0, 0.0]), Some(Edge::Terminator { light }));
+        let light = text("spot");
+        assert_eq!(of([3, 3], [0.0, 1.0]), Some(Edge::Cone { light }));
+        // Neither side shows that, and elsewhere there is no edge.
+        assert_eq!(edges.of([2, 3], [7.0, 7.0, 7.0, 1.0]), None);
+        assert_eq!(of([0, 0], [1.0, 1.0]), None);
+    }
+}
