@@ -1,5 +1,6 @@
 //! `candela diff`: how far an EXR is from another, layer by layer, with limits.
 
+mod figures;
 mod layers;
 mod limits;
 mod picture;
@@ -17,10 +18,11 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 use super::Failure;
 use super::failure::Beyond;
 use super::source::is_standard_input;
+use figures::{LayerReport, mean};
 use layers::{Common, Layer};
 use limits::Limits;
 pub(super) use limits::limit;
-use report::{LayerReport, Report};
+use report::Report;
 
 /// Samples of channels that are in memory at a time, where a layer has no more.
 const TOGETHER: u64 = 1 << 27;
@@ -212,7 +214,7 @@ fn compared(
             let (reference, image) = (pixels(&reference)?, pixels(&image)?);
             let ldr = compare::ldr_flip(width, &reference, &image)?;
             let hdr = compare::hdr_flip(width, &reference, &image)?;
-            Some((report::mean(&ldr), hdr.as_deref().map(report::mean)))
+            Some((mean(&ldr), hdr.as_deref().map(mean)))
         }
     };
     Ok((LayerReport::new(layer, metrics, flips), errors))
@@ -275,9 +277,7 @@ fn difference_path() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(|path| {
         let path = PathBuf::from(path);
         super::advice::no_frames(&path)?;
-        let extension = path
-            .extension()
-            .map(|extension| extension.to_ascii_lowercase());
+        let extension = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
         match extension {
             Some(extension) if extension == "exr" || extension == "png" => Ok(path),
             Some(_) | None => Err(format!(

@@ -29,7 +29,7 @@ const SENSITIVITIES: [[f32; 2]; 4] = [[1.0, 0.0047], [1.0, 0.0053], [34.1, 0.04]
 
 /// XYZ of the screen's white, and its reciprocal.
 const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
-const PER_WHITE: [f32; 3] = [1.052_156_9, 1.0, 0.918_357_67];
+const PER_WHITE: [f32; 3] = [1.052_156_9, 1.0, 0.918_357_7];
 
 /// ꟻLIP of two pictures in linear Rec.709, 1 the screen's white; what is beyond 0 to 1 clips. Row by row, from 0,
 /// no difference to be seen, to 1.

@@ -28,10 +28,10 @@ pub struct Pair<'p> {
 /// A value of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Place {
-    /// Column in the data window, from its left.
-    pub x: usize,
-    /// Row in the data window, from its top.
-    pub y: usize,
+    /// Column, from the left of the pair.
+    pub x: i64,
+    /// Row, from its top.
+    pub y: i64,
     /// The channel's place in the layer.
     #[serde(skip)]
     pub channel: usize,
@@ -205,8 +205,8 @@ impl Pair<'_> {
 
     fn place(&self, index: usize, channel: usize) -> Place {
         Place {
-            x: index % self.width,
-            y: index / self.width,
+            x: (index % self.width) as i64,
+            y: (index / self.width) as i64,
             channel,
         }
     }

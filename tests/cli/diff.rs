@@ -73,7 +73,17 @@ fn figures_are_those_of_idiff() {
         .iter()
         .map(|layer| layer["name"].as_str().unwrap())
         .collect();
-    assert_eq!(names, ["RGB", "N", "Z", "light_fill", "light_key"]);
+    assert_eq!(
+        names,
+        [
+            "RGB",
+            "N",
+            "Z",
+            "light_background",
+            "light_fill",
+            "light_key"
+        ]
+    );
     for (name, channels) in [
         ("RGB", "R,G,B,A"),
         ("N", "N.X,N.Y,N.Z"),
@@ -118,7 +128,7 @@ fn the_difference_is_that_of_oiiotool() {
     assert!(idiff_agrees(&path("ours.exr"), &path("theirs.exr")));
     let decoded = decode(&path("ours.exr"));
     assert_eq!(decoded.data_window, [0, 0, 60, 40]);
-    assert_eq!(decoded.channels.len(), 14);
+    assert_eq!(decoded.channels.len(), 17);
     // A crop's difference stands where the crop does.
     for (name, samples) in [("c", 1), ("d", 4)] {
         let arguments =
@@ -129,6 +139,13 @@ fn the_difference_is_that_of_oiiotool() {
     let decoded = decode(&path("crop.exr"));
     assert_eq!(decoded.data_window, [7, 5, 34, 25]);
     assert_eq!(decoded.display_window, [0, 0, 60, 40]);
+    // And the places of the largest errors are those in the whole.
+    let report = json(folder.path(), "c.exr d.exr");
+    let rgb = layer(&report, "RGB");
+    assert_eq!(rgb["window"], serde_json::json!([7, 5, 34, 25]));
+    let theirs = idiff(folder.path(), "c.exr", "d.exr");
+    let place = format!("{}, {}, ", rgb["max_at"]["x"], rgb["max_at"]["y"]);
+    assert!(theirs.max_at.starts_with(&place), "{place} {theirs:?}");
 }
 
 /// The authors' own program, on the same numbers; its means are summed up here, since it adds in f32.
@@ -194,7 +211,7 @@ fn the_same_image_is_the_same() {
     let folder = rendered();
     let none = "--max-error 0 --max-relative 0 --max-flips 0 --max-rmse 0 --max-flip 0 --max-hdr-flip 0 --min-psnr 1000";
     let told = succeeds(folder.path(), &format!("diff a.exr a.exr {none} -o a.png"));
-    assert_eq!(told.matches("the same to the bit").count(), 5, "{told}");
+    assert_eq!(told.matches("    the same\n").count(), 6, "{told}");
     let mut png = png::Decoder::new(std::io::BufReader::new(
         fs::File::open(folder.path().join("a.png")).unwrap(),
     ))
@@ -237,7 +254,7 @@ fn limits_decide_the_exit_code() {
         let (report, message) = is_beyond(folder.path(), &beyond);
         assert!(report.contains("RMSE"), "{report}");
         assert!(
-            message.contains(&format!("above the limit in layer RGB: ")),
+            message.contains("above the limit in layer RGB: "),
             "{message}"
         );
         assert!(message.contains(option), "{message}");
@@ -342,7 +359,7 @@ fn what_cannot_be_compared() {
         ("plain.exr wide.exr", "are of different spaces"),
         (
             "a.exr plain.exr",
-            "only a.exr has the layers N, Z, light_fill, light_key; choose among what both have with --layers RGB",
+            "only a.exr has the layers N, Z, light_background, light_fill, light_key; choose among what both have with --layers RGB",
         ),
         ("plain.exr a.exr", "only a.exr has the layers"),
         (

@@ -5,7 +5,7 @@ use std::fmt;
 use candela::internal::printable;
 use serde::Serialize;
 
-use super::report::LayerReport;
+use super::figures::LayerReport;
 use crate::cli::Failure;
 use crate::cli::numbers::number;
 

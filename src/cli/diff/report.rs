@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use candela::compare::Metrics;
+use candela::compare::Place;
 use candela::internal::{counted, printable, printable_path};
 use serde::Serialize;
 
-use super::layers::Layer;
+use super::figures::LayerReport;
 use super::limits::BeyondLimit;
 use crate::cli::numbers::number;
 
@@ -25,40 +25,7 @@ pub(super) struct Report<'r> {
     pub(super) beyond: &'r [BeyondLimit],
 }
 
-/// What was found of a layer.
-#[derive(Serialize)]
-pub(super) struct LayerReport {
-    pub(super) name: String,
-    channels: Vec<String>,
-    /// The data window's left column, top row, width and height, from the display window's top left.
-    window: [i64; 4],
-    /// The channel of the largest error.
-    max_in: Option<String>,
-    #[serde(flatten)]
-    pub(super) metrics: Metrics,
-    /// The mean of ꟻLIP, where the layer has colors.
-    pub(super) flip: Option<f64>,
-    /// The mean of HDR-ꟻLIP, where there is one.
-    pub(super) hdr_flip: Option<f64>,
-}
-
 impl LayerReport {
-    pub(super) fn new(layer: &Layer, metrics: Metrics, flips: Option<(f64, Option<f64>)>) -> Self {
-        let [x, y] = layer.window.corner;
-        let [width, height] = layer.window.size.map(i64::from);
-        Self {
-            name: layer.name.clone(),
-            channels: layer.names().map(str::to_owned).collect(),
-            window: [x, y, width, height],
-            max_in: metrics
-                .max_at
-                .map(|at| layer.short_name(at.channel).to_owned()),
-            metrics,
-            flip: flips.map(|(flip, _)| flip),
-            hdr_flip: flips.and_then(|(_, hdr)| hdr),
-        }
-    }
-
     fn write(&self, tolerance: f64, output: &mut impl Write) -> io::Result<()> {
         let metrics = &self.metrics;
         let shown: Vec<String> = self
@@ -86,12 +53,9 @@ impl LayerReport {
             )?;
         }
         let Some(at) = metrics.max_at else {
-            return writeln!(
-                output,
-                "    the same to the bit, but for the sign of 0 and the kind of NaN"
-            );
+            return writeln!(output, "    the same");
         };
-        let [x, y] = self.place(at.x, at.y);
+        let Place { x, y, .. } = at;
         let channel = self.max_in.as_deref().unwrap_or_default();
         writeln!(
             output,
@@ -106,10 +70,9 @@ impl LayerReport {
             number(metrics.rmse),
             number(metrics.psnr)
         )?;
-        let place = metrics.relative_max_at.map_or_else(String::new, |at| {
-            let [x, y] = self.place(at.x, at.y);
-            format!(" at {x},{y}")
-        });
+        let place = metrics
+            .relative_max_at
+            .map_or_else(String::new, |at| format!(" at {},{}", at.x, at.y));
         writeln!(
             output,
             "    relative      max {}{place}, 99.9 % of the pixels up to {}, relMSE {}",
@@ -132,11 +95,6 @@ impl LayerReport {
             writeln!(output, "    FLIP          {flip:.6} as sRGB, {hdr}")?;
         }
         Ok(())
-    }
-
-    /// Column and row from the display window's top left.
-    fn place(&self, x: usize, y: usize) -> [i64; 2] {
-        [self.window[0] + x as i64, self.window[1] + y as i64]
     }
 }
 
@@ -168,9 +126,4 @@ impl Report<'_> {
         }
         Ok(())
     }
-}
-
-/// The mean, summed up in f64.
-pub(super) fn mean(values: &[f32]) -> f64 {
-    values.iter().copied().map(f64::from).sum::<f64>() / values.len() as f64
 }
