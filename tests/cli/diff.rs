@@ -108,6 +108,10 @@ fn figures_are_those_of_idiff() {
                 "{name} {key}: {ours} {theirs}"
             );
         }
+        // idiff subtracts in f32, where all depths are the same beside that of the background.
+        if name == "Z" {
+            continue;
+        }
         let at = &ours["max_at"];
         let place = format!("{}, {}, ", at["x"], at["y"]);
         assert!(
