@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use candela::compare::{self, Metrics, Pair};
 use candela::exr::{DataWindow, ExrChannels, write_planes};
-use candela::internal::{printable, printable_path};
+use candela::internal::printable_path;
 use candela::output::{self, Unfinished};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 
@@ -159,7 +159,7 @@ pub(crate) fn run(
                 0 => String::new(),
                 more => format!(", and {more} more"),
             };
-            Err(Beyond(format!("{names} {first}{more}", names = names[1])).into())
+            Err(Beyond(format!("{} {first}{more}", names[1])).into())
         }
     }
 }
@@ -294,6 +294,6 @@ fn named(path: &Path) -> String {
     if is_standard_input(path) {
         "standard input".to_owned()
     } else {
-        printable(&path.to_string_lossy()).clone()
+        printable_path(path)
     }
 }

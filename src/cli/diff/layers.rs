@@ -308,10 +308,7 @@ fn size(window: DataWindow) -> String {
 }
 
 fn listed(names: &[&str]) -> String {
-    let shown = names
-        .iter()
-        .take(LISTED)
-        .map(|name| printable(name).to_string());
+    let shown = names.iter().take(LISTED).map(|name| printable(name));
     let mut list = shown.collect::<Vec<_>>().join(", ");
     if names.len() > LISTED {
         list += &format!(" and {} more", names.len() - LISTED);

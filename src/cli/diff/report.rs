@@ -32,7 +32,7 @@ impl LayerReport {
             .channels
             .iter()
             .take(8)
-            .map(|name| printable(name).to_string())
+            .map(|name| printable(name))
             .collect();
         let more = if self.channels.len() > shown.len() {
             ", …"
