@@ -4,7 +4,7 @@
 //! | --- | --- | --- |
 //! | absolute | mean \|I − R\|, √mean (I − R)², 20 log₁₀(peak / RMSE), max \|I − R\| | [`Metrics`], as OpenImageIO's `idiff` |
 //! | relative | mean (I − R)² / (R² + ε), percentiles of \|I − R\| / max(\|R\|, floor) | [`Metrics`] |
-//! | perceived | ꟻLIP, of a picture on a screen and of all exposures | [`ldr_flip`], [`hdr_flip`] |
+//! | perceived | ꟻLIP, of a picture on a screen and of all exposures | [`ldr_flip`], [`hdr_flip()`] |
 //! | | a picture of the relative error | [`FalseColor`] |
 //!
 //! I is the image and R the reference. Sums have one order: the numbers are the same for any number of threads.
