@@ -77,13 +77,17 @@ impl Segment {
         )
     }
 
-    /// The side on which p_L is, from its distance to a surface along the `normal` there, that is made of
-    /// coordinates of these `sizes`.
-    fn side_of_light(&self, distance: Wide, normal: Vector, sizes: Vector) -> Side {
-        let light = narrowed(add(self.to, self.reference)).map(f64::abs);
-        let across: f64 = (0..3)
-            .map(|axis| normal[axis].abs() * (light[axis] + sizes[axis]))
-            .sum();
+    /// A point's coordinates, as written or relative to the eye, whichever is smaller.
+    fn sizes(&self, point: WideVector) -> Vector {
+        let written = narrowed(add(point, self.reference));
+        let relative = narrowed(point);
+        [0, 1, 2].map(|axis| written[axis].abs().min(relative[axis].abs()))
+    }
+
+    /// The side on which p_L is, from its distance to a surface along the `normal` there, whose own coordinates
+    /// are of this size across it.
+    fn side_of_light(&self, distance: Wide, normal: Vector, size: f64) -> Side {
+        let across = size_across(normal, self.sizes(self.to)) + size;
         side(distance.narrow(), ROUNDING_OF_LIGHT * f64::EPSILON * across)
     }
 
@@ -95,24 +99,29 @@ impl Segment {
         magnitude: f64,
     ) -> (Side, Side) {
         let distance = |end| dot(normal, subtract(end, point));
-        let sizes = narrowed(add(point, self.reference)).map(f64::abs);
+        let (size, across) = (self.sizes(point), narrowed(normal));
+        let far = dot(normal, point).narrow().abs();
+        let size = size_across(across, size).min(far);
         (
             self.side_of_point(distance(self.from), magnitude),
-            self.side_of_light(distance(self.to), narrowed(normal), sizes),
+            self.side_of_light(distance(self.to), across, size),
         )
     }
 
     /// The sides of a sphere on which p and p_L are.
     fn sides_of_sphere(&self, center: WideVector, radius: Wide, magnitude: f64) -> (Side, Side) {
         let distance = |end| length(subtract(end, center)) - radius;
-        let written = narrowed(add(center, self.reference)).map(f64::abs);
-        let sizes = written.map(|size| size + radius.narrow());
         let outwards = unit(subtract(self.to, center)).map_or([0.0; 3], narrowed);
         (
             self.side_of_point(distance(self.from), magnitude),
-            self.side_of_light(distance(self.to), outwards, sizes),
+            self.side_of_light(distance(self.to), outwards, magnitude),
         )
     }
+}
+
+/// The size of coordinates across a surface.
+fn size_across(normal: Vector, sizes: Vector) -> f64 {
+    (0..3).map(|axis| normal[axis].abs() * sizes[axis]).sum()
 }
 
 /// The side that a distance means, if it is larger than `rounding`.

@@ -34,7 +34,7 @@ const FLOOR: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq)]
 enum Verdict {
     Rendered(Score),
-    /// The error's first line.
+    /// The error.
     Refused(String),
 }
 
@@ -65,11 +65,7 @@ fn is_edge(oracle: &Oracle, [x, y]: [f64; 2]) -> bool {
 fn judge(case: &Case) -> Verdict {
     let (world, camera) = match World::new(&case.scene) {
         Ok(made) => made,
-        Err(error) => {
-            let text = error.to_string();
-            let first = text.lines().next().unwrap_or_default();
-            return Verdict::Refused(first.to_owned());
-        }
+        Err(error) => return Verdict::Refused(error.to_string()),
     };
     let options = Options {
         samples: 1,
@@ -131,7 +127,8 @@ fn judge(case: &Case) -> Verdict {
 
 /// A figure with one digit, rounded up.
 fn one_digit(figure: f64) -> String {
-    if figure == 0.0 {
+    // What is that small is far below the last bit, or of a value below the least normal f32.
+    if figure < 1e-12 {
         return "0".to_owned();
     }
     let power = figure.log10().floor();
@@ -152,7 +149,10 @@ fn row(case: &Case, verdict: &Verdict) -> String {
             score.off_edges,
             score.not_finite
         ),
-        Verdict::Refused(why) => format!("| {} | refused: {why} | | | | |", case.name),
+        Verdict::Refused(why) => {
+            let why = case.refusal.unwrap_or(why);
+            format!("| {} | refused: {why} | | | | |", case.name)
+        }
     }
 }
 
