@@ -48,7 +48,7 @@
 //! | [`exr`] | images to OpenEXR and back |
 //! | [`mod@render`] | tiles, their samples, the box filter, and where finished tiles go |
 //! | [`display`] | EXR to PNG: exposure, view, sRGB |
-//! | [`oracle`] | the equations in f64 by brute force, from the scene as written: the truth for tests and `candela probe`; it shares nothing else with the renderer but the CIE's tables |
+//! | [`oracle`] | the equations by brute force, places in twice f64's length, from the scene as written: the truth for tests and `candela probe`; it shares nothing else with the renderer but the CIE's tables |
 //!
 //! The command line is a program on top of these.
 //!

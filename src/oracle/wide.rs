@@ -57,7 +57,11 @@ fn ordered_sum(a: f64, b: f64) -> Wide {
     let high = a + b;
     Wide {
         high,
-        low: if high.is_finite() { b - (high - a) } else { 0.0 },
+        low: if high.is_finite() {
+            b - (high - a)
+        } else {
+            0.0
+        },
     }
 }
 

@@ -135,7 +135,9 @@ impl Visibility<'_> {
                 let start = vector(starts.position, slot);
                 let primitive = points.primitive[slot];
                 let segment = segments.count;
-                segments.start.set(segment, start, starts.error[slot], primitive);
+                segments
+                    .start
+                    .set(segment, start, starts.error[slot], primitive);
                 segments.end.set(segment, light.0, 0.0, u64::MAX);
                 slots[segment] = slot;
                 segments.count += 1;

@@ -207,14 +207,21 @@ fn hard_cases() {
         .collect();
     let page = std::fs::read_to_string(PAGE).unwrap();
     let begin = page.find(BEGIN).expect("the page has the table");
-    let end = begin + page[begin..].find(END).map_or(page.len() - begin, |end| end + 1);
+    let end = begin
+        + page[begin..]
+            .find(END)
+            .map_or(page.len() - begin, |end| end + 1);
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(PAGE, format!("{}{table}{}", &page[..begin], &page[end..])).unwrap();
     }
     assert!(objections.is_empty(), "{}", objections.join("\n"));
     if std::env::var_os("BLESS").is_none() {
         let stated_rows: Vec<&str> = page[begin..end].lines().skip(2).collect();
-        assert_eq!(stated_rows.len(), cases.len(), "BLESS=1 writes the table anew");
+        assert_eq!(
+            stated_rows.len(),
+            cases.len(),
+            "BLESS=1 writes the table anew"
+        );
         for ((case, verdict), stated_row) in cases.iter().zip(&verdicts).zip(stated_rows) {
             let found = row(case, verdict);
             let is_right = match verdict {
@@ -224,6 +231,14 @@ fn hard_cases() {
             assert!(is_right, "{PAGE} says\n{stated_row}\nfound is\n{found}");
         }
     }
+}
+
+/// The ranges that errors name are those that the pages state.
+#[test]
+fn ranges_are_stated() {
+    let limits = std::fs::read_to_string("docs/limits.md").unwrap();
+    assert!(limits.contains("at most 1e10 times as much as the `eye` is away"));
+    assert!(limits.contains("at least 1e-11 of the way from `look_at` to the light"));
 }
 
 /// In the long sweep.

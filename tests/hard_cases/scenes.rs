@@ -103,7 +103,10 @@ impl Text {
     }
 
     fn sphere(self, center: Vector, radius: f64) -> Self {
-        self.object("sphere", &format!("center = {center:?}\nradius = {radius:?}"))
+        self.object(
+            "sphere",
+            &format!("center = {center:?}\nradius = {radius:?}"),
+        )
     }
 
     fn plane(self, point: Vector, normal: Vector) -> Self {
@@ -162,7 +165,10 @@ impl Text {
         let name = name.into();
         let path = folder.join("scene.toml");
         std::fs::write(&path, self.text()).unwrap();
-        Case::of(name, Scene::load(&path).unwrap_or_else(|error| panic!("{error}")))
+        Case::of(
+            name,
+            Scene::load(&path).unwrap_or_else(|error| panic!("{error}")),
+        )
     }
 }
 
@@ -194,7 +200,9 @@ fn sizes() -> Vec<Case> {
             .sphere([0.0, 0.5 * s, 0.0], 0.5 * s)
             .floor()
             .triangle([[s, 0.0, 0.0], [1.5 * s, s, 0.0], [2.0 * s, 0.0, -0.5 * s]])
-            .case(format!("a ball, a floor and a triangle, 1e{power} times as large"))
+            .case(format!(
+                "a ball, a floor and a triangle, 1e{power} times as large"
+            ))
     };
     powers.map(case).into()
 }
@@ -351,12 +359,26 @@ fn lights() -> Vec<Case> {
             .floor()
             .case(name)
     };
-    let above = |height: f64| lit([0.9, height, 0.3], 5.0, format!("a light {height:?} m above the floor"));
+    let above = |height: f64| {
+        lit(
+            [0.9, height, 0.3],
+            5.0,
+            format!("a light {height:?} m above the floor"),
+        )
+    };
     let mut cases = Vec::from([1e-3, 1e-9, 1e-10, 0.0, -1e-9].map(above));
     cases.extend([1e-12, 1e-15, -1e-15].map(|height| above(height).refused(TOO_NEAR)));
-    cases.push(lit([0.1, 0.6, 0.1], 5.0, "a light inside a sphere".to_owned()));
+    cases.push(lit(
+        [0.1, 0.6, 0.1],
+        5.0,
+        "a light inside a sphere".to_owned(),
+    ));
     cases.push(lit([0.0, 1.0, 0.0], 5.0, "a light on a sphere".to_owned()));
-    cases.push(lit([0.0, 1.0 + 1e-9, 0.0], 5.0, "a light 1e-9 m above a sphere".to_owned()));
+    cases.push(lit(
+        [0.0, 1.0 + 1e-9, 0.0],
+        5.0,
+        "a light 1e-9 m above a sphere".to_owned(),
+    ));
     cases.push(lit(
         [1e5, 1.6e5, 6e4],
         2e10,
@@ -379,7 +401,8 @@ fn lights() -> Vec<Case> {
 }
 
 fn contacts() -> Vec<Case> {
-    let base = || Text::looking([0.0, 1.0, 4.0], [0.0, 0.5, 0.0], 40.0).light([2.0, 3.0, 2.0], 12.0);
+    let base =
+        || Text::looking([0.0, 1.0, 4.0], [0.0, 0.5, 0.0], 40.0).light([2.0, 3.0, 2.0], 12.0);
     let tangent = base()
         .floor()
         .sphere([0.0, 0.5, 0.0], 0.5)

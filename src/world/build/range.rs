@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Builder, Reported, as_written, listed};
+use super::{Builder, Reported, as_written};
 use crate::math::Point;
 use crate::printable::printable;
 use crate::scene::{self, Object, Problem, Spanned};
@@ -121,12 +121,13 @@ impl Builder<'_> {
             largest > MOST_SIZES * (beside.max_element().max(height) + view)
         };
         if let Some(number) = (first..triangles.len()).find(is_too_large) {
-            let [a, ..] = triangles.vertices(number as u32);
+            let corners = triangles.vertices(number as u32);
+            let largest = corners.iter().map(size).fold(0.0, f64::max);
             let conflict = format!(
-                "`{key}` has a triangle with a corner at {} from `look_at`, expected coordinates of at most 1e10 \
-                 times as much as `eye` is away from it and from `look_at`: of a larger one 64-bit floats do not \
-                 tell where it is; use a plane, or smaller triangles",
-                listed(&a.to_array())
+                "`{key}` has a corner {} away from `look_at`, expected at most 1e10 times as much as `eye` is away \
+                 from it and from `look_at`: of a larger triangle 64-bit floats do not tell where it is; use a \
+                 plane, or smaller triangles",
+                as_written(largest)
             );
             self.report(span, Problem::Conflict(conflict));
             return Err(Reported);
@@ -209,7 +210,10 @@ mod tests {
         // 0.1 as an f64 is 5.551115123125783e-18 more than a tenth.
         let a = DVec3::new(1e15, -1e14, 0.0);
         let height = exact_height(n, a, DVec3::ZERO);
-        assert!((height - 0.005_551_115_123_125_783).abs() < 1e-17, "{height}");
+        assert!(
+            (height - 0.005_551_115_123_125_783).abs() < 1e-17,
+            "{height}"
+        );
         let light = DVec3::new(0.9, 1e-15, 0.3);
         let up = exact_height(DVec3::Y, light, DVec3::new(0.0, 0.5, 0.0));
         assert_eq!(up, -0.499_999_999_999_999);
