@@ -20,6 +20,10 @@ pub(super) struct Surface {
 }
 
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all shapes of a scene with many are triangles"
+)]
 pub(super) enum Shape {
     Sphere {
         center: WideVector,
@@ -130,8 +134,9 @@ impl Surface {
                 let across = subtract(m, scale(direction, along));
                 let sizes = [dot(origin, origin), dot(m, m), radius.narrow().powi(2)];
                 let room = ROOM * (sizes[0] + sizes[1] + sizes[2]);
-                // Not the opposite of `>`: squares beyond f64 are not a number.
-                !(dot(across, across) > sizes[2] + room)
+                // Squares beyond f64 are not a number: they are not surely beside it.
+                let is_beside = dot(across, across) > sizes[2] + room;
+                !is_beside
             }
             Shape::Triangle { vertices, .. } => {
                 let vertices = vertices.map(narrowed);

@@ -231,7 +231,7 @@ mod tests {
     fn what_is_not_finite_stays_so() {
         assert_eq!((wide(1.0) / wide(0.0)).narrow(), f64::INFINITY);
         assert!((wide(0.0) / wide(0.0)).narrow().is_nan());
-        assert!((wide(f64::INFINITY) + wide(1.0)).narrow().is_infinite());
+        assert!(!(wide(f64::INFINITY) + wide(1.0)).narrow().is_finite());
         assert_eq!(wide(0.0).sqrt(), wide(0.0));
     }
 

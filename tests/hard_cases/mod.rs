@@ -238,7 +238,7 @@ fn hard_cases() {
 fn ranges_are_stated() {
     let limits = std::fs::read_to_string("docs/limits.md").unwrap();
     assert!(limits.contains("at most 1e10 times as much as the `eye` is away"));
-    assert!(limits.contains("at least 1e-11 of the way from `look_at` to the light"));
+    assert!(limits.contains("at least 1e-11 of its distance from the plane's `point`"));
 }
 
 /// In the long sweep.

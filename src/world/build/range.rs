@@ -12,8 +12,8 @@ use crate::world::World;
 /// by 1e-16 of its size, and the light that falls on it by some times as much.
 const MOST_SIZES: f64 = 1e10;
 
-/// How near a light may be to a plane or a triangle that it is not on, as a part of its distance: the cosine there
-/// is rounded by 1e-16 of that over its height.
+/// How near a light may be to a plane or a triangle that it is not on, as a part of its distance from their point or
+/// corner: the cosine there is rounded by 1e-16 of that over its height.
 const LEAST_HEIGHT: f64 = 1e-11;
 
 /// What the rounding of coordinates as written can make of a height 0, relative to them: such a light is on it.
@@ -172,7 +172,7 @@ impl Builder<'_> {
                     continue;
                 }
                 let height = exact_height(normal, light, point) / normal_length;
-                let least = LEAST_HEIGHT * ((light - anchor).length() + view);
+                let least = LEAST_HEIGHT * reach.min((light - anchor).length() + view);
                 // The normal of a triangle is itself rounded.
                 let sizes = light.abs() + point.abs();
                 let across = normal.abs().dot(sizes) / normal_length;
@@ -186,7 +186,7 @@ impl Builder<'_> {
                 }
                 let conflict = format!(
                     "`position` is {} from the plane of object `{}`, expected 0, where it gives no light to it, \
-                     or at least {:.1e}: nearer than 1e-11 of the way from `look_at` to the light and the eye \
+                     or at least {:.1e}: nearer than 1e-11 of its distance from where that is written \
                      64-bit floats do not tell how much light arrives",
                     as_written(height.abs()),
                     printable(name),
