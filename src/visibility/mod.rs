@@ -235,11 +235,6 @@ impl<'w> Visibility<'w> {
                 end,
                 points,
                 facing,
-            } if is_far(end, points) => self.free_to_far_point(simd, end, points, facing, space),
-            SegmentBatch::ToPoint {
-                end,
-                points,
-                facing,
             } => self.free_to_point(simd, end, points, facing, space),
             SegmentBatch::Any(segments) => self.free_incoherent(simd, segments, space),
         }
@@ -252,7 +247,7 @@ impl<'w> Visibility<'w> {
 }
 
 /// Whether a light is so far away that segments are measured from the points.
-#[inline(always)]
+#[inline]
 fn is_far(light: Point, points: &Points) -> bool {
     let [least, most] = points.bounds();
     let reach = least.abs().max(most.abs()).max_element();

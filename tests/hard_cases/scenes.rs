@@ -17,7 +17,7 @@ const BAR_OF_SHARP_LOBES: f64 = 1e-3;
 
 /// What the errors say of spheres and triangles that are too large, and of lights that are too near to a plane.
 const TOO_LARGE: &str = "1e10 times as much as `eye` is away from it and from `look_at`";
-const TOO_NEAR: &str = "nearer than 1e-11 of its distance from where that is written";
+const TOO_NEAR: &str = "1e-11 of its distance from the point of that plane";
 
 /// A row of the table.
 pub(super) struct Case {

@@ -186,7 +186,7 @@ impl Builder<'_> {
                 }
                 let conflict = format!(
                     "`position` is {} from the plane of object `{}`, expected 0, where it gives no light to it, \
-                     or at least {:.1e}: nearer than 1e-11 of its distance from where that is written \
+                     or at least {:.1e}, 1e-11 of its distance from the point of that plane: nearer by, \
                      64-bit floats do not tell how much light arrives",
                     as_written(height.abs()),
                     printable(name),
