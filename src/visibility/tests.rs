@@ -333,7 +333,7 @@ impl Kernel for Compare<'_> {
                 });
                 assert_eq!(lit, expected);
                 // From the light, what is far away from it is rounded.
-                if !super::is_far(light, &points[1]) {
+                if !is_far(light, &points[1]) {
                     let segments = segments_from(light, &points[1]);
                     let free =
                         self.ways[0].free(simd, SegmentBatch::Any(&segments), &mut spaces[2]);
