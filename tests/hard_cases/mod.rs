@@ -1,6 +1,6 @@
 //! Hard cases, scored: scenes at the limits of numbers and of geometry, each against the oracle, in a table that
-//! `docs/hard-cases.md` has. `BLESS=1 cargo test hard_cases` writes it anew; `CANDELA_SCENES` of 1000 or more has the
-//! large picture in it as well.
+//! `docs/hard-cases.md` has. `BLESS=1 cargo test hard_cases` writes it anew; with `CANDELA_SCENES` of 1000 or more a
+//! large picture is compared as well.
 
 mod scenes;
 
