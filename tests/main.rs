@@ -20,6 +20,7 @@ mod fuzz_mesh;
 mod fuzz_scene;
 mod fuzzing;
 mod generate;
+mod hard_cases;
 mod images;
 mod invariance;
 mod layering;
