@@ -48,7 +48,8 @@
 //! | [`exr`] | images to OpenEXR and back |
 //! | [`mod@render`] | tiles, their samples, the box filter, and where finished tiles go |
 //! | [`display`] | EXR to PNG: exposure, view, sRGB |
-//! | [`oracle`] | the equations in f64 by brute force, from the scene as written: the truth for tests and `candela probe`; it shares nothing else with the renderer but the CIE's tables |
+//! | `compare` | how far an image is from a reference: errors of numbers, relative ones, ꟻLIP |
+//! | [`oracle`] | the equations by brute force, places in twice f64's length, from the scene as written: the truth for tests, `candela verify` and `candela probe`; it shares nothing else with the renderer but the CIE's tables |
 //!
 //! The command line is a program on top of these.
 //!
@@ -120,6 +121,8 @@
 mod bench;
 mod camera;
 mod color;
+#[doc(hidden)]
+pub mod compare;
 pub mod display;
 pub mod exr;
 pub mod image;

@@ -36,6 +36,46 @@ pub(crate) fn oiiotool(folder: &Path, arguments: &str) -> String {
     String::from_utf8(run(&mut command).stdout).unwrap()
 }
 
+/// What idiff measures.
+#[derive(Debug)]
+pub(crate) struct Differences {
+    /// Mean, root mean square and largest error, and the peak signal-to-noise ratio in dB.
+    pub(crate) mean: f64,
+    pub(crate) rms: f64,
+    pub(crate) psnr: f64,
+    pub(crate) max: f64,
+    /// Column, row and channel of the largest.
+    pub(crate) max_at: String,
+}
+
+/// The figures of `idiff -a` for two images.
+pub(crate) fn idiff(folder: &Path, a: &str, b: &str) -> Differences {
+    let mut command = Command::new(tool("idiff"));
+    // It fails where images differ, which is none here.
+    let output = command
+        .current_dir(folder)
+        .args(["-a", a, b])
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let value = |name: &str| {
+        let line = text
+            .lines()
+            .find(|line| line.trim_start().starts_with(name));
+        let line = line.unwrap_or_else(|| panic!("no {name} in {text}"));
+        line.split_once(" = ").unwrap().1
+    };
+    let number = |name: &str| value(name).split(' ').next().unwrap().parse().unwrap();
+    let max = value("Max error");
+    Differences {
+        mean: number("Mean error"),
+        rms: number("RMS error"),
+        psnr: number("Peak SNR"),
+        max: number("Max error"),
+        max_at: max.split(['(', ')']).nth(1).unwrap_or_default().to_owned(),
+    }
+}
+
 /// Whether idiff finds no difference above its defaults between two images.
 pub(crate) fn idiff_agrees(a: &Path, b: &Path) -> bool {
     let mut command = Command::new(tool("idiff"));

@@ -559,13 +559,14 @@ fn any_instruction_set_gives_the_same_bits() {
     }
 }
 
-/// One whose coordinates are a hundred million times its size: an edge is found as far away as these are rounded.
+/// One whose coordinates are a hundred million times its size: the oracle takes them as they are written, and so
+/// does the renderer.
 #[test]
-fn an_edge_is_found_far_from_the_origin() {
+fn far_from_the_origin_both_see_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let (name, scene) = generate::scene(1474, folder.path());
     assert!(nearby(&scene) > 100.0 * NEARBY);
     let comparison = compare(&scene);
     assert!(comparison.wrong.is_empty(), "{name}: {comparison:?}");
-    assert_eq!(comparison.flips, 1);
+    assert_eq!(comparison.flips, 0);
 }

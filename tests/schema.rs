@@ -105,7 +105,13 @@ const BEYOND: [(&str, &[&str]); 8] = [
     ),
     (
         "how points lie to each other",
-        &["range_eye", "range_up", "range_triangle", "spot_at_itself"],
+        &[
+            "range_eye",
+            "range_up",
+            "range_triangle",
+            "range_sizes",
+            "spot_at_itself",
+        ],
     ),
     (
         "which of two angles is larger",
@@ -230,6 +236,8 @@ fn is_beyond(key: &str, value: &str) -> bool {
         "material" | "file" => is_text,
         // How points lie to each other.
         "eye" | "position" => value == "[0, 0, 0]",
+        // How large a mesh is beside what is seen of it.
+        "scale" => value.trim_start_matches('-') == "1e30",
         // Which of two angles is larger.
         "inner" => value.parse().is_ok_and(|angle: f64| angle > 30.0),
         _ => false,

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::{colorimetry, generate, invariance, oracle};
+use crate::{colorimetry, conformance, energy, generate, invariance, oracle, truths};
 
 /// A page as one line of words, so that a sentence is found however its lines are broken.
 fn page(path: &str) -> String {
@@ -89,6 +89,23 @@ fn colors_beside_colour_science() {
         let stands = |line: &str| line.starts_with(&format!("| {light},")) && line.ends_with(&row);
         assert!(table.lines().any(stands), "{light}: {row}");
     }
+}
+
+/// Conformance, published values, other programs.
+#[test]
+fn what_others_find() {
+    let count = conformance::suite().len();
+    let guarantees = page("docs/guarantees.md");
+    assert!(guarantees.contains(&format!("{count} scenes with pictures made from formulas")));
+    let flux = stated(&guarantees, "the flux of a closed room to ");
+    assert!(states(flux, truths::FLUX), "{flux:e}");
+    let radiance = stated(&guarantees, "eight scenes of Radiance to ");
+    assert!(states(radiance, truths::RADIANCE), "{radiance:e}");
+    let conformance = page("docs/conformance.md");
+    assert!(conformance.contains(&format!("has {count} small scenes")));
+    assert!(page("CHANGELOG.md").contains(&format!("A conformance suite: {count} scenes")));
+    let lobes = stated(&page("docs/energy.md"), "agree with the closed form to ");
+    assert!(states(lobes, energy::LOBES), "{lobes:e}");
 }
 
 /// How many times as fast as Embree, with three lights: from the archive that the README names.

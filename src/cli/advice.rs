@@ -209,7 +209,7 @@ const OPTIONS: [Advice; 20] = [
     ),
 ];
 
-const COMMANDS: [(&[&str], &str); 6] = [
+const COMMANDS: [(&[&str], &str); 7] = [
     (
         &[
             "convert", "view", "show", "display", "preview", "png", "topng", "develop", "expose",
@@ -217,10 +217,12 @@ const COMMANDS: [(&[&str], &str); 6] = [
         "a picture of an EXR is made by `candela tonemap IN.exr`",
     ),
     (
-        &[
-            "validate", "lint", "verify", "info", "stat", "stats", "plan",
-        ],
+        &["validate", "lint", "info", "stat", "stats", "plan"],
         "what a scene holds, and whether it is legal, says `candela check SCENE.toml`",
+    ),
+    (
+        &["compare", "idiff", "metrics", "flip", "difference", "psnr"],
+        "how far an image is from another says `candela diff A.exr B.exr`",
     ),
     (
         &["explain", "pixel", "inspect", "debug"],

@@ -29,6 +29,14 @@ pub(super) fn transient(failure: Failure) -> Failure {
     Transient(failure).into()
 }
 
+/// Where something is further off than a limit allows.
+const BEYOND: u8 = 3;
+
+/// All went well, and what was found is beyond a limit.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct Beyond(pub(super) String);
+
 /// Prints a failure; the exit code that belongs to it.
 pub(super) fn report(failure: &Failure) -> ExitCode {
     let failure: &(dyn Error + 'static) = &**failure;
@@ -37,7 +45,9 @@ pub(super) fn report(failure: &Failure) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     print(failure);
-    if any(failure, &is_transient) {
+    if failure.is::<Beyond>() {
+        BEYOND.into()
+    } else if any(failure, &is_transient) {
         TRANSIENT.into()
     } else {
         ExitCode::FAILURE

@@ -3,10 +3,13 @@
 mod advice;
 mod check;
 mod completions;
+mod crop;
 mod develop;
+mod diff;
 mod failure;
 mod man;
 mod new;
+mod numbers;
 mod probe;
 mod render;
 mod schema;
@@ -15,16 +18,18 @@ mod signals;
 mod source;
 mod tonemap;
 mod usage;
+mod verify;
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use candela::Renderer;
 use candela::image::Window;
 use candela::internal::look_for_threads;
 use candela::internal::printable_path;
 use candela::output::{OutputError, OutputProblem, Place, Unfinished};
-use candela::render::Options;
+use candela::render::{Job, Options};
 use candela::world::Loaded;
 use clap::{ColorChoice, Parser, Subcommand};
 use failure::{Failure, StandardOutput};
@@ -50,11 +55,16 @@ Examples:
       Is it legal, what will be computed, what will it cost
   candela probe scene.toml --pixel 640,360
       The sum at one pixel, term by term
+  candela verify scene.toml
+      Does the renderer agree with the equations on this scene
+  candela diff reference.exr scene.exr
+      How far an image is from another, layer by layer
 
 Exit codes:
   0        done; also where the reader of a pipe has seen enough
   1        something is wrong with a file or a value
   2        wrong usage
+  3        diff or verify has found more than its limits allow
   75       what a later try or another machine may cure: no memory, a full disk, a quota or a limit,
            an error of a disk or a server
   128 + n  ended by signal n, such as 130 by Ctrl-C")]
@@ -69,6 +79,8 @@ enum Command {
     Tonemap(tonemap::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
+    Verify(verify::Arguments),
+    Diff(diff::Arguments),
     New(new::Arguments),
     Completions(completions::Arguments),
     Schema(schema::Arguments),
@@ -103,6 +115,12 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         }),
         Command::Check(arguments) => with_threads(None, || check::run(arguments, &mut output)),
         Command::Probe(arguments) => with_threads(None, || probe(arguments, &mut output)),
+        Command::Verify(arguments) => {
+            with_threads(None, || verify::run(arguments, unfinished, &mut output))
+        }
+        Command::Diff(arguments) => {
+            with_threads(None, || diff::run(arguments, unfinished, &mut output))
+        }
         Command::New(arguments) => new::run(arguments, unfinished, &mut output),
         Command::Completions(arguments) => completions::run(arguments, &mut output),
         Command::Man(arguments) => man::run(arguments, unfinished, &mut output),
@@ -119,7 +137,8 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
     } = arguments
         .scene
         .load(|scene| probe::prepare(arguments, scene))?;
-    let renderer = |[x, y]: [u32; 2]| {
+    let renderer = Renderer::new(&world)?;
+    let rendered = |[x, y]: [u32; 2]| {
         let pixel = Window {
             x,
             y,
@@ -130,10 +149,11 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
             window: Some(pixel),
             ..Options::default()
         };
-        let [r, g, b, _] = candela::render(&world, &camera, &options)?.pixels()[0];
+        let (film, _) = renderer.film(&camera, &options, &Job::new())?;
+        let [r, g, b, _] = film.pixels()[0];
         Ok([r, g, b])
     };
-    Ok(probe::run(arguments, &scene, renderer, output)?)
+    probe::run(arguments, &scene, rendered, output)
 }
 
 /// Works with as many threads as asked; without that, as many as `RAYON_NUM_THREADS` says, or one for

@@ -22,6 +22,7 @@ use candela::scene::Scene;
 use candela::world::{Loaded, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::crop::{Crop, crop};
 use super::develop::DevelopArguments;
 use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
@@ -31,7 +32,8 @@ use progress::Progress;
 use request::Request;
 use statistics::{Seconds, Statistics};
 use summary::Summary;
-use values::{Crop, count, crop, named};
+use values::count;
+pub(super) use values::named;
 
 /// Samples a pixel where none are asked for: nobody's first picture has steps at its edges.
 const DEFAULT_SAMPLES: u32 = 16;

@@ -144,6 +144,21 @@ pub struct Image {
 }
 
 impl Image {
+    /// An opaque picture of sRGB-coded pixels in 8 bits, row by row from the top.
+    ///
+    /// # Panics
+    /// If the pixels are not as many as the resolution has.
+    pub fn opaque(resolution: [u32; 2], pixels: Vec<[u8; 3]>) -> Self {
+        let [width, height] = resolution.map(|side| side as usize);
+        assert_eq!(pixels.len(), width * height);
+        Self {
+            resolution,
+            has_alpha: false,
+            bits: Bits::Eight,
+            samples: pixels.into_flattened(),
+        }
+    }
+
     /// Width and height.
     pub const fn resolution(&self) -> [u32; 2] {
         self.resolution

@@ -257,7 +257,7 @@ impl Written<'_> {
     }
 }
 
-fn into_io(error: exr::error::Error) -> io::Error {
+pub(super) fn into_io(error: exr::error::Error) -> io::Error {
     match error {
         exr::error::Error::Io(error) => error,
         error => io::Error::new(io::ErrorKind::InvalidInput, error.to_string()),

@@ -2,6 +2,7 @@
 
 mod file;
 mod head;
+mod planes;
 mod preserve;
 mod read;
 mod store;
@@ -13,7 +14,9 @@ use std::str::FromStr;
 
 pub(crate) use file::{ExrFile, Packer};
 #[doc(hidden)]
-pub use read::{ColorMeaning, ColorTag, ExrReader};
+pub use planes::write_planes;
+#[doc(hidden)]
+pub use read::{ChannelName, ColorMeaning, ColorTag, DataWindow, ExrChannels, ExrReader};
 pub use read::{ExrError, ExrImage, ExrProblem, read};
 
 use crate::image::{ChannelKind, Channels, Window};

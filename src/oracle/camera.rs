@@ -1,20 +1,21 @@
 //! L1: the ray through a point of the image, r(t) = o + t ω.
 
-use super::vector::{Vector, ZERO, add, cross, dot, scale, subtract, unit};
+use super::vector::{Vector, WideVector, ZERO, add, cross, dot, scale, subtract, unit, widened};
+use super::wide::{Real, Wide};
 use crate::scene;
 
 /// L1: r(t) = o + t ω. ω has unit length, so that t is a distance in meters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ray {
     /// o
-    pub(super) origin: Vector,
+    pub(super) origin: WideVector,
     /// ω
-    pub(super) direction: Vector,
+    pub(super) direction: WideVector,
 }
 
 impl Ray {
     /// L1: the point at distance `t`.
-    pub(super) fn at(&self, t: f64) -> Vector {
+    pub(super) fn at(&self, t: Wide) -> WideVector {
         add(self.origin, scale(self.direction, t))
     }
 }
@@ -31,9 +32,9 @@ pub(super) struct Camera {
 /// The camera's axes in the world, each of unit length and square to the others.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
-    forward: Vector,
-    right: Vector,
-    up: Vector,
+    forward: WideVector,
+    right: WideVector,
+    up: WideVector,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -79,17 +80,18 @@ impl Camera {
     }
 
     /// How far a point is along the view axis: z of camera space.
-    pub(super) fn depth(&self, point: Vector) -> f64 {
-        dot(point, self.frame.forward)
+    pub(super) fn depth(&self, point: WideVector) -> f64 {
+        dot(point, self.frame.forward).narrow()
     }
 
     /// Image space → the image plane: x to the right, y up, (0, 0) in the middle, y = ±1 at the
     /// upper and lower edge, x = ±W/H at the sides.
-    fn image_plane(&self, px: f64, py: f64) -> [f64; 2] {
-        let [width, height] = self.resolution;
+    fn image_plane(&self, px: f64, py: f64) -> [Wide; 2] {
+        let [width, height] = self.resolution.map(Wide::from);
+        let [one, two] = [1.0, 2.0].map(Wide::from);
         [
-            (2.0 * px / width - 1.0) * width / height,
-            1.0 - 2.0 * py / height,
+            (two * Wide::from(px) / width - one) * width / height,
+            one - two * Wide::from(py) / height,
         ]
     }
 }
@@ -97,9 +99,10 @@ impl Camera {
 impl Frame {
     /// f = unit(look_at − eye), r = unit(f × up), u = r × f.
     fn new(eye: Vector, look_at: Vector, up: Vector) -> Self {
-        let forward = unit(subtract(look_at, eye)).unwrap_or(ZERO);
+        let zero = widened(ZERO);
+        let forward = unit(subtract(widened(look_at), widened(eye))).unwrap_or(zero);
         // Only the direction of `up` counts; at unit length the product cannot overflow.
-        let right = unit(cross(forward, unit(up).unwrap_or(ZERO))).unwrap_or(ZERO);
+        let right = unit(cross(forward, unit(widened(up)).unwrap_or(zero))).unwrap_or(zero);
         Self {
             forward,
             right,
@@ -108,22 +111,24 @@ impl Frame {
     }
 
     /// The vector x r + y u across the image.
-    fn across(&self, [x, y]: [f64; 2]) -> Vector {
+    fn across(&self, [x, y]: [Wide; 2]) -> WideVector {
         add(scale(self.right, x), scale(self.up, y))
     }
 }
 
 /// L1, perspective: o = eye, ω = unit(f + tan(fov/2) (x r + y u)).
-fn perspective_ray(frame: &Frame, tangent: f64, [x, y]: [f64; 2]) -> Ray {
+fn perspective_ray(frame: &Frame, tangent: f64, [x, y]: [Wide; 2]) -> Ray {
+    let tangent = Wide::from(tangent);
     let direction = add(frame.forward, frame.across([x * tangent, y * tangent]));
     Ray {
-        origin: ZERO,
+        origin: widened(ZERO),
         direction: unit(direction).unwrap_or(frame.forward),
     }
 }
 
 /// L1, orthographic: o = eye + height/2 (x r + y u), ω = f.
-fn orthographic_ray(frame: &Frame, half_height: f64, [x, y]: [f64; 2]) -> Ray {
+fn orthographic_ray(frame: &Frame, half_height: f64, [x, y]: [Wide; 2]) -> Ray {
+    let half_height = Wide::from(half_height);
     Ray {
         origin: frame.across([x * half_height, y * half_height]),
         direction: frame.forward,

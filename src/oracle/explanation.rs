@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::hit::Hit;
 use super::lighting::Model;
-use super::vector::add;
+use super::vector::{add, narrowed, widened};
+use super::wide::Real;
 use super::{Lamp, Oracle};
 
 /// L9 at one point of the image with all its terms, as `candela probe --json` writes it.
@@ -164,12 +165,12 @@ impl Oracle {
                 specular: self.palette.under_white(&object.material.specular),
                 shininess: object.material.shininess,
             },
-            position: add(hit.position, self.reference),
-            normal: hit.normal,
-            geometric_normal: hit.geometric_normal,
-            to_viewer: hit.to_viewer,
-            lift: hit.lift.map(|lift| lift.way),
-            distance: hit.distance,
+            position: narrowed(add(hit.position, widened(self.reference))),
+            normal: narrowed(hit.normal),
+            geometric_normal: narrowed(hit.geometric_normal),
+            to_viewer: narrowed(hit.to_viewer),
+            lift: hit.lift.map(|lift| narrowed(lift.way)),
+            distance: hit.distance.narrow(),
             depth: self.camera.depth(hit.position),
         }
     }

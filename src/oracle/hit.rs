@@ -3,7 +3,8 @@
 use super::camera::Ray;
 use super::surface::{Shape, Surface, barycentric};
 use super::terminator::OnTriangle;
-use super::vector::{Vector, add, dot, negate, scale, subtract, unit};
+use super::vector::{WideVector, add, dot, negate, scale, subtract, unit};
+use super::wide::Wide;
 use crate::scene::ShadowTerminator;
 
 /// The nearest point along a primary ray.
@@ -11,15 +12,15 @@ pub(super) struct Hit {
     /// The index of its surface.
     pub(super) surface: usize,
     /// t
-    pub(super) distance: f64,
+    pub(super) distance: Wide,
     /// p
-    pub(super) position: Vector,
+    pub(super) position: WideVector,
     /// Towards the viewer.
-    pub(super) geometric_normal: Vector,
+    pub(super) geometric_normal: WideVector,
     /// n: interpolated where the mesh is smooth, on the side of the geometric normal.
-    pub(super) normal: Vector,
+    pub(super) normal: WideVector,
     /// ω_o
-    pub(super) to_viewer: Vector,
+    pub(super) to_viewer: WideVector,
     /// Where the mesh says so, how shadow rays start elsewhere than at p.
     pub(super) lift: Option<Lift>,
 }
@@ -28,22 +29,21 @@ pub(super) struct Hit {
 #[derive(Clone, Copy)]
 pub(super) struct Lift {
     /// p′ − p
-    pub(super) way: Vector,
+    pub(super) way: WideVector,
     /// The size of the coordinates from which p′ is computed, beside those of p.
     pub(super) magnitude: f64,
 }
 
 impl Hit {
-    pub(super) fn new(index: usize, surface: &Surface, ray: &Ray, distance: f64) -> Self {
+    pub(super) fn new(index: usize, surface: &Surface, ray: &Ray, distance: Wide) -> Self {
         let shape = &surface.shape;
         let to_viewer = negate(ray.direction);
         let on_ray = ray.at(distance);
         let (position, outward) = match shape {
             Shape::Plane { normal, .. } | Shape::Triangle { normal, .. } => (on_ray, *normal),
-            Shape::Sphere { center, radius } => {
+            Shape::Sphere { center, .. } => {
                 let normal = unit(subtract(on_ray, *center)).unwrap_or(to_viewer);
-                // Back onto the sphere: from far away, rounding has moved the point off it.
-                (add(*center, scale(normal, *radius)), normal)
+                (on_ray, normal)
             }
         };
         let geometric_normal = turned_towards(outward, to_viewer);
@@ -51,7 +51,7 @@ impl Hit {
         let lift = match surface.shadow_terminator {
             ShadowTerminator::Geometric => None,
             ShadowTerminator::Hanika => {
-                let is_behind = |normal| dot(normal, geometric_normal) < 0.0;
+                let is_behind = |normal| dot(normal, geometric_normal) < Wide::from(0.0);
                 interpolated.and_then(|normal| lift(shape, ray, position, is_behind(normal)))
             }
         };
@@ -70,8 +70,8 @@ impl Hit {
 }
 
 /// Surfaces are two-sided: the normal, or its opposite, on the side of `side`.
-fn turned_towards(normal: Vector, side: Vector) -> Vector {
-    if dot(normal, side) < 0.0 {
+fn turned_towards(normal: WideVector, side: WideVector) -> WideVector {
+    if dot(normal, side) < Wide::from(0.0) {
         negate(normal)
     } else {
         normal
@@ -80,7 +80,7 @@ fn turned_towards(normal: Vector, side: Vector) -> Vector {
 
 /// The vertex normals of a smooth triangle, weighted by the barycentric coordinates of the hit.
 /// `None` for anything else, and where the weighted normals cancel.
-fn interpolated_normal(shape: &Shape, ray: &Ray) -> Option<Vector> {
+fn interpolated_normal(shape: &Shape, ray: &Ray) -> Option<WideVector> {
     match shape {
         Shape::Triangle {
             vertices,
@@ -100,7 +100,7 @@ fn interpolated_normal(shape: &Shape, ray: &Ray) -> Option<Vector> {
 }
 
 /// How a point of a smooth triangle is lifted; `is_behind` where its vertex normals are on the far side.
-fn lift(shape: &Shape, ray: &Ray, position: Vector, is_behind: bool) -> Option<Lift> {
+fn lift(shape: &Shape, ray: &Ray, position: WideVector, is_behind: bool) -> Option<Lift> {
     let Shape::Triangle {
         vertices,
         vertex_normals: Some(normals),
@@ -126,7 +126,7 @@ fn lift(shape: &Shape, ray: &Ray, position: Vector, is_behind: bool) -> Option<L
 }
 
 /// Whether the way from a point of a sphere to the light starts into the sphere.
-pub(super) fn starts_inwards(hit: &Hit, center: Vector, way: Vector) -> bool {
+pub(super) fn starts_inwards(hit: &Hit, center: WideVector, way: WideVector) -> bool {
     let outward = turned_towards(hit.geometric_normal, subtract(hit.position, center));
-    dot(outward, way) < 0.0
+    dot(outward, way) < Wide::from(0.0)
 }

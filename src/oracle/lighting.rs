@@ -2,7 +2,8 @@
 
 use super::components::Components;
 use super::value::Palette;
-use super::vector::{Vector, dot, scale, subtract};
+use super::vector::{WideVector, dot, scale, subtract};
+use super::wide::{Real, Wide};
 use crate::scene;
 
 /// L3: L_i = I / d², the light that a point light sends to a point at distance d: in lux, or in
@@ -12,23 +13,39 @@ pub(super) fn incident_light(intensity: &Components, distance: f64) -> Component
 }
 
 /// The cosine of the angle between two unit vectors; below 0 it counts as 0.
-pub(super) fn cosine(a: Vector, b: Vector) -> f64 {
-    dot(a, b).clamp(0.0, 1.0)
+pub(super) fn cosine(a: WideVector, b: WideVector) -> Wide {
+    let (zero, one) = (Wide::from(0.0), Wide::from(1.0));
+    let cosine = dot(a, b);
+    if cosine > one {
+        one
+    } else if cosine > zero {
+        cosine
+    } else {
+        zero
+    }
 }
 
 /// L5: r_d = k_d cos(n, ω_i), Lambert's diffuse reflectance.
-pub(super) fn diffuse_reflectance(k_d: &Components, cos_incident: f64) -> Components {
-    k_d.scaled(cos_incident)
+pub(super) fn diffuse_reflectance(k_d: &Components, cos_incident: Wide) -> Components {
+    k_d.scaled(cos_incident.narrow())
 }
 
 /// L6: ω_r = 2 (n·ω_i) n − ω_i, the ideal reflection direction.
-pub(super) fn ideal_reflection(n: Vector, to_light: Vector) -> Vector {
-    subtract(scale(n, 2.0 * dot(n, to_light)), to_light)
+pub(super) fn ideal_reflection<T: Real>(n: [T; 3], to_light: [T; 3]) -> [T; 3] {
+    subtract(scale(n, T::from(2.0) * dot(n, to_light)), to_light)
 }
 
 /// L7: r_s = k_s cosⁿ(ω_o, ω_r), the specular reflectance with shininess n.
-pub(super) fn specular_reflectance(k_s: &Components, cos_lobe: f64, shininess: f64) -> Components {
-    k_s.scaled(cos_lobe.powf(shininess))
+///
+/// Close to 1 the cosine's last digits are what a large n is about: cosⁿ = exp(n ln(1 − (1 − cos))).
+pub(super) fn specular_reflectance(k_s: &Components, cos_lobe: Wide, shininess: f64) -> Components {
+    let missing = (Wide::from(1.0) - cos_lobe).narrow();
+    let power = if missing < 0.5 {
+        (shininess * (-missing).ln_1p()).exp()
+    } else {
+        cos_lobe.narrow().powf(shininess)
+    };
+    k_s.scaled(power)
 }
 
 /// L8: r = r_d + r_s, kept apart, in sr⁻¹: the radiance per lux from a light at ω_i.
@@ -99,7 +116,7 @@ impl Material {
     }
 
     /// L8, by the material's model, from cos(n, ω_i) and cos(ω_o, ω_r).
-    pub(super) fn reflectance(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
+    pub(super) fn reflectance(&self, cos_incident: Wide, cos_lobe: Wide) -> Reflectance {
         match self.model {
             Model::Phong => self.phong(cos_incident, cos_lobe),
             Model::NormalizedPhong => self.normalized_phong(cos_incident, cos_lobe),
@@ -107,7 +124,7 @@ impl Material {
     }
 
     /// L8, the lecture's model to the letter: r = k_d cos(n, ω_i) + k_s cosⁿ(ω_o, ω_r).
-    fn phong(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
+    fn phong(&self, cos_incident: Wide, cos_lobe: Wide) -> Reflectance {
         Reflectance {
             diffuse: diffuse_reflectance(&self.diffuse, cos_incident),
             specular: match self.shininess {
@@ -119,13 +136,13 @@ impl Material {
 
     /// L8, normalized (Lafortune & Willems 1994):
     /// r = cos(n, ω_i) [ρ_d/π + ρ_s (n+2)/(2π) cosⁿ(ω_o, ω_r)].
-    fn normalized_phong(&self, cos_incident: f64, cos_lobe: f64) -> Reflectance {
+    fn normalized_phong(&self, cos_incident: Wide, cos_lobe: Wide) -> Reflectance {
         use std::f64::consts::{FRAC_1_PI, TAU};
         Reflectance {
             diffuse: diffuse_reflectance(&self.diffuse.scaled(FRAC_1_PI), cos_incident),
             specular: match self.shininess {
                 Some(n) => specular_reflectance(&self.specular, cos_lobe, n)
-                    .scaled((n + 2.0) / TAU * cos_incident),
+                    .scaled((n + 2.0) / TAU * cos_incident.narrow()),
                 None => self.specular.zero(),
             },
         }

@@ -1,4 +1,4 @@
-//! The lecture's equations in plain f64: the truth that the renderer is compared with.
+//! The lecture's equations, as exactly as they can be computed: the truth that the renderer is compared with.
 //!
 //! One small function for each equation, brute force, from the scene as it was written. Nothing
 //! here is shared with the renderer but the published tables of the CIE, neither its vectors nor its
@@ -29,8 +29,9 @@
 //! | R = ½ + x / (2 √(1 + x²)) | reflectances of colors (Jakob & Hanika 2019) | `upsampling` |
 //! | | values in all notations | `value` |
 //!
-//! All positions are taken relative to the eye before anything else, so that a scene far from the
-//! origin loses no precision.
+//! Where things are is computed in numbers of twice f64's length (`wide`), relative to the eye, so that neither
+//! a scene far from the origin nor one that is tiny beside its spheres loses precision. f64 decides only what it
+//! surely can: which surfaces a line misses. Light and colors are f64.
 //!
 //! The scene must be legal, as [`crate::world`] decides. One that is not gives wrong numbers, but
 //! no panic: a material that is not there is black, a camera without a direction sees the
@@ -52,6 +53,7 @@ mod tests;
 mod upsampling;
 mod value;
 mod vector;
+mod wide;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -70,7 +72,8 @@ use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangl
 use spot::Cone;
 use surface::{Shape, Surface};
 use value::Palette;
-use vector::{Vector, ZERO, add, dot, length, subtract, unit};
+use vector::{Vector, WideVector, ZERO, add, dot, length, narrowed, subtract, unit, widened};
+use wide::{Real, Wide};
 
 /// A scene, ready for the equations.
 #[derive(Clone, Debug)]
@@ -104,7 +107,7 @@ struct NamedObject {
 struct Lamp {
     name: String,
     /// p_L
-    position: Vector,
+    position: WideVector,
     /// I in candela, or in W·sr⁻¹·nm⁻¹; of a spot on its axis.
     intensity: Components,
     /// What a spot shines into; `None` is all directions.
@@ -287,7 +290,7 @@ impl Oracle {
 
     /// L1 and L2: the nearest hit. Of equally near ones the first in the file counts.
     fn nearest(&self, ray: &Ray) -> Option<Hit> {
-        let mut nearest: Option<(usize, f64)> = None;
+        let mut nearest: Option<(usize, Wide)> = None;
         for (index, surface) in self.surfaces.iter().enumerate() {
             if let Some(t) = surface.intersect(ray)
                 && nearest.is_none_or(|(_, smallest)| t < smallest)
@@ -313,9 +316,9 @@ impl Oracle {
         let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {
             return Term::nothing(self.material(hit));
         };
-        let distance = length(segment.vector());
+        let distance = length(segment.vector()).narrow();
         let spot = light.cone.map(|cone| {
-            let angle = cone.angle(subtract(segment.from, segment.to));
+            let angle = cone.angle(narrowed(subtract(segment.from, segment.to)));
             SpotTerms {
                 angle: angle.to_degrees(),
                 falloff: cone.falloff(angle),
@@ -351,10 +354,10 @@ impl Oracle {
             distance,
             spot,
             incident,
-            to_light,
-            cos_incident,
-            reflected,
-            cos_lobe,
+            to_light: narrowed(to_light),
+            cos_incident: cos_incident.narrow(),
+            reflected: narrowed(reflected),
+            cos_lobe: cos_lobe.narrow(),
             reflectance,
             outcome,
             radiance: unoccluded.scaled(visibility),
@@ -365,19 +368,19 @@ impl Oracle {
     /// Whether n·ω_i > 0 for the geometric normal; for the interpolated one, where shadow rays are lifted. For
     /// what is flat, the light itself tells, without the rounding of p: one in the plane of a floor is not
     /// above it.
-    fn light_is_above(&self, hit: &Hit, segment: &Segment, to_light: Vector) -> bool {
+    fn light_is_above(&self, hit: &Hit, segment: &Segment, to_light: WideVector) -> bool {
         if hit.lift.is_some() {
-            let (_, light) = segment.sides_of_plane(hit.position, hit.normal);
+            let (_, light) = segment.sides_of_plane(hit.position, hit.normal, 0.0);
             return light == Side::Above;
         }
         match &self.surfaces[hit.surface].shape {
-            Shape::Sphere { .. } => dot(hit.geometric_normal, to_light) > 0.0,
+            Shape::Sphere { .. } => dot(hit.geometric_normal, to_light) > Wide::from(0.0),
             Shape::Plane { point, .. }
             | Shape::Triangle {
                 vertices: [point, ..],
                 ..
             } => {
-                let (_, light) = segment.sides_of_plane(*point, hit.geometric_normal);
+                let (_, light) = segment.sides_of_plane(*point, hit.geometric_normal, 0.0);
                 light == Side::Above
             }
         }
@@ -390,18 +393,24 @@ impl Oracle {
         let mut nearest: Option<(usize, f64)> = None;
         for (index, surface) in self.surfaces.iter().enumerate() {
             let own = index == hit.surface;
+            if !segment.may_meet(surface) {
+                continue;
+            }
+            let magnitude = surface.shape.magnitude();
             let part = match &surface.shape {
                 // A flat surface never stands before its own points.
                 Shape::Plane { .. } | Shape::Triangle { .. } if own => None,
-                Shape::Plane { point, normal } => plane_between(segment, *point, *normal),
+                Shape::Plane { point, normal } => {
+                    plane_between(segment, *point, *normal, magnitude)
+                }
                 Shape::Triangle {
                     vertices, normal, ..
-                } => triangle_between(segment, vertices, *normal),
+                } => triangle_between(segment, vertices, *normal, magnitude),
                 Shape::Sphere { center, radius } => {
                     let own = own.then(|| OwnSphere {
                         starts_inwards: starts_inwards(hit, *center, segment.vector()),
                     });
-                    sphere_between(segment, *center, *radius, own)
+                    sphere_between(segment, *center, *radius, magnitude, own)
                 }
             };
             if let Some(part) = part
@@ -417,8 +426,8 @@ impl Oracle {
         Segment {
             from: hit.position,
             to: light.position,
-            magnitude: length(hit.position) + self.surfaces[hit.surface].shape.magnitude(),
-            reference: length(self.reference),
+            magnitude: length(hit.position).narrow() + self.surfaces[hit.surface].shape.magnitude(),
+            reference: widened(self.reference),
         }
     }
 
@@ -485,7 +494,7 @@ impl Lamp {
                 intensity,
             } => Self {
                 name: name.to_owned(),
-                position: subtract(position.value, reference),
+                position: subtract(widened(position.value), widened(reference)),
                 intensity: palette.light(&intensity.value),
                 cone: None,
             },
@@ -501,7 +510,7 @@ impl Lamp {
                 let cone = Cone::new(position.value, aim, angles, *falloff);
                 Self {
                     name: name.to_owned(),
-                    position: subtract(position.value, reference),
+                    position: subtract(widened(position.value), widened(reference)),
                     intensity: palette.light_into(&intensity.value, cone.flux()),
                     cone: Some(cone),
                 }

@@ -7,32 +7,33 @@
 //!
 //! "Strictly" needs care only where an end lies on the surface: p on a coincident duplicate, at a
 //! shared edge, where spheres touch; p_L on a wall. An end is on a surface where its distance is
-//! not larger than what rounding alone can make it, see [`ROUNDING`].
+//! not larger than what the rounding of what was written alone can make it, see [`ROUNDING`].
 
-use super::surface::barycentric;
-use super::vector::{Vector, dot, length, scale, subtract};
+use super::camera::Ray;
+use super::surface::{Surface, barycentric};
+use super::vector::{Vector, WideVector, add, dot, length, narrowed, scale, subtract, unit};
+use super::wide::{Real, Wide};
 
-/// How far rounding can move a computed point off its surface, in units of ε = 2⁻⁵² times the
-/// magnitude of the coordinates that go into it.
-///
-/// With u = ε/2, M = |p| + |a|, and |o|, t ≤ |p|: in t = n·(a − o) / n·ω the numerator is off by
-/// 4u M, the denominator by 3u, the quotient by u more, which moves o + t ω off the plane by 8u M;
-/// the sum itself by 2u |p|. Measuring n'·(p − a') for another surface is off by 4u M', and a unit
-/// normal by 4u. In all 18u (M + M') = 9 ε (M + M'), and up to half an ε for each coordinate as
-/// written; 16 leaves room for the normals of triangles.
+/// How far coordinates that were meant to be on a surface may be off it, in units of ε = 2⁻⁵² times their
+/// magnitude. They were computed by whoever wrote the scene: half an ε for each coordinate as written, and some
+/// operations before. What is computed here is exact beside that.
 const ROUNDING: f64 = 16.0;
+
+/// The same for a light, of which each coordinate counts as far as it is across the surface: one that is 1e-15 m
+/// above a floor at y = 0 is above it, wherever along the floor it is.
+const ROUNDING_OF_LIGHT: f64 = 8.0;
 
 /// The segment from a shaded point to a light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
     /// p
-    pub(super) from: Vector,
+    pub(super) from: WideVector,
     /// p_L
-    pub(super) to: Vector,
-    /// |p| + |a|: the size of the coordinates that p was computed from.
+    pub(super) to: WideVector,
+    /// |p| + |a|: the size of the coordinates that p is made of, relative to the eye.
     pub(super) magnitude: f64,
-    /// How far the oracle's origin is from the scene's: written coordinates are rounded there.
-    pub(super) reference: f64,
+    /// Where the oracle's origin is in the scene.
+    pub(super) reference: WideVector,
 }
 
 /// Where a point is relative to a surface.
@@ -48,58 +49,103 @@ pub(super) enum Side {
 
 impl Segment {
     /// p_L − p
-    pub(super) fn vector(&self) -> Vector {
+    pub(super) fn vector(&self) -> WideVector {
         subtract(self.to, self.from)
+    }
+
+    /// The line that it is a part of, from p on.
+    pub(super) fn may_meet(&self, surface: &Surface) -> bool {
+        let along = unit(self.vector());
+        along.is_none_or(|direction| {
+            surface.may_meet(&Ray {
+                origin: self.from,
+                direction,
+            })
+        })
     }
 
     /// Whether light and point are at one place, as far as f64 can tell: d = 0.
     pub(super) fn is_a_point(&self) -> bool {
-        length(self.vector()) <= self.rounding(self.magnitude + length(self.to))
+        length(self.vector()).narrow() <= ROUNDING * f64::EPSILON * length(self.from).narrow()
     }
 
-    /// What rounding alone can make of a distance 0 between points of this `magnitude`.
-    fn rounding(&self, magnitude: f64) -> f64 {
-        ROUNDING * f64::EPSILON * (magnitude + self.reference)
+    /// The side on which p is, from its distance to a surface of this `magnitude`.
+    fn side_of_point(&self, distance: Wide, magnitude: f64) -> Side {
+        side(
+            distance.narrow(),
+            ROUNDING * f64::EPSILON * (self.magnitude + magnitude),
+        )
     }
 
-    fn side(&self, distance: f64, magnitude: f64) -> Side {
-        if distance.abs() <= self.rounding(magnitude) {
-            Side::On
-        } else if distance > 0.0 {
-            Side::Above
-        } else {
-            Side::Below
-        }
+    /// A point's coordinates, as written or relative to the eye, whichever is smaller.
+    fn sizes(&self, point: WideVector) -> Vector {
+        let written = narrowed(add(point, self.reference));
+        let relative = narrowed(point);
+        [0, 1, 2].map(|axis| written[axis].abs().min(relative[axis].abs()))
+    }
+
+    /// The side on which p_L is, from its distance to a surface along the `normal` there, whose own coordinates
+    /// are of this size across it.
+    fn side_of_light(&self, distance: Wide, normal: Vector, size: f64) -> Side {
+        let across = size_across(normal, self.sizes(self.to)) + size;
+        side(distance.narrow(), ROUNDING_OF_LIGHT * f64::EPSILON * across)
     }
 
     /// The sides of the plane through `point` on which p and p_L are.
-    pub(super) fn sides_of_plane(&self, point: Vector, normal: Vector) -> (Side, Side) {
+    pub(super) fn sides_of_plane(
+        &self,
+        point: WideVector,
+        normal: WideVector,
+        magnitude: f64,
+    ) -> (Side, Side) {
         let distance = |end| dot(normal, subtract(end, point));
-        self.sides(distance, length(point))
+        let (size, across) = (self.sizes(point), narrowed(normal));
+        let far = dot(normal, point).narrow().abs();
+        let size = size_across(across, size).min(far);
+        (
+            self.side_of_point(distance(self.from), magnitude),
+            self.side_of_light(distance(self.to), across, size),
+        )
     }
 
     /// The sides of a sphere on which p and p_L are.
-    fn sides_of_sphere(&self, center: Vector, radius: f64) -> (Side, Side) {
+    fn sides_of_sphere(&self, center: WideVector, radius: Wide, magnitude: f64) -> (Side, Side) {
         let distance = |end| length(subtract(end, center)) - radius;
-        self.sides(distance, length(center) + radius)
-    }
-
-    /// The sides of a surface on which p and p_L are, from their signed distances to it and its
-    /// own `magnitude`.
-    fn sides(&self, distance: impl Fn(Vector) -> f64, magnitude: f64) -> (Side, Side) {
+        let outwards = unit(subtract(self.to, center)).map_or([0.0; 3], narrowed);
         (
-            self.side(distance(self.from), self.magnitude + magnitude),
-            self.side(distance(self.to), length(self.to) + magnitude),
+            self.side_of_point(distance(self.from), magnitude),
+            self.side_of_light(distance(self.to), outwards, magnitude),
         )
     }
 }
 
+/// The size of coordinates across a surface.
+fn size_across(normal: Vector, sizes: Vector) -> f64 {
+    (0..3).map(|axis| normal[axis].abs() * sizes[axis]).sum()
+}
+
+/// The side that a distance means, if it is larger than `rounding`.
+fn side(distance: f64, rounding: f64) -> Side {
+    if distance.abs() <= rounding {
+        Side::On
+    } else if distance > 0.0 {
+        Side::Above
+    } else {
+        Side::Below
+    }
+}
+
 /// L4, plane: the part of the way from p to p_L at which the plane stands between, if it does.
-pub(super) fn plane_between(segment: &Segment, point: Vector, normal: Vector) -> Option<f64> {
-    match segment.sides_of_plane(point, normal) {
+pub(super) fn plane_between(
+    segment: &Segment,
+    point: WideVector,
+    normal: WideVector,
+    magnitude: f64,
+) -> Option<f64> {
+    match segment.sides_of_plane(point, normal, magnitude) {
         (Side::Above, Side::Below) | (Side::Below, Side::Above) => {
-            let height = dot(normal, subtract(segment.from, point)).abs();
-            let depth = dot(normal, subtract(segment.to, point)).abs();
+            let height = dot(normal, subtract(segment.from, point)).narrow().abs();
+            let depth = dot(normal, subtract(segment.to, point)).narrow().abs();
             Some(height / (height + depth))
         }
         (Side::On, _) | (_, Side::On) | (Side::Above, Side::Above) | (Side::Below, Side::Below) => {
@@ -111,18 +157,12 @@ pub(super) fn plane_between(segment: &Segment, point: Vector, normal: Vector) ->
 /// L4, triangle: its plane stands between, and the segment passes inside its edges.
 pub(super) fn triangle_between(
     segment: &Segment,
-    vertices: &[Vector; 3],
-    normal: Vector,
+    vertices: &[WideVector; 3],
+    normal: WideVector,
+    magnitude: f64,
 ) -> Option<f64> {
-    let part = plane_between(segment, vertices[0], normal)?;
-    // Seen from the end that has the smaller coordinates, and so the smaller rounding errors:
-    // p may lie near the horizon, p_L as far as the sun.
-    let origin = if length(segment.from) <= length(segment.to) {
-        segment.from
-    } else {
-        segment.to
-    };
-    barycentric(origin, segment.vector(), vertices)?;
+    let part = plane_between(segment, vertices[0], normal, magnitude)?;
+    barycentric(segment.from, segment.vector(), vertices)?;
     Some(part)
 }
 
@@ -130,38 +170,39 @@ pub(super) fn triangle_between(
 /// does. `own` says that p is on this sphere and the side from which the viewer sees it.
 pub(super) fn sphere_between(
     segment: &Segment,
-    center: Vector,
-    radius: f64,
+    center: WideVector,
+    radius: Wide,
+    magnitude: f64,
     own: Option<OwnSphere>,
 ) -> Option<f64> {
+    let zero = Wide::from(0.0);
     let (m, k) = (subtract(segment.from, center), subtract(segment.to, center));
     let way = segment.vector();
-    let (from, to) = segment.sides_of_sphere(center, radius);
+    let (from, to) = segment.sides_of_sphere(center, radius, magnitude);
     let from = own.map_or(from, |_| Side::On);
     let starts_inwards = match own {
         Some(OwnSphere { starts_inwards }) => starts_inwards,
-        None => dot(m, way) < 0.0,
+        None => dot(m, way) < zero,
     };
-    let ends_outwards = dot(k, way) > 0.0;
+    let ends_outwards = dot(k, way) > zero;
 
     // Half the chord that the sphere cuts from the line, around the line's middle; measured from
     // the nearer end, where rounding errors are smaller.
     let squared = dot(way, way);
     let middle = -dot(m, way) / squared;
-    let across = if length(m) <= length(k) {
-        subtract(m, scale(way, dot(m, way) / squared))
+    let nearer = if length(m) <= length(k) { m } else { k };
+    let across = length(subtract(nearer, scale(way, dot(nearer, way) / squared)));
+    let inside = across < radius;
+    let half_chord = if inside {
+        ((radius - across) * (radius + across) / squared).sqrt()
     } else {
-        subtract(k, scale(way, dot(k, way) / squared))
+        zero
     };
-    let across = length(across);
-    let half_chord = ((radius - across).max(0.0) * (radius + across) / squared).sqrt();
-    let entry = (middle - half_chord).clamp(0.0, 1.0);
-    let exit = (middle + half_chord).clamp(0.0, 1.0);
+    let entry = (middle - half_chord).narrow().clamp(0.0, 1.0);
+    let exit = (middle + half_chord).narrow().clamp(0.0, 1.0);
 
     match (from, to) {
-        (Side::Above, Side::Above) => {
-            (starts_inwards && ends_outwards && across < radius).then_some(entry)
-        }
+        (Side::Above, Side::Above) => (starts_inwards && ends_outwards && inside).then_some(entry),
         (Side::Above, Side::Below) => Some(entry),
         (Side::Below, Side::Above) => Some(exit),
         (Side::On, Side::Above) => starts_inwards.then_some(exit),

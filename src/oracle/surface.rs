@@ -1,7 +1,10 @@
 //! The scene's surfaces as plain geometry, and L2: where a ray meets them.
 
 use super::camera::Ray;
-use super::vector::{Vector, add, cross, dot, length, multiply, scale, subtract, unit};
+use super::vector::{
+    Vector, WideVector, add, cross, dot, length, multiply, narrowed, scale, subtract, unit, widened,
+};
+use super::wide::{Real, Wide};
 use crate::scene::{MeshFile, Object, ShadowTerminator};
 
 /// A sphere, a plane or one triangle, in the oracle's coordinates.
@@ -17,23 +20,27 @@ pub(super) struct Surface {
 }
 
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all shapes of a scene with many are triangles"
+)]
 pub(super) enum Shape {
     Sphere {
-        center: Vector,
-        radius: f64,
+        center: WideVector,
+        radius: Wide,
     },
     Plane {
-        point: Vector,
+        point: WideVector,
         /// Of unit length.
-        normal: Vector,
+        normal: WideVector,
     },
     Triangle {
         /// In an order of their own: see [`Shape::triangle`].
-        vertices: [Vector; 3],
+        vertices: [WideVector; 3],
         /// The geometric normal, of unit length.
-        normal: Vector,
+        normal: WideVector,
         /// Unit normals at the vertices of a smooth mesh.
-        vertex_normals: Option<[Vector; 3]>,
+        vertex_normals: Option<[WideVector; 3]>,
     },
 }
 
@@ -48,23 +55,26 @@ impl Surface {
             shadow_terminator: ShadowTerminator::Geometric,
             shape,
         };
+        // Exact: nothing that was written is rounded.
+        let reference = widened(reference);
+        let relative = |point: Vector| subtract(widened(point), reference);
         match object {
             Object::Sphere { center, radius, .. } => vec![surface(
                 None,
                 Shape::Sphere {
-                    center: subtract(center.value, reference),
-                    radius: radius.value,
+                    center: relative(center.value),
+                    radius: radius.value.into(),
                 },
             )],
-            Object::Plane { point, normal, .. } => unit(normal.value)
+            Object::Plane { point, normal, .. } => unit(widened(normal.value))
                 .map(|normal| {
-                    let point = subtract(point.value, reference);
+                    let point = relative(point.value);
                     surface(None, Shape::Plane { point, normal })
                 })
                 .into_iter()
                 .collect(),
             Object::Triangle { vertices, .. } => {
-                let vertices = vertices.value.map(|vertex| subtract(vertex, reference));
+                let vertices = vertices.value.map(relative);
                 Shape::triangle(vertices, None)
                     .map(|shape| surface(None, shape))
                     .into_iter()
@@ -83,7 +93,7 @@ impl Surface {
                     scale: scale.value,
                     rotate: rotate.value,
                     // Together first: far from the origin the two nearly cancel.
-                    translate: subtract(translate.value, reference),
+                    translate: relative(translate.value),
                 };
                 (0..geometry.triangles.len())
                     .filter_map(|triangle| {
@@ -99,7 +109,10 @@ impl Surface {
     }
 
     /// L2: the distance along the ray to where it first meets the surface, above 0.
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<Wide> {
+        if !self.may_meet(ray) {
+            return None;
+        }
         match &self.shape {
             Shape::Sphere { center, radius } => ray_sphere(ray, *center, *radius),
             Shape::Plane { point, normal } => ray_plane(ray, *point, *normal),
@@ -108,7 +121,39 @@ impl Surface {
             } => ray_triangle(ray, vertices, *normal),
         }
     }
+
+    /// Whether the line of a ray may meet it: `false` is certain, by f64 with room for all its rounding. Of most
+    /// surfaces that is all that has to be asked.
+    pub(super) fn may_meet(&self, ray: &Ray) -> bool {
+        let (origin, direction) = (narrowed(ray.origin), narrowed(ray.direction));
+        match &self.shape {
+            Shape::Plane { .. } => true,
+            Shape::Sphere { center, radius } => {
+                let m = subtract(narrowed(*center), origin);
+                let along = dot(m, direction) / dot(direction, direction);
+                let across = subtract(m, scale(direction, along));
+                let sizes = [dot(origin, origin), dot(m, m), radius.narrow().powi(2)];
+                let room = ROOM * (sizes[0] + sizes[1] + sizes[2]);
+                // Squares beyond f64 are not a number: they are not surely beside it.
+                let is_beside = dot(across, across) > sizes[2] + room;
+                !is_beside
+            }
+            Shape::Triangle { vertices, .. } => {
+                let vertices = vertices.map(narrowed);
+                let [a, b, c] = along_the_line(origin, direction, &vertices);
+                let sum = |v: Vector| v[0].abs() + v[1].abs() + v[2].abs();
+                let magnitude = vertices.into_iter().map(sum).fold(0.0, f64::max) + sum(origin);
+                let size = |p: [f64; 2]| p[0].abs() + p[1].abs();
+                let room = ROOM * magnitude * (size(a) + size(b) + size(c));
+                let areas = [area(b, c), area(c, a), area(a, b)];
+                !(areas.iter().any(|&area| area > room) && areas.iter().any(|&area| area < -room))
+            }
+        }
+    }
 }
+
+/// Far more than f64 can be off in a few operations, relative.
+const ROOM: f64 = 1e-13;
 
 impl Shape {
     /// A triangle, or `None` where its edges span no area.
@@ -116,8 +161,8 @@ impl Shape {
     /// Its first corner becomes the one opposite to the longest edge: the cross product of the two
     /// shorter edges has the smallest rounding error, and so has a distance measured from there.
     fn triangle(
-        mut vertices: [Vector; 3],
-        mut vertex_normals: Option<[Vector; 3]>,
+        mut vertices: [WideVector; 3],
+        mut vertex_normals: Option<[WideVector; 3]>,
     ) -> Option<Self> {
         let [a, b, c] = vertices;
         let [opposite_a, opposite_b, opposite_c] =
@@ -141,15 +186,16 @@ impl Shape {
         })
     }
 
-    /// |a|: the size of the coordinates from which a hit with it is computed.
+    /// The size of the coordinates as whose rounding surfaces count as coincident, relative to the eye: of a
+    /// plane and a sphere how far away they are, wherever their points and centers are.
     pub(super) fn magnitude(&self) -> f64 {
         match self {
-            Self::Sphere { center, radius } => length(*center) + radius,
-            Self::Plane { point, .. }
-            | Self::Triangle {
+            Self::Sphere { center, radius } => (length(*center) - *radius).narrow().abs(),
+            Self::Plane { point, normal } => dot(*point, *normal).narrow().abs(),
+            Self::Triangle {
                 vertices: [point, ..],
                 ..
-            } => length(*point),
+            } => length(*point).narrow(),
         }
     }
 }
@@ -159,7 +205,7 @@ struct Transform {
     scale: Vector,
     /// Degrees about x, y and z.
     rotate: Vector,
-    translate: Vector,
+    translate: WideVector,
 }
 
 impl Transform {
@@ -187,22 +233,24 @@ impl Transform {
     }
 
     /// T R S v
-    fn point(&self, v: Vector) -> Vector {
-        add(self.rotated(multiply(self.scale, v)), self.translate)
+    fn point(&self, v: Vector) -> WideVector {
+        let scaled = multiply(widened(self.scale), widened(v));
+        add(self.rotated(scaled), self.translate)
     }
 
     /// A normal is transformed by the inverse transpose, (R S)⁻ᵀ = R S⁻¹, and normalized.
-    fn normal(&self, n: Vector) -> Option<Vector> {
-        let inverse = self.scale.map(|factor| 1.0 / factor);
-        unit(self.rotated(multiply(inverse, n)))
+    fn normal(&self, n: Vector) -> Option<WideVector> {
+        let inverse = widened(self.scale).map(|factor| Wide::from(1.0) / factor);
+        unit(self.rotated(multiply(inverse, widened(n))))
     }
 
     /// R_z R_y R_x v
-    fn rotated(&self, [x, y, z]: Vector) -> Vector {
+    fn rotated(&self, [x, y, z]: WideVector) -> WideVector {
         let [about_x, about_y, about_z] = self
             .rotate
             .map(|degrees| degrees.to_radians().sin_cos())
-            .map(|(sin, cos)| move |a: f64, b: f64| (cos * a - sin * b, sin * a + cos * b));
+            .map(|(sin, cos)| (Wide::from(sin), Wide::from(cos)))
+            .map(|(sin, cos)| move |a: Wide, b: Wide| (cos * a - sin * b, sin * a + cos * b));
         let (y, z) = about_x(y, z);
         let (z, x) = about_y(z, x);
         let (x, y) = about_z(x, y);
@@ -216,30 +264,35 @@ impl Transform {
 /// t = b ∓ √(R² − ‖m − b ω‖²). For small spheres far away this form does not cancel, as the
 /// textbook's b² − 4ac does. Of the two roots the smaller comes from their product ‖m‖² − R², for
 /// the same reason.
-fn ray_sphere(ray: &Ray, center: Vector, radius: f64) -> Option<f64> {
+fn ray_sphere(ray: &Ray, center: WideVector, radius: Wide) -> Option<Wide> {
+    let zero = Wide::from(0.0);
     let m = subtract(center, ray.origin);
     let b = dot(m, ray.direction);
     let across = length(subtract(m, scale(ray.direction, b)));
     let discriminant = (radius - across) * (radius + across);
-    if discriminant < 0.0 {
+    if discriminant < zero {
         return None;
     }
     let root = discriminant.sqrt();
-    let larger = if b < 0.0 { b - root } else { b + root };
+    let larger = if b < zero { b - root } else { b + root };
     let distance = length(m);
     let other = (distance - radius) * (distance + radius) / larger;
-    let (near, far) = (larger.min(other), larger.max(other));
-    [near, far].into_iter().find(|&t| counts(t))
+    let ordered = if other < larger {
+        [other, larger]
+    } else {
+        [larger, other]
+    };
+    ordered.into_iter().find(|&t| counts(t))
 }
 
 /// L2, plane through a with normal n: n·(o + t ω − a) = 0, so t = n·(a − o) / n·ω.
-fn ray_plane(ray: &Ray, point: Vector, normal: Vector) -> Option<f64> {
+fn ray_plane(ray: &Ray, point: WideVector, normal: WideVector) -> Option<Wide> {
     let t = plane_parameter(ray, point, normal);
     counts(t).then_some(t)
 }
 
 /// n·(a − o) / n·ω, infinite or NaN where the ray is parallel to the plane.
-fn plane_parameter(ray: &Ray, point: Vector, normal: Vector) -> f64 {
+fn plane_parameter(ray: &Ray, point: WideVector, normal: WideVector) -> Wide {
     dot(normal, subtract(point, ray.origin)) / dot(normal, ray.direction)
 }
 
@@ -247,12 +300,19 @@ fn plane_parameter(ray: &Ray, point: Vector, normal: Vector) -> f64 {
 ///
 /// The corners bound t: the plane of a sliver, whose normal is mostly rounding, may be met far
 /// outside of them.
-fn ray_triangle(ray: &Ray, vertices: &[Vector; 3], normal: Vector) -> Option<f64> {
+fn ray_triangle(ray: &Ray, vertices: &[WideVector; 3], normal: WideVector) -> Option<Wide> {
     barycentric(ray.origin, ray.direction, vertices)?;
-    let [a, b, c] = vertices.map(|vertex| dot(subtract(vertex, ray.origin), ray.direction));
-    let t = plane_parameter(ray, vertices[0], normal)
-        .max(a.min(b).min(c))
-        .min(a.max(b).max(c));
+    let along = vertices.map(|vertex| dot(subtract(vertex, ray.origin), ray.direction));
+    let smaller = |a: Wide, b: Wide| if b < a { b } else { a };
+    let larger = |a: Wide, b: Wide| if b > a { b } else { a };
+    let [nearest, farthest] = [
+        along.into_iter().reduce(smaller)?,
+        along.into_iter().reduce(larger)?,
+    ];
+    let t = plane_parameter(ray, vertices[0], normal);
+    // A plane along the ray is met anywhere, and NaN is not larger than anything.
+    let t = if t > nearest { t } else { nearest };
+    let t = smaller(t, farthest);
     counts(t).then_some(t)
 }
 
@@ -265,22 +325,36 @@ fn ray_triangle(ray: &Ray, vertices: &[Vector; 3], normal: Vector) -> Option<f64
 /// that share it, and cannot turn the sign of an area, only make it 0, which counts as inside. So
 /// no line slips through where triangles share an edge or a corner.
 pub(super) fn barycentric(
-    origin: Vector,
-    direction: Vector,
-    vertices: &[Vector; 3],
-) -> Option<[f64; 3]> {
-    let z = longest_axis(direction);
+    origin: WideVector,
+    direction: WideVector,
+    vertices: &[WideVector; 3],
+) -> Option<[Wide; 3]> {
+    let zero = Wide::from(0.0);
+    let [a, b, c] = along_the_line(origin, direction, vertices);
+    let areas = [area(b, c), area(c, a), area(a, b)];
+    let inside = areas.iter().all(|&area| area >= zero) || areas.iter().all(|&area| area <= zero);
+    let sum = areas[0] + areas[1] + areas[2];
+    (inside && sum != zero).then(|| areas.map(|area| area / sum))
+}
+
+/// The corners as seen along a line, which is the point (0, 0).
+fn along_the_line<T: Real>(
+    origin: [T; 3],
+    direction: [T; 3],
+    vertices: &[[T; 3]; 3],
+) -> [[T; 2]; 3] {
+    let z = longest_axis(narrowed(direction));
     let (x, y) = ((z + 1) % 3, (z + 2) % 3);
     let (slope_x, slope_y) = (direction[x] / direction[z], direction[y] / direction[z]);
-    let [a, b, c] = vertices.map(|vertex| {
+    vertices.map(|vertex| {
         let v = subtract(vertex, origin);
         [v[x] - slope_x * v[z], v[y] - slope_y * v[z]]
-    });
-    let area = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
-    let areas = [area(b, c), area(c, a), area(a, b)];
-    let inside = areas.iter().all(|&area| area >= 0.0) || areas.iter().all(|&area| area <= 0.0);
-    let sum = areas[0] + areas[1] + areas[2];
-    (inside && sum != 0.0).then(|| areas.map(|area| area / sum))
+    })
+}
+
+/// Twice the area between (0, 0) and two points.
+fn area<T: Real>(p: [T; 2], q: [T; 2]) -> T {
+    p[0] * q[1] - p[1] * q[0]
 }
 
 /// The axis along which a vector is longest.
@@ -296,6 +370,6 @@ fn longest_axis(v: Vector) -> usize {
 }
 
 /// Whether a root of L2 counts: in front of the origin.
-fn counts(t: f64) -> bool {
-    t > 0.0 && t.is_finite()
+fn counts(t: Wide) -> bool {
+    t > Wide::from(0.0) && t.narrow().is_finite()
 }

@@ -10,7 +10,7 @@ use super::question::NearestHit;
 use super::ray_batch::RayBatch;
 use super::rays::ROUNDING;
 use super::shapes::SegmentStarts;
-use super::{Visibility, Workspace};
+use super::{Visibility, Workspace, is_far};
 use crate::math::{DVec3, Point};
 use crate::simd::{DVec3x16, F64x16, LANES};
 
@@ -164,6 +164,9 @@ impl Visibility<'_> {
         facing: &[u32; PACKETS],
         space: &mut Workspace,
     ) -> [u32; PACKETS] {
+        if is_far(light, points) {
+            return self.free_to_far_point(simd, light, points, facing, space);
+        }
         simd.vectorize(
             #[inline(always)]
             || self.free_to_point_all(simd, light, points, facing, space),

@@ -13,13 +13,14 @@ mod nearest;
 
 use fearless_simd::Simd;
 
-use super::batch::{PACKETS, first_lanes};
+use super::batch::{BATCH, PACKETS, first_lanes, vector};
 use super::points::{Known, Points};
 use super::projection::NOTHING;
 use super::question::NearestHit;
 use super::ray_batch::IncoherentRays;
 use super::{Visibility, Workspace};
-use crate::simd::{F64x16, LANES, U64x16};
+use crate::math::Point;
+use crate::simd::{F64x16, LANES, U64x16, ones};
 #[cfg(test)]
 pub(crate) use batch::EndBatch;
 pub(crate) use batch::{Hits, IncoherentSegments};
@@ -30,6 +31,7 @@ pub(super) use candidates::Candidates;
 pub(super) struct IncoherentSpace {
     candidates: Candidates,
     hits: Box<Hits>,
+    segments: Box<IncoherentSegments>,
 }
 
 impl Visibility<'_> {
@@ -45,7 +47,9 @@ impl Visibility<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let IncoherentSpace { candidates, hits } = &mut space.incoherent;
+                let IncoherentSpace {
+                    candidates, hits, ..
+                } = &mut space.incoherent;
                 self.shapes.nearest_all(simd, rays, candidates, hits);
                 points.begin(self.is_smooth);
                 for packet in 0..PACKETS {
@@ -81,7 +85,9 @@ impl Visibility<'_> {
         rays: &IncoherentRays,
         space: &'s mut Workspace,
     ) -> &'s Hits {
-        let IncoherentSpace { candidates, hits } = &mut space.incoherent;
+        let IncoherentSpace {
+            candidates, hits, ..
+        } = &mut space.incoherent;
         simd.vectorize(
             #[inline(always)]
             || self.shapes.nearest_all(simd, rays, candidates, hits),
@@ -103,5 +109,44 @@ impl Visibility<'_> {
             #[inline(always)]
             || self.shapes.free_all(simd, segments, candidates),
         )
+    }
+
+    /// L4 for points with a bit and a light that is very far away: the segments start at the points, beside which
+    /// the shapes are known to the last digits. As seen from the light they are not.
+    #[inline(never)]
+    pub(super) fn free_to_far_point<S: Simd>(
+        &self,
+        simd: S,
+        light: Point,
+        points: &Points,
+        facing: &[u32; PACKETS],
+        space: &mut Workspace,
+    ) -> [u32; PACKETS] {
+        let starts = points.starts();
+        let mut segments = std::mem::take(&mut space.incoherent.segments);
+        let mut slots = [0; BATCH];
+        segments.count = 0;
+        for (packet, &bits) in facing.iter().enumerate() {
+            for lane in ones(bits) {
+                let slot = packet * LANES + lane;
+                let start = vector(starts.position, slot);
+                let primitive = points.primitive[slot];
+                let segment = segments.count;
+                segments
+                    .start
+                    .set(segment, start, starts.error[slot], primitive);
+                segments.end.set(segment, light.0, 0.0, u64::MAX);
+                slots[segment] = slot;
+                segments.count += 1;
+            }
+        }
+        let free = self.free_incoherent(simd, &segments, space);
+        let mut lit = [0; PACKETS];
+        for (segment, &slot) in slots[..segments.count].iter().enumerate() {
+            let is_free = free[segment / LANES] >> (segment % LANES) & 1;
+            lit[slot / LANES] |= is_free << (slot % LANES);
+        }
+        space.incoherent.segments = segments;
+        lit
     }
 }

@@ -73,6 +73,10 @@ const MOST_SPREAD: f64 = 1.0 / 16.0;
 const FEW_SHAPES: usize = 64;
 const MOST_SPREAD_AMID_FEW: f64 = 1.0;
 
+/// A light so many times further away than points is no longer where their rays are measured from: its distance
+/// is rounded by more than 1e-8 of their coordinates.
+const FAR: f64 = 67_108_864.0; // 2²⁶
+
 /// What building a tree takes for each shape, at most; a test measures it.
 const BYTES_OF_TRIANGLE: u64 = 260;
 const BYTES_OF_SPHERE: u64 = 130;
@@ -240,4 +244,12 @@ impl<'w> Visibility<'w> {
     pub(crate) fn memory(&self) -> usize {
         self.shapes.memory() + self.parts.memory()
     }
+}
+
+/// Whether a light is so far away that segments are measured from the points.
+#[inline]
+fn is_far(light: Point, points: &Points) -> bool {
+    let [least, most] = points.bounds();
+    let reach = least.abs().max(most.abs()).max_element();
+    light.0.abs().max_element() > FAR * reach
 }

@@ -20,7 +20,7 @@ fn after(folder: &std::path::Path, words: &str, arguments: &str) -> Output {
 fn the_help_and_the_page_list_them() {
     let help = succeeds(folder().path(), "--help");
     let page = include_str!("../../docs/exit-codes.md");
-    for code in ["0", "1", "2", "75", "128 + n"] {
+    for code in ["0", "1", "2", "3", "75", "128 + n"] {
         let in_help = help
             .lines()
             .any(|line| line.trim_start().starts_with(&format!("{code}  ")));

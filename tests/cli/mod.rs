@@ -1,5 +1,6 @@
 //! The program as a user or a script meets it: exit codes, messages, files.
 
+mod diff;
 mod exit_codes;
 mod files;
 mod interruption;
@@ -8,6 +9,7 @@ mod new;
 mod probe;
 mod speaking;
 mod streams;
+mod verify;
 
 use std::fs;
 use std::path::Path;
@@ -21,11 +23,13 @@ use tempfile::TempDir;
 
 use crate::openimageio::{decode, oiiotool};
 
-const COMMANDS: [&str; 7] = [
+const COMMANDS: [&str; 9] = [
     "render",
     "tonemap",
     "check",
     "probe",
+    "verify",
+    "diff",
     "new",
     "completions",
     "schema",
@@ -188,9 +192,6 @@ fn wrong_usage() {
         "tonemap ball.exr --exposure nan",
         "tonemap ball.exr --exposure 1 --auto-exposure",
         "check",
-        "probe ball.toml",
-        "probe ball.toml --pixel 3",
-        "probe ball.toml --pixel -1,2",
         "completions klingon",
     ] {
         fails(folder.path(), arguments, 2);

@@ -243,3 +243,68 @@ fn a_probe_tells_the_lift() {
         }
     }
 }
+
+/// Several points in one call are what they are one by one; the renderer is asked at centers alone.
+#[test]
+fn probes_of_several_points() {
+    let folder = folder();
+    let several = "probe ball.toml --pixel 30,20 --pixel 30.5,20 --pixel 10.25,33.5 --json";
+    let reports: Value = serde_json::from_str(&succeeds(folder.path(), several)).unwrap();
+    let reports = reports.as_array().unwrap();
+    assert_eq!(reports.len(), 3);
+    assert_eq!(reports[0], probe(folder.path(), 30, 20));
+    assert_eq!(reports[0], reports[1]);
+    assert_eq!(reports[2]["pixel"], serde_json::json!([10, 33]));
+    assert_eq!(reports[2]["point"], serde_json::json!([10.25, 33.5]));
+    assert!(reports[2]["renderer"].is_null());
+    assert_eq!(reports[2]["hit"]["object"], "floor");
+    // A quarter of a pixel to the left of its center, it is a little different.
+    let center = probe(folder.path(), 10, 33);
+    assert_ne!(reports[2]["radiance"], center["radiance"]);
+    let table = succeeds(
+        folder.path(),
+        "probe ball.toml --pixel 30,20 --pixel 10.25,33.5",
+    );
+    assert!(
+        table.contains("Pixel (30, 20) of 60 × 40: object `ball`"),
+        "{table}"
+    );
+    assert!(
+        table.contains("Point (10.25, 33.5) of 60 × 40 pixels: object `floor`"),
+        "{table}"
+    );
+    assert_eq!(table.matches("renderer − equation").count(), 1, "{table}");
+    for point in ["60.0,1", "1,40.0", "59.5,1e9"] {
+        let message = fails(
+            folder.path(),
+            &format!("probe ball.toml --pixel {point}"),
+            1,
+        );
+        assert!(message.contains("is outside of the image"), "{message}");
+    }
+}
+
+#[test]
+fn a_region_is_probed_pixel_by_pixel() {
+    let folder = folder();
+    let json = succeeds(folder.path(), "probe ball.toml --region 28,18,31,20 --json");
+    let reports: Vec<Value> = serde_json::from_str(&json).unwrap();
+    let expected: Vec<Value> = (18..20)
+        .flat_map(|y| (28..31).map(move |x| [x, y]))
+        .map(|[x, y]| probe(folder.path(), x, y))
+        .collect();
+    assert_eq!(reports, expected);
+    let lines = succeeds(folder.path(), "probe ball.toml --region 0,0,60,40");
+    assert_eq!(lines.lines().count(), 60 * 40);
+    assert!(lines.starts_with("0,0  0.1 0.2 0.4 cd/m², "), "{lines}");
+    assert!(lines.contains(": `ball`, lit by `key`, "), "{lines}");
+    assert!(
+        lines.contains(": `floor`, in the shadow of `key`"),
+        "{lines}"
+    );
+    let message = fails(folder.path(), "probe ball.toml --region 0,0,61,40", 1);
+    assert!(
+        message.contains("--region 0,0,61,40 is not inside of the image"),
+        "{message}"
+    );
+}

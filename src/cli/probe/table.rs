@@ -8,6 +8,7 @@ use candela::oracle::{
 };
 
 use super::{Report, SpectralRadiance};
+use crate::cli::numbers::number;
 
 /// Characters of the longest bar of a spectrum.
 const BAR: f64 = 40.0;
@@ -27,26 +28,64 @@ enum Line {
 /// Lines, of which the rows are aligned at their decimal points.
 struct Table(Vec<Line>);
 
-/// One explained pixel as text.
+/// One explained point in a line: where, L_o, how far the renderer is from that, what is seen, and what becomes
+/// of each light.
+pub(super) fn line(report: &Report) -> String {
+    let [x, y] = report.pixel;
+    let explanation = &report.explanation;
+    let [r, g, b] = explanation.radiance.map(number);
+    let off = report.renderer.as_ref().map_or(0.0, |renderer| {
+        let largest = |most: f64, difference: &f64| most.max(difference.abs());
+        renderer.difference.iter().fold(0.0, largest)
+    });
+    let Some(hit) = &explanation.hit else {
+        return format!(
+            "{x},{y}  {r} {g} {b} cd/m², renderer ±{}: background",
+            number(off)
+        );
+    };
+    let mut line = format!(
+        "{x},{y}  {r} {g} {b} cd/m², renderer ±{}: `{}`",
+        number(off),
+        printable(&hit.object)
+    );
+    for light in &explanation.lights {
+        let outcome = match light.outcome {
+            Outcome::Lit => "lit by",
+            Outcome::Occluded => "in the shadow of",
+            Outcome::Below => "turned away from",
+            Outcome::Outside => "outside of the cone of",
+            Outcome::AtPoint => "at",
+        };
+        let _ = write!(line, ", {outcome} `{}`", printable(&light.name));
+    }
+    line
+}
+
+/// One explained point as text.
 pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
     let mut table = Table(Vec::new());
-    let [x, y] = report.pixel;
     let [width, height] = resolution;
+    let place_in_image = match &report.renderer {
+        Some(_) => {
+            let [x, y] = report.pixel;
+            format!("Pixel ({x}, {y}) of {width} × {height}")
+        }
+        None => {
+            let [x, y] = report.point;
+            format!("Point ({x}, {y}) of {width} × {height} pixels")
+        }
+    };
     let explanation = &report.explanation;
     match &explanation.hit {
         None => {
-            table.text(format!(
-                "Pixel ({x}, {y}) of {width} × {height}: nothing is there"
-            ));
+            table.text(format!("{place_in_image}: nothing is there"));
             table.gap();
             table.header(["R", "G", "B"]);
             table.row("background", explanation.radiance, "cd/m²");
         }
         Some(hit) => {
-            table.text(format!(
-                "Pixel ({x}, {y}) of {width} × {height}: {}",
-                place(hit)
-            ));
+            table.text(format!("{place_in_image}: {}", place(hit)));
             table.text("L_o = Σ L_i (r_d + r_s) V    L_i = I/d²");
             table.text(model(&hit.reflectance));
             match explanation.transport {
@@ -66,10 +105,12 @@ pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
             table.sum(explanation);
         }
     }
-    table.gap();
-    let rendered = report.renderer.radiance.map(f64::from);
-    table.row("renderer, in f32", rendered, "cd/m²");
-    table.row("renderer − equation", report.renderer.difference, "cd/m²");
+    if let Some(renderer) = &report.renderer {
+        table.gap();
+        let rendered = renderer.radiance.map(f64::from);
+        table.row("renderer, in f32", rendered, "cd/m²");
+        table.row("renderer − equation", renderer.difference, "cd/m²");
+    }
     if let Some(spectrum) = &report.spectrum {
         table.spectrum(spectrum);
     }
@@ -377,60 +418,4 @@ fn at_point(number: &str) -> (&str, &str) {
 fn vector(v: [f64; 3]) -> String {
     let [x, y, z] = v.map(number);
     format!("({x}, {y}, {z})")
-}
-
-/// A number with six significant digits and no zeros at its end: for reading; JSON has them all.
-fn number(value: f64) -> String {
-    const DIGITS: i32 = 6;
-    if value == 0.0 || !value.is_finite() {
-        // Without the sign that −0 has.
-        return format!("{}", value + 0.0);
-    }
-    // Rounded first: 0.99999996 has its first digit before the point.
-    let scientific = format!("{value:.*e}", (DIGITS - 1) as usize);
-    let Some((mantissa, exponent)) = scientific.split_once('e') else {
-        return scientific;
-    };
-    match exponent.parse::<i32>() {
-        Ok(exponent @ -4..=DIGITS) => {
-            let decimals = (DIGITS - 1 - exponent).max(0);
-            without_zeros(&format!("{value:.*}", decimals as usize)).to_owned()
-        }
-        Ok(_) | Err(_) => format!("{}e{exponent}", without_zeros(mantissa)),
-    }
-}
-
-/// `1.50` → `1.5`, `2.00` → `2`, `100` → `100`
-fn without_zeros(number: &str) -> &str {
-    if number.contains('.') {
-        number.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        number
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn six_significant_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (1.0, "1"),
-            (-30.0, "-30"),
-            (0.1 + 0.2, "0.3"),
-            (2.0 / 3.0, "0.666667"),
-            (1e6 / 3.0, "333333"),
-            (0.999_999_96, "1"),
-            (0.000_123_456_78, "0.000123457"),
-            (1.234_567_8e-9, "1.23457e-9"),
-            (1.5e11, "1.5e11"),
-            (1_234_567.0, "1234567"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(number(value), text);
-        }
-    }
 }

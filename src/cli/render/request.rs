@@ -27,7 +27,9 @@ impl Request {
         camera: &Camera,
     ) -> Result<Self, Failure> {
         arguments.layers.check(world)?;
-        let crop = arguments.crop.map(|crop| crop.within(camera.resolution()));
+        let crop = arguments
+            .crop
+            .map(|crop| crop.within("--crop", camera.resolution()));
         let options = Options {
             samples: arguments.samples,
             window: crop.transpose()?,

@@ -1,6 +1,7 @@
 //! The blocks of a part, read and decoded by many threads, as rows of R, G, B, A.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -19,7 +20,7 @@ const BAND: u64 = 1 << 21;
 /// The rows of a part.
 #[derive(Debug)]
 pub(super) struct Blocks {
-    source: Source,
+    source: Arc<Source>,
     /// The number that chunks of this part begin with, where they have one.
     number: Option<i32>,
     pub(super) geometry: Geometry,
@@ -41,7 +42,7 @@ struct Samples {
 
 impl Blocks {
     pub(super) fn new(
-        source: Source,
+        source: Arc<Source>,
         headers: &Headers,
         shown: Shown,
         weights: [f64; 3],
@@ -310,6 +311,81 @@ impl Blocks {
             }
         }
         Ok(samples)
+    }
+
+    /// Every sample of these channels, each by itself, row by row of the whole data window. A channel of fewer
+    /// samples than pixels is repeated.
+    pub(super) fn planes(&self, wanted: &[usize]) -> Result<Vec<Vec<f32>>, ExrProblem> {
+        let [width, height] = self.geometry.size;
+        let width = width as usize;
+        let mut planes = Vec::new();
+        for _ in wanted {
+            let mut plane = Vec::new();
+            super::resize(&mut plane, width * height as usize, 0.0_f32)?;
+            planes.push(plane);
+        }
+        // Each row of blocks has its own lines of every plane.
+        let lines = self.geometry.block[1];
+        let mut rests: Vec<&mut [f32]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
+        let mut jobs = Vec::new();
+        for row in 0..self.geometry.blocks[1] {
+            let height = self.geometry.rectangle(0, row).height as usize;
+            let here = rests.iter_mut().map(|rest| {
+                let (here, below) = std::mem::take(rest).split_at_mut(height * width);
+                *rest = below;
+                here
+            });
+            jobs.push((row, here.collect::<Vec<_>>()));
+        }
+        jobs.into_par_iter().try_for_each(|(row, mut planes)| {
+            (0..self.geometry.blocks[0]).try_for_each(|column| {
+                let (block, decoded) = self.block(column, row)?;
+                self.part(block, &decoded, row * lines, wanted, &mut planes);
+                Ok::<(), ExrProblem>(())
+            })
+        })?;
+        if self.codec.is_sampled() {
+            for (plane, &channel) in planes.iter_mut().zip(wanted) {
+                let step = self.codec.channels()[channel].sampling[1] as usize;
+                for line in (0..height as usize).filter(|line| line % step != 0) {
+                    let from = (line - line % step) * width;
+                    plane.copy_within(from..from + width, line * width);
+                }
+            }
+        }
+        Ok(planes)
+    }
+
+    /// Parts a block into the planes of these channels, of the lines from `top` on.
+    fn part(
+        &self,
+        block: Rectangle,
+        decoded: &[u8],
+        top: u32,
+        wanted: &[usize],
+        planes: &mut [&mut [f32]],
+    ) {
+        let width = self.geometry.size[0] as usize;
+        let mut rest = decoded;
+        for line in block.top..block.top + block.height {
+            for (number, channel) in self.codec.channels().iter().enumerate() {
+                let count = self.codec.in_line(channel, block, line);
+                let (here, below) = rest.split_at(count * channel.kind.bytes());
+                rest = below;
+                let step = channel.sampling[0] as usize;
+                let start = (line - top) as usize * width + block.left as usize;
+                for (_, plane) in wanted
+                    .iter()
+                    .zip(&mut *planes)
+                    .filter(|(w, _)| **w == number)
+                {
+                    let target = &mut plane[start..start + block.width as usize];
+                    for (pixels, value) in target.chunks_mut(step).zip(values(channel, here)) {
+                        pixels.fill(value);
+                    }
+                }
+            }
+        }
     }
 
     /// Reads and decodes a block.

@@ -23,6 +23,13 @@ pub struct ColorMeaning {
     pub warning: Option<String>,
 }
 
+impl ColorMeaning {
+    /// Whether R, G, B of both mean the same colors, as far as files are exact.
+    pub fn is_same(&self, other: &Self) -> bool {
+        agree(&self.primaries, &other.primaries)
+    }
+}
+
 /// How far chromaticities in old files are off, as the Color Interop Forum has it.
 const CHROMATICITY_TOLERANCE: f64 = 0.001;
 

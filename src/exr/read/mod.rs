@@ -23,6 +23,7 @@
 
 mod b44;
 mod blocks;
+mod channels;
 mod chroma;
 mod codec;
 mod color;
@@ -34,8 +35,10 @@ mod source;
 use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use blocks::Blocks;
+pub use channels::{ChannelName, DataWindow, ExrChannels};
 pub use color::{ColorMeaning, ColorTag};
 use header::Headers;
 use source::Source;
@@ -151,6 +154,15 @@ fn listed(names: &[String]) -> String {
     list
 }
 
+/// Why deep pixels are not read.
+fn deep() -> ExrProblem {
+    ExrProblem::Unsupported(
+        "it has deep pixels, many samples in each; flatten it first, as by \
+         `oiiotool in.exr --flatten -o out.exr`"
+            .to_owned(),
+    )
+}
+
 fn damaged(reason: &str) -> ExrProblem {
     ExrProblem::Damaged(reason.to_owned())
 }
@@ -236,11 +248,7 @@ impl ExrReader {
         };
         let part = &headers.parts[shown.part];
         if part.is_deep {
-            return Err(ExrProblem::Unsupported(
-                "it has deep pixels, many samples in each; flatten it first, as by \
-                 `oiiotool in.exr --flatten -o out.exr`"
-                    .to_owned(),
-            ));
+            return Err(deep());
         }
         let color = if shown.channels.is_color() {
             part.color.clone()
@@ -255,7 +263,7 @@ impl ExrReader {
             pixel_aspect: part.pixel_aspect,
             has_alpha: shown.alpha.is_some(),
             color,
-            blocks: Blocks::new(source, &headers, shown, weights)?,
+            blocks: Blocks::new(Arc::new(source), &headers, shown, weights)?,
         })
     }
 

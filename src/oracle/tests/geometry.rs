@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::mesh::{MeshGroup, MeshRemarks};
-use crate::oracle::vector::{dot, length, subtract, unit};
+use crate::oracle::vector::{add, dot, length, narrowed, subtract, unit};
 
 fn normal_and_geometric(scene: &Builder) -> ([f64; 3], [f64; 3]) {
     let hit = scene.oracle().explain(0.5, 0.5).hit.unwrap();
@@ -187,7 +187,7 @@ fn meshes_are_scaled_then_rotated_about_x_y_z_then_moved() {
         let scene = Builder::looking([0.0, 0.0, 100.0], [0.0; 3]).mesh(&mesh, placed);
         match scene.oracle().surfaces[0].shape {
             crate::oracle::Shape::Triangle { vertices, .. } => {
-                [0, 1, 2].map(|i| vertices[0][i] + [0.0, 0.0, 100.0][i])
+                add(narrowed(vertices[0]), [0.0, 0.0, 100.0])
             }
             _ => unreachable!("a mesh has only triangles"),
         }
@@ -259,6 +259,7 @@ fn normals_stay_square_to_a_surface_that_is_stretched() {
             else {
                 unreachable!("a mesh has only triangles");
             };
+            let vertices = vertices.map(narrowed);
             let center = [0, 1, 2].map(|i| vertices.iter().map(|v| v[i] / 3.0).sum());
             let scene = Builder::looking([0.0; 3], center).mesh(&mesh, placed);
             let (normal, geometric) = normal_and_geometric(&scene);

@@ -157,7 +157,10 @@ fn directional_albedo(material: &Lit, to_viewer: [f64; 3]) -> f64 {
     let n = [0.0, 0.0, 1.0];
     over_hemisphere(|to_light| {
         let cos_lobe = dot(to_viewer, ideal_reflection(n, to_light)).max(0.0);
-        material.reflectance(to_light[2], cos_lobe).sum().0[0]
+        material
+            .reflectance(to_light[2].into(), cos_lobe.into())
+            .sum()
+            .0[0]
     })
 }
 

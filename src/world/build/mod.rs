@@ -5,6 +5,7 @@ mod color;
 mod light;
 mod material;
 mod mesh;
+mod range;
 mod shapes;
 
 use std::collections::HashMap;
@@ -223,6 +224,7 @@ impl<'a> Builder<'a> {
             },
         );
         self.look_for_objects();
+        self.check_heights();
         // After an error a spectrum may be missing; then the world is dropped.
         if self.is_spectral && self.diagnostics.is_empty() {
             let materials = world.used_materials();

@@ -27,28 +27,33 @@ impl Builder<'_> {
         let shape = match &entry.value {
             scene::Object::Sphere { center, radius, .. } => {
                 let center = self.position("center", *center);
-                let radius = self.length("radius", *radius);
+                let length = self.length("radius", *radius);
                 self.reserve(&mut world.spheres, 1)?;
+                let (center, length) = (center?, length?);
+                self.check_radius(center, length, *radius)?;
                 world.spheres.push(Sphere {
-                    center: center?,
-                    radius: radius?,
+                    center,
+                    radius: length,
                     object: id,
                 });
                 Shape::Sphere(world.spheres.len() - 1)
             }
             scene::Object::Plane { point, normal, .. } => {
-                let point = self.position("point", *point);
-                let normal = self.direction("normal", *normal);
+                let position = self.position("point", *point);
+                let direction = self.direction("normal", *normal);
                 self.reserve(&mut world.planes, 1)?;
+                let (position, direction) = (position?, direction?);
                 world.planes.push(Plane {
-                    point: point?,
-                    normal: normal?,
+                    point: self.near_point(position, point.value, normal.value),
+                    normal: direction,
                     object: id,
                 });
                 Shape::Plane(world.planes.len() - 1)
             }
             scene::Object::Triangle { vertices, .. } => {
+                let first = world.triangles.len();
                 self.triangle(vertices, id, &mut world.triangles)?;
+                self.check_triangles(world, first, "vertices", vertices.span)?;
                 Shape::Mesh(world.triangles.meshes.len() - 1)
             }
             scene::Object::Mesh {
@@ -66,6 +71,7 @@ impl Builder<'_> {
                     self.report(file.span, Problem::Conflict(conflict));
                     return Err(Reported);
                 }
+                let first = world.triangles.len();
                 self.mesh(
                     geometry,
                     *smooth,
@@ -74,6 +80,7 @@ impl Builder<'_> {
                     file,
                     &mut world.triangles,
                 )?;
+                self.check_triangles(world, first, "file", file.span)?;
                 if let Some(mesh) = world.triangles.meshes.last_mut() {
                     mesh.shadow_terminator = *shadow_terminator;
                 }
