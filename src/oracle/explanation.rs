@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::hit::Hit;
 use super::lighting::Model;
 use super::vector::{add, narrowed, widened};
-use super::wide::Real;
+use super::wide::{ROUNDING, Real};
 use super::{Lamp, Oracle};
 
 /// L9 at one point of the image with all its terms, as `candela probe --json` writes it.
@@ -165,7 +165,7 @@ impl Oracle {
                 specular: self.palette.under_white(&object.material.specular),
                 shininess: object.material.shininess,
             },
-            position: narrowed(add(hit.position, widened(self.reference))),
+            position: self.as_written(hit),
             normal: narrowed(hit.normal),
             geometric_normal: narrowed(hit.geometric_normal),
             to_viewer: narrowed(hit.to_viewer),
@@ -173,6 +173,19 @@ impl Oracle {
             distance: hit.distance.narrow(),
             depth: self.camera.depth(hit.position),
         }
+    }
+
+    /// p from the scene's origin. What is smaller than the rounding of the numbers it is a sum of is 0.
+    fn as_written(&self, hit: &Hit) -> [f64; 3] {
+        let size = [0, 1, 2].map(|axis| self.reference[axis].abs() + hit.distance.narrow());
+        let position = narrowed(add(hit.position, widened(self.reference)));
+        [0, 1, 2].map(|axis| {
+            if position[axis].abs() <= ROUNDING * size[axis] {
+                0.0
+            } else {
+                position[axis]
+            }
+        })
     }
 
     /// L3 to L8 for one light, for reading.

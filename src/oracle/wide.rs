@@ -9,6 +9,9 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// 2⁻¹⁰⁰, by which one operation is off at most.
+pub(super) const ROUNDING: f64 = 1.0 / (1_u128 << 100) as f64;
+
 /// high + low, |low| at most half the last place of high.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Wide {
@@ -186,9 +189,6 @@ mod tests {
     fn wide(value: f64) -> Wide {
         Wide::from(value)
     }
-
-    /// 2⁻¹⁰⁰
-    const ROUNDING: f64 = 7.9e-31;
 
     #[track_caller]
     fn assert_near(actual: Wide, expected: Wide) {
