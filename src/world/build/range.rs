@@ -48,6 +48,15 @@ fn exact_height(n: DVec3, a: DVec3, b: DVec3) -> f64 {
     sum + rest
 }
 
+/// What is rounding of n·v where components of a normal are so small beside its largest, 1, that they are roundings
+/// of 0, as the cosine of 90° is.
+fn of_zeros(n: DVec3, v: DVec3) -> f64 {
+    let is_rounding = n.abs().cmplt(DVec3::splat(ON));
+    (n * v)
+        .abs()
+        .dot(DVec3::select(is_rounding, DVec3::ONE, DVec3::ZERO))
+}
+
 impl Builder<'_> {
     fn eye(&self) -> DVec3 {
         DVec3::from_array(self.scene.camera.value.view().eye.value)
@@ -177,7 +186,8 @@ impl Builder<'_> {
                 let sizes = light.abs() + point.abs();
                 let across = normal.abs().dot(sizes) / normal_length;
                 let of_normal = if size > 0.0 { reach } else { 0.0 };
-                if height.abs() >= least || height.abs() <= ON * (across + of_normal) {
+                let rounding = ON * (across + of_normal) + of_zeros(normal, light - point);
+                if height.abs() >= least || height.abs() <= rounding {
                     continue;
                 }
                 // What is not finite is said elsewhere.
@@ -203,6 +213,16 @@ impl Builder<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cosine_of_a_right_angle_is_rounding() {
+        let (sine, cosine) = std::f64::consts::FRAC_PI_2.sin_cos();
+        let light = DVec3::new(0.0, 2.0, 0.0);
+        let n = DVec3::new(sine, cosine, 0.0);
+        assert_eq!(of_zeros(n, light), 2.0 * cosine);
+        assert_eq!(of_zeros(DVec3::new(1.0, 1e-3, 0.0), light), 0.0);
+        assert_eq!(of_zeros(DVec3::Y, DVec3::new(2.0, 1e-15, 0.0)), 0.0);
+    }
 
     #[test]
     fn heights_are_exact_where_terms_cancel() {
