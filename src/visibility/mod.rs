@@ -34,10 +34,6 @@ mod question;
 mod ray_batch;
 mod rays;
 mod search;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "lights with a size and error targets are to ask")
-)]
 mod shaft;
 mod shape;
 mod shapes;
@@ -54,6 +50,7 @@ pub(crate) use incoherent::IncoherentSegments;
 pub(crate) use points::Facing;
 pub(crate) use points::Points;
 pub(crate) use ray_batch::{IncoherentRays, RayBatch};
+pub(crate) use shaft::{Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace};
 
 use crate::math::{DVec3, Point};
 use crate::memory::{self, OutOfMemory};
@@ -110,6 +107,11 @@ pub(crate) enum SegmentBatch<'s> {
     },
     /// Nothing.
     Any(&'s IncoherentSegments),
+}
+
+/// The object of a shape, and of a mesh its triangle, from what answers name it by.
+pub(crate) fn object_and_triangle(shape: u64) -> (u32, u32) {
+    primitive::Primitive(shape).parts()
 }
 
 /// What a thread needs to trace batches, to be used again and again.

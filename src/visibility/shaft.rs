@@ -26,11 +26,15 @@ use super::primitive::Primitive;
 use super::shapes::Shapes;
 use super::tree::{Bounds, EMPTY_STACK, HalfSpace, MOST_SIDES, Stack};
 use crate::math::DVec3;
-use solid::{CornerRay, Solid};
+use crate::world::{Shape, World};
+use solid::{Common, Cone, CornerRay, Solid};
 
 /// How far a depth along the middle of a shaft is off, over the largest coordinates: it is a scalar product, and each
 /// of its three terms is off by [`MARGIN`](solid::MARGIN).
 const DEPTH_MARGIN: f64 = solid::MARGIN * 3.0;
+
+/// The corners of a box and a point.
+const MOST_CORNERS: usize = 64;
 
 /// All rays of a kind.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +57,13 @@ pub(crate) enum Shaft {
     /// Segments from all points of a box, by its least and its largest coordinates, to one point.
     ToPoint { from: [DVec3; 2], to: DVec3 },
     /// Segments from all points of a box to all points of another one.
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "for lights with an extent, which are still to come"
+        )
+    )]
     ToBox { from: [DVec3; 2], to: [DVec3; 2] },
 }
 
@@ -83,6 +94,7 @@ pub(crate) enum ShaftAnswer {
 /// What a thread needs for shafts, to be used again and again.
 #[derive(Debug)]
 pub(crate) struct ShaftSpace {
+    hull: Box<Hull>,
     stack: Box<Stack>,
     met: Vec<Met>,
     /// The shapes of the last answer, in the order of the scene.
@@ -103,13 +115,19 @@ struct Met {
 /// A shaft's corners and borders.
 #[derive(Clone, Debug)]
 struct Hull {
-    corners: [CornerRay; 64],
+    corners: [CornerRay; MOST_CORNERS],
     count: usize,
     half_spaces: [HalfSpace; MOST_SIDES],
     sides: usize,
     /// The middle, a unit vector.
     along: DVec3,
     kind: Kind,
+    /// What all rays have in common.
+    common: Common,
+    /// Whether what is met is met from the starts of its rays on.
+    is_from_start: bool,
+    /// A cone around all rays from or to a point.
+    cone: Option<Cone>,
     /// The largest coordinate of all corners.
     size: f64,
 }
@@ -128,6 +146,7 @@ enum Kind {
 impl Default for ShaftSpace {
     fn default() -> Self {
         Self {
+            hull: Box::new(Hull::EMPTY),
             stack: Box::new(EMPTY_STACK),
             met: Vec::new(),
             list: Vec::new(),
@@ -136,16 +155,33 @@ impl Default for ShaftSpace {
 }
 
 impl Hull {
-    fn of(shaft: &Shaft) -> Self {
-        let mut hull = Self {
-            corners: [CornerRay::default(); 64],
-            count: 0,
-            half_spaces: [HalfSpace::default(); MOST_SIDES],
-            sides: 0,
-            along: DVec3::Z,
-            kind: Kind::Boxes,
-            size: 0.0,
-        };
+    const EMPTY: Self = Self {
+        corners: [CornerRay {
+            start: DVec3::ZERO,
+            way: DVec3::ZERO,
+            is_endless: false,
+        }; MOST_CORNERS],
+        count: 0,
+        half_spaces: [HalfSpace {
+            normal: DVec3::ZERO,
+            offset: 0.0,
+        }; MOST_SIDES],
+        sides: 0,
+        along: DVec3::Z,
+        kind: Kind::Boxes,
+        common: Common::Nothing,
+        is_from_start: false,
+        cone: None,
+        size: 0.0,
+    };
+
+    /// Becomes the hull of a shaft.
+    fn set(&mut self, shaft: &Shaft) {
+        let hull = self;
+        (hull.count, hull.sides) = (0, 0);
+        (hull.along, hull.kind) = (DVec3::Z, Kind::Boxes);
+        (hull.common, hull.cone) = (Common::Nothing, None);
+        hull.is_from_start = false;
         match *shaft {
             Shaft::Perspective {
                 eye,
@@ -155,6 +191,8 @@ impl Hull {
             } => {
                 let starts = directions.map(|direction| eye + direction * near);
                 (hull.along, hull.kind) = (forward, Kind::Point(eye));
+                hull.common = Common::Point(eye);
+                hull.is_from_start = near == 0.0;
                 hull.add_window(starts, directions, far - near);
                 hull.add_sides(eye, directions);
                 hull.add_depths(eye.dot(forward), [near, far]);
@@ -166,6 +204,8 @@ impl Hull {
             } => {
                 let [a, b, _, d] = starts;
                 (hull.along, hull.kind) = (forward, Kind::Parallel);
+                hull.common = Common::Direction(forward);
+                hull.is_from_start = near == 0.0;
                 let at_near = starts.map(|start| start + forward * near);
                 hull.add_window(at_near, [forward; 4], far - near);
                 let (across, down) = (b - a, d - a);
@@ -174,7 +214,10 @@ impl Hull {
                 }
                 hull.add_depths(a.dot(forward), [near, far]);
             }
-            Shaft::ToPoint { from, to } => hull.add_boxes(from, [to, to]),
+            Shaft::ToPoint { from, to } => {
+                hull.common = Common::Point(to);
+                hull.add_boxes(from, [to, to]);
+            }
             Shaft::ToBox { from, to } => hull.add_boxes(from, to),
         }
         let corners = &hull.corners[..hull.count];
@@ -186,10 +229,10 @@ impl Hull {
             };
             f64::max(size, corner.start.abs().max(end.abs()).max_element())
         });
-        if let Kind::Point(eye) = hull.kind {
-            hull.size = hull.size.max(eye.abs().max_element());
+        if let Common::Point(point) = hull.common {
+            hull.size = hull.size.max(point.abs().max_element());
+            hull.cone = Cone::around(point, hull.corners());
         }
-        hull
     }
 
     fn add_window(&mut self, starts: [DVec3; 4], directions: [DVec3; 4], length: f64) {
@@ -274,9 +317,13 @@ impl Hull {
         self.along = middle.normalize_or(DVec3::Z);
         let all = from_box.union(to_box);
         for axis in 0..3 {
-            let normal = DVec3::AXES[axis];
-            self.add_side(all.min, normal);
-            self.add_side(all.max, -normal);
+            for (normal, offset) in [
+                (DVec3::AXES[axis], all.min[axis]),
+                (-DVec3::AXES[axis], -all.max[axis]),
+            ] {
+                self.half_spaces[self.sides] = HalfSpace { normal, offset };
+                self.sides += 1;
+            }
         }
         for axis in 0..3 {
             self.add_bridges(axis, from, to);
@@ -332,6 +379,9 @@ impl Hull {
 
     /// How deep all rays have entered a shape at most, if it is certain that they all do.
     fn cover(&self, solid: &Solid) -> Option<f64> {
+        if self.is_from_start && solid.is_around(self.corners()) {
+            return Some(solid.farthest(self.along));
+        }
         let mut deepest = f64::NEG_INFINITY;
         for corner in self.corners() {
             let at = solid.enters(corner)?;
@@ -392,9 +442,9 @@ impl Visibility<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let hull = Hull::of(shaft);
+                space.hull.set(shaft);
                 let mut search = ShaftSearch {
-                    hull: &hull,
+                    hull: &space.hull,
                     question,
                     except: Primitive(except),
                     most,
@@ -409,6 +459,60 @@ impl Visibility<'_> {
                 answer
             },
         )
+    }
+}
+
+impl Visibility<'_> {
+    /// The same, of some shapes alone, such as those that a shaft around this one may meet.
+    pub(crate) fn shaft_among(
+        &self,
+        shaft: &Shaft,
+        question: ShaftQuestion,
+        except: u64,
+        shapes: &[u64],
+        space: &mut ShaftSpace,
+    ) -> ShaftAnswer {
+        space.hull.set(shaft);
+        let mut search = ShaftSearch {
+            hull: &space.hull,
+            question,
+            except: Primitive(except),
+            most: usize::MAX,
+            met: std::mem::take(&mut space.met),
+            limit: f64::INFINITY,
+            ended: None,
+        };
+        search.met.clear();
+        for &shape in shapes {
+            search.offer(
+                Primitive(shape),
+                solid_of(self.shapes.world, Primitive(shape)),
+            );
+        }
+        let answer = search.answer(&mut space.list);
+        space.met = search.met;
+        answer
+    }
+}
+
+fn solid_of(world: &World, primitive: Primitive) -> Solid {
+    let (object, triangle) = primitive.parts();
+    match world.objects()[object as usize].shape {
+        Shape::Sphere(index) => {
+            let sphere = &world.spheres()[index];
+            Solid::Sphere {
+                center: sphere.center.0,
+                radius: sphere.radius,
+            }
+        }
+        Shape::Plane(index) => {
+            let plane = &world.planes()[index];
+            Solid::Plane {
+                point: plane.point.0,
+                normal: plane.normal.get(),
+            }
+        }
+        Shape::Mesh(_) => Solid::Triangle(world.triangles().vertices(triangle)),
     }
 }
 
@@ -481,7 +585,11 @@ impl ShaftSearch<'_> {
         let hull = self.hull;
         if primitive == self.except
             || self.ended.is_some()
+            || hull
+                .cone
+                .is_some_and(|cone| solid.is_outside(&cone, hull.size))
             || solid.is_beside(hull.half_spaces(), hull.corners(), hull.size)
+            || solid.is_passed(hull.common, hull.corners(), hull.size)
         {
             return;
         }

@@ -30,6 +30,59 @@ impl CornerRay {
     }
 }
 
+/// What all rays of a shaft have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Common {
+    /// The point that they start from, or end at.
+    Point(DVec3),
+    /// Their direction, a unit vector.
+    Direction(DVec3),
+    Nothing,
+}
+
+/// A cone around all rays from or to its tip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    tip: DVec3,
+    /// Unit vector.
+    axis: DVec3,
+    sine: f64,
+    cosine: f64,
+    /// How far from the tip the rays get; infinite where they have no end.
+    length: f64,
+}
+
+impl Cone {
+    /// Around corners; `None` where they are not all on one side of the tip.
+    pub(super) fn around(tip: DVec3, corners: &[CornerRay]) -> Option<Self> {
+        let ways = || corners.iter().map(|corner| corner.from(tip));
+        let axis = ways()
+            .map(DVec3::normalize_or_zero)
+            .sum::<DVec3>()
+            .try_normalize()?;
+        let (mut cosine, mut length) = (1.0_f64, 0.0_f64);
+        for (way, corner) in ways().zip(corners) {
+            cosine = cosine.min(way.dot(axis) / way.length());
+            let [start, end] = [corner.start, corner.start + corner.way].map(|at| at - tip);
+            let reach = start.length().max(end.length());
+            length = length.max(if corner.is_endless {
+                f64::INFINITY
+            } else {
+                reach
+            });
+        }
+        // Wider by what f64 does not tell.
+        let cosine = cosine - MARGIN;
+        (cosine > 0.0).then(|| Self {
+            tip,
+            axis,
+            sine: (1.0 - cosine * cosine).sqrt(),
+            cosine,
+            length,
+        })
+    }
+}
+
 /// Where the plane of a flat shape is from a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Side {
@@ -47,6 +100,14 @@ impl Side {
         } else {
             Self::Unclear
         }
+    }
+
+    /// Whether both are clear and not the same.
+    fn is_opposite(self, other: Self) -> bool {
+        matches!(
+            (self, other),
+            (Self::Above, Self::Below) | (Self::Below, Self::Above)
+        )
     }
 }
 
@@ -102,6 +163,23 @@ impl Solid {
         Side::of(normal.dot(of - point), room * normal.abs().element_sum())
     }
 
+    /// Whether it is a sphere that is certainly outside of a cone.
+    pub(super) fn is_outside(&self, cone: &Cone, size: f64) -> bool {
+        let Self::Sphere { center, radius } = *self else {
+            return false;
+        };
+        let room = (self.size() + size) * MARGIN * 4.0;
+        let way = center - cone.tip;
+        let along = way.dot(cone.axis);
+        let square = way.length_squared();
+        let across = (square - along * along).max(0.0).sqrt();
+        // The difference of squares may have lost half of its digits.
+        let room_across = 1e-7 * square.sqrt() + room;
+        let most = radius + room;
+        across * cone.cosine - along * cone.sine > most + room_across
+            || square.sqrt() - most > cone.length
+    }
+
     /// Whether it is certain that no ray of a shaft meets it: all of it is on the outer side of a half-space, or
     /// all of the shaft on one side of its plane.
     pub(super) fn is_beside(
@@ -112,7 +190,11 @@ impl Solid {
     ) -> bool {
         let room = (self.size() + size) * MARGIN * 3.0;
         let is_outside = half_spaces.iter().any(|half_space| {
-            let [_, most] = self.reach(half_space.normal);
+            let most = match *self {
+                // The normals of half-spaces are unit vectors.
+                Self::Sphere { center, radius } => half_space.normal.dot(center) + radius,
+                Self::Triangle(_) | Self::Plane { .. } => self.reach(half_space.normal)[1],
+            };
             most < half_space.offset - room * half_space.normal.abs().max_element()
         });
         is_outside || self.flat().is_some_and(|flat| self.is_off(flat, corners))
@@ -135,6 +217,31 @@ impl Solid {
                 };
                 self.side(flat, corner.start) == side && end == side
             })
+    }
+
+    /// Whether all rays pass by it, on the outer side of a plane through what all rays have in common and an edge of a
+    /// triangle, or a plane that is between the rays and a sphere.
+    pub(super) fn is_passed(&self, common: Common, corners: &[CornerRay], size: f64) -> bool {
+        let room = (self.size() + size) * MARGIN;
+        match *self {
+            Self::Triangle(vertices) => (0..3).any(|edge| {
+                let edge = [0, 1, 2].map(|next| vertices[(edge + next) % 3]);
+                passes_edge(common, corners, edge, room)
+            }),
+            Self::Sphere { center, radius } => passes_ball(common, corners, center, radius, room),
+            Self::Plane { .. } => false,
+        }
+    }
+
+    /// Whether rays without an end start inside of a sphere, so that all of them leave it.
+    pub(super) fn is_around(&self, corners: &[CornerRay]) -> bool {
+        let Self::Sphere { center, radius } = *self else {
+            return false;
+        };
+        corners.iter().all(|corner| {
+            let room = (self.size() + corner.size()) * MARGIN * 3.0;
+            corner.is_endless && (corner.start - center).length() < radius - room
+        })
     }
 
     /// Where at most a corner of a shaft enters it, as a part of the way; `None` if it is not certain that it
@@ -264,4 +371,102 @@ fn passes_between(corner: &CornerRay, corners: [DVec3; 3], room: f64) -> bool {
     };
     let sides = [volume(a, b), volume(b, c), volume(c, a)];
     sides[0] != Side::Unclear && sides.iter().all(|&side| side == sides[0])
+}
+
+impl CornerRay {
+    /// From a point that its line goes through.
+    fn from(&self, point: DVec3) -> DVec3 {
+        if self.is_endless || self.start == point {
+            self.way
+        } else {
+            self.start - point
+        }
+    }
+}
+
+/// Whether all rays are on the other side of the edge from a to b than c.
+fn passes_edge(common: Common, corners: &[CornerRay], [a, b, c]: [DVec3; 3], room: f64) -> bool {
+    let edge = (b - a).length();
+    match common {
+        Common::Point(point) => {
+            let [a, b, c] = [a - point, b - point, c - point];
+            let normal = a.cross(b);
+            let ends = a.length() + b.length() + edge;
+            // The edge and the end of the way may be beside where they are by the room.
+            let of = |way: DVec3| {
+                let room = room * (way.length() * ends + normal.length());
+                Side::of(normal.dot(way), room)
+            };
+            let inner = of(c);
+            let mut ways = corners.iter().map(|corner| corner.from(point));
+            ways.all(|way| of(way).is_opposite(inner))
+        }
+        Common::Direction(direction) => {
+            let normal = (b - a).cross(direction);
+            let of = |point: DVec3| {
+                let way = point - a;
+                let room = room * (way.length() + edge + normal.length());
+                Side::of(normal.dot(way), room)
+            };
+            let inner = of(c);
+            corners
+                .iter()
+                .all(|corner| of(corner.start).is_opposite(inner))
+        }
+        Common::Nothing => false,
+    }
+}
+
+/// Whether a ball is beyond a plane that all rays are before.
+fn passes_ball(
+    common: Common,
+    corners: &[CornerRay],
+    center: DVec3,
+    radius: f64,
+    room: f64,
+) -> bool {
+    match common {
+        Common::Point(point) => {
+            let to_center = center - point;
+            let middle: DVec3 = corners
+                .iter()
+                .map(|corner| corner.from(point).normalize())
+                .sum();
+            let Some(middle) = middle.try_normalize() else {
+                return false;
+            };
+            let Some(aside) = to_center.reject_from_normalized(middle).try_normalize() else {
+                return false;
+            };
+            // The plane through the point that just has all ways before it.
+            let mut steepest = f64::NEG_INFINITY;
+            for corner in corners {
+                let way = corner.from(point);
+                let along = way.dot(middle);
+                let is_ahead = along > 0.0;
+                if !is_ahead {
+                    return false;
+                }
+                // A way that starts at the point is as exact as its length, another one as its end.
+                let length = way.length();
+                let error = if corner.is_endless {
+                    MARGIN * length
+                } else {
+                    room
+                };
+                steepest = steepest.max((way.dot(aside) + 2.0 * error) / along);
+            }
+            let normal = aside - middle * steepest;
+            to_center.dot(normal) > (radius + 2.0 * room) * normal.length()
+        }
+        Common::Direction(direction) => {
+            let aside = (center - corners[0].start).reject_from_normalized(direction);
+            let Some(aside) = aside.try_normalize() else {
+                return false;
+            };
+            let far = |corner: &CornerRay| (center - corner.start).dot(aside) > radius + 4.0 * room;
+            corners.iter().all(far)
+        }
+        Common::Nothing => false,
+    }
 }
