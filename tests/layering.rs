@@ -13,7 +13,7 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 23] = [
+const MAY_USE: [(&str, &[&str]); 24] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
@@ -48,6 +48,10 @@ const MAY_USE: [(&str, &[&str]); 23] = [
     ("turns", &[]),
     ("image", &["color"]),
     (
+        "quadrature",
+        &["world", "camera", "visibility", "image", "math", "simd"],
+    ),
+    (
         "exr",
         &[
             "image",
@@ -66,6 +70,7 @@ const MAY_USE: [(&str, &[&str]); 23] = [
             "camera",
             "visibility",
             "shading",
+            "quadrature",
             "image",
             "exr",
             "math",

@@ -1,0 +1,299 @@
+//! A square through which one edge passes: the silhouette of a shape, the border of a shadow, a terminator, or where
+//! two shapes meet.
+
+use super::clip::Clip;
+use super::model::Model;
+use super::surface::{Silhouette, Solid, Square, Surface, View, one_of};
+use super::{List, Mean, Primary, Quadrature, Reach, Told};
+use crate::math::DVec3;
+use crate::visibility::{ShaftAnswer, ShaftQuestion};
+
+/// L and A on one side of an edge.
+struct Side {
+    radiance: [Model; 3],
+    alpha: f64,
+}
+
+/// An edge, and what is on its sides.
+struct Edge {
+    silhouette: Silhouette,
+    inside: Side,
+    outside: Side,
+}
+
+impl Quadrature<'_> {
+    /// The mean over a square with one edge.
+    pub(super) fn across_edge(
+        &mut self,
+        square: Square,
+        view: &View,
+        told: &Told,
+        surface: Option<&Surface>,
+    ) -> Option<Mean> {
+        let (lists, reaches) = (self.lists.len(), self.reaches.len());
+        let edge = match (told.primary, surface) {
+            (Primary::One(shape), Some(surface)) => self.shadow(told, shape, surface),
+            (Primary::Several(list), _) => self.silhouette(square, view, list),
+            _ => None,
+        };
+        self.lists.truncate(lists);
+        self.reaches.truncate(reaches);
+        edge.and_then(|edge| edge.mean())
+    }
+
+    /// The border of one light's shadow of one shape, or the terminator of one light.
+    fn shadow(&mut self, told: &Told, shape: u64, surface: &Surface) -> Option<Edge> {
+        let count = self.world.lights().len();
+        let reaches = &self.reaches[told.reaches..][..count];
+        let is_open = |reach: &&Reach| !matches!(reach, Reach::Lit | Reach::Dark);
+        if reaches.iter().filter(is_open).count() != 1 {
+            return None;
+        }
+        let light = reaches.iter().position(|reach| is_open(&reach))?;
+        let origin = self.world.lights()[light].value.position().0;
+        let lit = match reaches[light] {
+            Reach::Terminator => {
+                // Nothing else may be in its way.
+                let bounds = surface.position.bounds()?;
+                let of_region = self.between(shape);
+                let before = self.region.reaches[of_region + light];
+                let question = ShaftQuestion::Contents;
+                if self.between_points(bounds, origin, shape, before, question)
+                    != ShaftAnswer::Nothing
+                {
+                    return None;
+                }
+                surface.height(origin)
+            }
+            Reach::Several(list) if list.end - list.start == 1 => {
+                let occluder = self.solid(self.list(list)[0]);
+                -occluded(surface, origin, &occluder)?
+            }
+            _ => return None,
+        };
+        let others = (0..count).filter(|&other| self.reaches[told.reaches + other] == Reach::Lit);
+        let dark = self.radiance(surface, shape, others);
+        let [r, g, b] = self.light_share(surface, shape, light);
+        Some(Edge {
+            silhouette: Silhouette {
+                inside: lit,
+                is_round: false,
+            },
+            inside: Side {
+                radiance: [dark[0] + r, dark[1] + g, dark[2] + b],
+                alpha: 1.0,
+            },
+            outside: Side {
+                radiance: dark,
+                alpha: 1.0,
+            },
+        })
+    }
+
+    /// The silhouette of one shape before another or nothing, or where two meet.
+    fn silhouette(&mut self, square: Square, view: &View, list: List) -> Option<Edge> {
+        let count = list.end - list.start;
+        if count > 3 {
+            return None;
+        }
+        let shapes = self.list(list).to_vec();
+        for (place, &front) in shapes.iter().enumerate() {
+            let others: Vec<u64> = (0..count)
+                .filter(|&other| other != place)
+                .map(|other| shapes[other])
+                .collect();
+            let back = self.alone(square, &others);
+            let Some(back) = back else {
+                continue;
+            };
+            let solid = self.solid(front);
+            let Some((silhouette, reach)) = solid.silhouette(view) else {
+                continue;
+            };
+            let outside = match back {
+                None => Side {
+                    radiance: self.world.background().0.0.map(Model::constant),
+                    alpha: 0.0,
+                },
+                Some(back) => {
+                    let surface = Surface::new(view, &self.solid(back))?;
+                    let is_behind = surface.distance.least() > reach;
+                    if !is_behind {
+                        continue;
+                    }
+                    self.side(back, &surface)?
+                }
+            };
+            let surface = Surface::at_silhouette(view, &solid, &silhouette)?;
+            return Some(Edge {
+                silhouette,
+                inside: self.side(front, &surface)?,
+                outside,
+            });
+        }
+        if let [a, b] = shapes[..] {
+            return self.meeting(view, a, b);
+        }
+        None
+    }
+
+    /// What all rays through a square meet of some shapes; `None` where that is not one or nothing.
+    #[expect(clippy::option_option, reason = "nothing is met, or it is not known")]
+    fn alone(&mut self, square: Square, shapes: &[u64]) -> Option<Option<u64>> {
+        let shaft = self.window(square);
+        let answer = self.visibility.shaft_among(
+            &shaft,
+            ShaftQuestion::FirstHit,
+            u64::MAX,
+            shapes,
+            &mut self.space,
+        );
+        match answer {
+            ShaftAnswer::Nothing => Some(None),
+            ShaftAnswer::All(shape) => Some(Some(shape)),
+            ShaftAnswer::These | ShaftAnswer::TooMany => None,
+        }
+    }
+
+    /// Two flat shapes: one is nearer on one side of a line; or they are on either side of a common edge.
+    fn meeting(&mut self, view: &View, a: u64, b: u64) -> Option<Edge> {
+        let (first, second) = (self.solid(a), self.solid(b));
+        let is_flat = |solid: &Solid| !matches!(solid, Solid::Sphere { .. });
+        if !(is_flat(&first) && is_flat(&second)) {
+            return None;
+        }
+        let inside = match (first.silhouette(view), second.silhouette(view)) {
+            (Some((first, _)), Some((second, _))) => {
+                let (e, f) = (first.inside, second.inside);
+                // The same line from both sides.
+                let ratio = -f.center / e.center;
+                let is_same = [
+                    (e.center, f.center),
+                    (e.slope[0], f.slope[0]),
+                    (e.slope[1], f.slope[1]),
+                ]
+                .iter()
+                .all(|(e, f)| (e * ratio + f).abs() <= 1e-9 * ratio.abs() * e_size(&first.inside));
+                if !(ratio > 0.0 && is_same) {
+                    return None;
+                }
+                e
+            }
+            _ => return None,
+        };
+        let (first, second) = (Surface::new(view, &first)?, Surface::new(view, &second)?);
+        Some(Edge {
+            silhouette: Silhouette {
+                inside,
+                is_round: false,
+            },
+            inside: self.side(a, &first)?,
+            outside: self.side(b, &second)?,
+        })
+    }
+
+    /// L of a surface that all lights reach all of, or none of.
+    fn side(&mut self, shape: u64, surface: &Surface) -> Option<Side> {
+        let reaches = self.reach_all(shape, surface, None);
+        let told = Told {
+            primary: Primary::One(shape),
+            reaches,
+            is_asked: true,
+        };
+        let radiance = self.radiance(surface, shape, self.lit(&told)?);
+        radiance.iter().all(Model::is_known).then_some(Side {
+            radiance,
+            alpha: 1.0,
+        })
+    }
+}
+
+/// The largest of what an edge function over a square is.
+fn e_size(edge: &Model) -> f64 {
+    edge.magnitude()
+}
+
+/// Where a shape is between a surface and a light: above 0 there.
+fn occluded(surface: &Surface, light: DVec3, occluder: &Solid) -> Option<Model> {
+    let way = surface.position.minus(light);
+    match *occluder {
+        Solid::Sphere { center, radius } => {
+            let to_center = center - light;
+            let square = way.dot(way);
+            let beside = model_cross(to_center, &way);
+            let inside = square.times(radius * radius) - beside.dot(beside);
+            // The nearest to its center is between the ends of the segment, which are both outside.
+            let nearest = way.along(to_center) * square.reciprocal();
+            let end = surface.position.minus(center);
+            let is_outside = to_center.length() > radius && end.dot(end).least() > radius * radius;
+            (is_outside && nearest.least() > 0.0 && nearest.most() < 1.0).then_some(inside)
+        }
+        Solid::Triangle {
+            corners, normal, ..
+        } => {
+            let height = normal.dot(light - corners[0]);
+            let end = surface.position.minus(corners[0]).along(normal);
+            // On different sides of its plane.
+            let is_between = if height > 0.0 {
+                end.most() < 0.0
+            } else {
+                height < 0.0 && end.least() > 0.0
+            };
+            if !is_between {
+                return None;
+            }
+            let from = corners.map(|corner| corner - light);
+            one_of([0, 1, 2].map(|i: usize| way.along(from[i].cross(from[(i + 1) % 3]))))
+        }
+        Solid::Plane { point, normal } => {
+            let height = normal.dot(light - point);
+            let end = surface.position.minus(point).along(normal);
+            Some(end.times(-height.signum()))
+        }
+    }
+}
+
+fn model_cross(a: DVec3, b: &super::model::Vector) -> super::model::Vector {
+    super::model::Vector::constant(a).cross(*b)
+}
+
+impl Edge {
+    /// The mean over the square.
+    fn mean(&self) -> Option<Mean> {
+        let Silhouette { inside, is_round } = self.silhouette;
+        if !inside.is_known() || inside.slope[0] == 0.0 && inside.slope[1] == 0.0 {
+            return None;
+        }
+        // The edge is between two lines.
+        let rest = inside.rest;
+        let line = inside.line();
+        let scale = 0.5 * inside.most().max(0.0).sqrt();
+        let here = Clip::new(&line, is_round.then_some(scale));
+        let there = Clip::new(&-line, None);
+        let at_most = Clip::new(&line.plus(rest), None).area;
+        let at_least = Clip::new(&line.plus(-rest), None).area;
+        let band = (at_most - here.area).max(here.area - at_least);
+        let mut mean = Mean::NOTHING;
+        for channel in 0..3 {
+            let (f, g) = (
+                &self.inside.radiance[channel],
+                &self.outside.radiance[channel],
+            );
+            let jump = (f.most() - g.least()).max(g.most() - f.least()).max(0.0);
+            let mut error = band * jump + here.area * f.rest + there.area * g.rest;
+            if is_round {
+                // |√(φ + e) − √φ| ≤ |e|/√φ, in units of half of the largest.
+                error += here.area * f.slope[2].abs() * rest * here.inverse_root / scale;
+            }
+            mean.value[channel] = here.area * f.at(here.middle) + there.area * g.at(there.middle);
+            mean.error[channel] = error;
+        }
+        mean.value[3] = here.area * self.inside.alpha + there.area * self.outside.alpha;
+        mean.error[3] = band * (self.inside.alpha - self.outside.alpha).abs();
+        mean.value
+            .iter()
+            .chain(&mean.error)
+            .all(|number| number.is_finite())
+            .then_some(mean)
+    }
+}

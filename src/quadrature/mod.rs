@@ -1,0 +1,418 @@
+//! L over whole pixels, with proven bounds: where the rays through a square of the image meet one shape, which each
+//! light reaches all of or none of, L is a smooth function of the place; where one edge passes through, it is one
+//! smooth function on each side of it.
+//!
+//! Squares are told apart by shafts (`visibility/shaft.rs`): what may be met in a square, and what may stand
+//! between there and a light. What is not told of a square is asked of its quarters, among the shapes that were
+//! left, from 16 × 16 pixels down to one. So nothing is missed, however small, and what is told of a pixel depends on its place in the image alone.
+//!
+//! What is known of smooth functions are models (`model`): their values and how much they bend.
+
+mod clip;
+mod edge;
+mod light;
+mod model;
+mod radiance;
+mod shafts;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use crate::camera::Camera;
+use crate::image::Window;
+use crate::simd::SimdLevel;
+use crate::visibility::{ShaftSpace, Visibility};
+use crate::world::World;
+use model::Model;
+use shafts::Region;
+use surface::{Square, Surface, View};
+
+/// Pixels along the side of the largest squares of which anything is told; they begin at multiples of it.
+const BLOCK: u32 = 16;
+
+/// Pixels along the side of the squares whose shapes are listed for the blocks in them.
+const REGION: u32 = 64;
+
+/// So many shapes in a square are told one by one; more are asked of its quarters.
+const MOST_SHAPES: usize = 16;
+
+/// Where there are more shapes than [`MOST_SHAPES`] in squares of so many pixels along their side, their pixels
+/// are left open: to tell a dense mesh apart would take longer than to sample it.
+const LEAST_CROWDED: f64 = 4.0;
+
+/// How exact a pixel is to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Target {
+    /// E
+    pub(crate) relative: f64,
+    /// In cd/m²: errors of what is darker are relative to this.
+    pub(crate) floor: f64,
+    /// The most samples along the side of a smooth pixel.
+    pub(crate) most_side: u32,
+}
+
+impl Target {
+    /// How far a radiance may be off.
+    pub(crate) fn allowed(self, radiance: f64) -> f64 {
+        self.relative * radiance.max(self.floor)
+    }
+}
+
+/// What is known of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict {
+    /// The mean of `side` × `side` samples in the middles of as many equal parts is at most `error` off, in cd/m²
+    /// per primary, and all samples hit something, or none.
+    Smooth {
+        side: u32,
+        error: [f64; 3],
+        /// The largest error over the larger of radiance and floor.
+        relative: f64,
+    },
+    /// It is R, G, B, A, each at most `error` off.
+    Integrated { mean: [f64; 4], error: [f64; 4] },
+    /// Too little; but the radiance and the alpha of everything in it are within these, where that is known.
+    Open {
+        range: Option<Range>,
+        /// Whether there is certainly no edge in it.
+        is_smooth: bool,
+    },
+}
+
+/// The least and the largest R, G, B, A anywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Range {
+    pub(crate) least: [f64; 4],
+    pub(crate) most: [f64; 4],
+}
+
+impl Range {
+    fn new([r, g, b]: [f64; 3], alpha: f64) -> Self {
+        let value = [r, g, b, alpha];
+        Self {
+            least: value,
+            most: value,
+        }
+    }
+
+    fn add(&mut self, channel: usize, [least, most]: [f64; 2]) {
+        self.least[channel] += least;
+        self.most[channel] += most;
+    }
+
+    fn union(mut self, other: &Self) -> Self {
+        for channel in 0..4 {
+            self.least[channel] = self.least[channel].min(other.least[channel]);
+            self.most[channel] = self.most[channel].max(other.most[channel]);
+        }
+        self
+    }
+}
+
+/// What rays through a square meet first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Primary {
+    Unasked,
+    /// Nothing.
+    Background,
+    One(u64),
+    /// Some of a list, or nothing.
+    Several(List),
+    /// Of more than are told one by one.
+    Many,
+}
+
+/// Whether light reaches what is met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Reach {
+    Unasked,
+    /// All of it.
+    Lit,
+    /// None of it.
+    Dark,
+    /// It is above a part of the surface.
+    Terminator,
+    /// Some of a list may be in its way.
+    Several(List),
+    /// Of more than are told one by one.
+    Many,
+}
+
+/// A part of the lists of a thread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct List {
+    start: usize,
+    end: usize,
+    /// Whether it is of the region.
+    of_region: bool,
+}
+
+impl List {
+    fn of<'l>(self, lists: &'l [u64], of_region: &'l [u64]) -> &'l [u64] {
+        let all = if self.of_region { of_region } else { lists };
+        &all[self.start..self.end]
+    }
+}
+
+/// What is known of a square.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    primary: Primary,
+    /// Where the reaches of its lights start.
+    reaches: usize,
+    /// Whether they are asked.
+    is_asked: bool,
+}
+
+/// The mean over a square.
+#[derive(Clone, Copy, Debug)]
+struct Mean {
+    /// R, G, B, A, and how far each is off at most.
+    value: [f64; 4],
+    error: [f64; 4],
+}
+
+impl Mean {
+    const NOTHING: Self = Self {
+        value: [0.0; 4],
+        error: [0.0; 4],
+    };
+}
+
+/// Tells what is known of pixels; what a thread needs for that, to be used again and again.
+pub(crate) struct Quadrature<'w> {
+    world: &'w World,
+    camera: &'w Camera,
+    visibility: &'w Visibility<'w>,
+    simd: SimdLevel,
+    target: Target,
+    /// Whether pixels with edges are integrated.
+    integrates: bool,
+    space: ShaftSpace,
+    /// Shapes, list after list, and what is known of lights, square after square.
+    lists: Vec<u64>,
+    reaches: Vec<Reach>,
+    region: Region,
+}
+
+impl<'w> Quadrature<'w> {
+    pub(crate) fn new(
+        world: &'w World,
+        camera: &'w Camera,
+        visibility: &'w Visibility<'w>,
+        simd: SimdLevel,
+        target: Target,
+        integrates: bool,
+    ) -> Self {
+        Self {
+            world,
+            camera,
+            visibility,
+            simd,
+            target,
+            integrates,
+            space: ShaftSpace::default(),
+            lists: Vec::new(),
+            reaches: Vec::new(),
+            region: Region::NONE,
+        }
+    }
+
+    /// Tells what is known of the pixels of a window, row by row.
+    pub(crate) fn tell(&mut self, window: Window, verdicts: &mut Vec<Verdict>) {
+        verdicts.clear();
+        verdicts.resize(
+            window.count() as usize,
+            Verdict::Open {
+                range: None,
+                is_smooth: false,
+            },
+        );
+        let blocks = |start: u32, size: u32| start / BLOCK..=(start + size - 1) / BLOCK;
+        for row in blocks(window.y, window.height) {
+            for column in blocks(window.x, window.width) {
+                self.lists.clear();
+                self.reaches.clear();
+                self.enter([column, row].map(|number| number * BLOCK / REGION));
+                let known = Told {
+                    primary: self.region.primary,
+                    reaches: 0,
+                    is_asked: false,
+                };
+                self.descend(aligned([column, row], BLOCK), known, window, verdicts);
+            }
+        }
+    }
+
+    /// Tells what is known of a square of pixels, of which more is known.
+    fn descend(&mut self, square: Square, known: Told, window: Window, verdicts: &mut [Verdict]) {
+        let Some(pixels) = inside(square, window) else {
+            return;
+        };
+        let (lists, reaches) = (self.lists.len(), self.reaches.len());
+        let view = View::new(self.camera, square);
+        let (told, surface) = self.refine(square, &view, known);
+        let verdict = if square.half > 0.5 {
+            self.smooth(square, &told, surface.as_ref())
+        } else {
+            Some(self.pixel(square, &view, &told, surface.as_ref()))
+        };
+        let is_crowded = told.primary == Primary::Many && 2.0 * square.half <= LEAST_CROWDED;
+        let verdict = verdict.or(is_crowded.then_some(Verdict::Open {
+            range: None,
+            is_smooth: false,
+        }));
+        match verdict {
+            Some(verdict) => {
+                for [x, y] in pixels.pixels() {
+                    let place = (y - window.y) * window.width + (x - window.x);
+                    verdicts[place as usize] = verdict;
+                }
+            }
+            None => {
+                for quarter in square.quarters() {
+                    self.descend(quarter, told, window, verdicts);
+                }
+            }
+        }
+        self.lists.truncate(lists);
+        self.reaches.truncate(reaches);
+    }
+
+    /// Asks what is not known yet of a part of a square.
+    fn refine(&mut self, square: Square, view: &View, known: Told) -> (Told, Option<Surface>) {
+        let primary = self.primary(square, known.primary);
+        let Primary::One(shape) = primary else {
+            let told = Told {
+                primary,
+                reaches: self.reaches.len(),
+                is_asked: false,
+            };
+            return (told, None);
+        };
+        let solid = self.solid(shape);
+        let Some(surface) = Surface::new(view, &solid) else {
+            let told = Told {
+                primary,
+                reaches: self.reaches.len(),
+                is_asked: false,
+            };
+            return (told, None);
+        };
+        let reaches = self.reach_all(shape, &surface, known.is_asked.then_some(known.reaches));
+        let told = Told {
+            primary,
+            reaches,
+            is_asked: true,
+        };
+        (told, Some(surface))
+    }
+
+    /// Of smooth radiance over a square, how far the mean over a part of it, half of whose side is `part` of the
+    /// square's, is from the value in the middle of the part, if that is near enough.
+    fn flatness(&self, radiance: &[Model; 3], side: u32, part: f64) -> Option<Verdict> {
+        let error = [0, 1, 2].map(|channel: usize| radiance[channel].bend(part));
+        let mut relative = 0.0_f64;
+        for (error, radiance) in error.iter().zip(radiance) {
+            if *error > 0.0 {
+                relative = relative.max(error / radiance.least().max(self.target.floor));
+            }
+        }
+        (relative <= self.target.relative).then_some(Verdict::Smooth {
+            side,
+            error,
+            relative,
+        })
+    }
+
+    /// A square of whole pixels that is smooth, and bends so little that one sample a pixel will do.
+    fn smooth(&self, square: Square, told: &Told, surface: Option<&Surface>) -> Option<Verdict> {
+        let radiance = self.smooth_radiance(told, surface)?;
+        self.flatness(&radiance, 1, 0.5 / square.half)
+    }
+
+    /// What is known of one pixel.
+    fn pixel(
+        &mut self,
+        square: Square,
+        view: &View,
+        told: &Told,
+        surface: Option<&Surface>,
+    ) -> Verdict {
+        if let Some(radiance) = self.smooth_radiance(told, surface) {
+            let mut side = 1;
+            while side <= self.target.most_side {
+                let verdict = self.flatness(&radiance, side, 1.0 / f64::from(side));
+                if let Some(verdict) = verdict {
+                    return verdict;
+                }
+                side *= 2;
+            }
+        }
+        if self.integrates
+            && let Some(mean) = self.mean(square, view, told, surface)
+            && self.is_near(&mean)
+        {
+            return Verdict::Integrated {
+                mean: mean.value,
+                error: mean.error,
+            };
+        }
+        Verdict::Open {
+            range: self.range(square, view, told, surface),
+            is_smooth: self.has_no_edge(told, surface),
+        }
+    }
+
+    /// The mean over a square that is smooth or has one edge.
+    fn mean(
+        &mut self,
+        square: Square,
+        view: &View,
+        told: &Told,
+        surface: Option<&Surface>,
+    ) -> Option<Mean> {
+        let Some(radiance) = self.smooth_radiance(told, surface) else {
+            return self.across_edge(square, view, told, surface);
+        };
+        let [r, g, b] = radiance;
+        let alpha = f64::from(u8::from(told.primary != Primary::Background));
+        Some(Mean {
+            value: [r.center, g.center, b.center, alpha],
+            error: [r.mean_error(), g.mean_error(), b.mean_error(), 0.0],
+        })
+    }
+
+    /// Whether a mean is as exact as it is to be.
+    fn is_near(&self, mean: &Mean) -> bool {
+        let [r, g, b, alpha] = mean.error;
+        let channels = [r, g, b].into_iter().zip(mean.value);
+        let mut near = channels.map(|(error, value)| error <= self.target.allowed(value - error));
+        near.all(|is_near| is_near) && alpha <= self.target.relative
+    }
+}
+
+/// The square at a place among those of so many pixels.
+fn aligned(place: [u32; 2], side: u32) -> Square {
+    let half = f64::from(side) * 0.5;
+    Square {
+        middle: place.map(|number| f64::from(number) * f64::from(side) + half),
+        half,
+    }
+}
+
+/// The pixels of a square that are in a window, unless there are none.
+fn inside(square: Square, window: Window) -> Option<Window> {
+    let [left, top] = square.middle.map(|middle| (middle - square.half) as u32);
+    let side = (2.0 * square.half) as u32;
+    let x = left.max(window.x);
+    let y = top.max(window.y);
+    let right = (left + side).min(window.x + window.width);
+    let bottom = (top + side).min(window.y + window.height);
+    (x < right && y < bottom).then(|| Window {
+        x,
+        y,
+        width: right - x,
+        height: bottom - y,
+    })
+}

@@ -1,0 +1,202 @@
+//! L over a square, and what it may be where it is not known.
+
+use super::light::geometry;
+use super::model::Model;
+use super::surface::{Square, Surface, View};
+use super::{Primary, Quadrature, Range, Reach, Told};
+use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
+
+impl<'w> Quadrature<'w> {
+    /// L of a surface under some lights, per primary.
+    pub(super) fn radiance(
+        &self,
+        surface: &Surface,
+        shape: u64,
+        lights: impl Iterator<Item = usize>,
+    ) -> [Model; 3] {
+        let mut sums = [Model::constant(0.0); 3];
+        for light in lights {
+            let terms = self.light_share(surface, shape, light);
+            sums = [sums[0] + terms[0], sums[1] + terms[1], sums[2] + terms[2]];
+        }
+        sums
+    }
+
+    /// What one light alone does to a surface, per primary.
+    pub(super) fn light_share(&self, surface: &Surface, shape: u64, light: usize) -> [Model; 3] {
+        let (object, _) = object_and_triangle(shape);
+        let index = self.world.objects()[object as usize].material;
+        let material = &self.world.materials()[index].value;
+        let lobes = geometry(surface, &self.world.lights()[light].value, material);
+        let reflected = self.world.reflected(light, index);
+        let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
+        let of =
+            |channel: usize| lobes.diffuse.times(kd[channel]) + lobes.specular.times(ks[channel]);
+        [of(0), of(1), of(2)]
+    }
+
+    /// The lights that reach all of a square, if all others reach none of it.
+    pub(super) fn lit(&self, told: &Told) -> Option<impl Iterator<Item = usize> + use<'_, 'w>> {
+        let reaches = &self.reaches[told.reaches..][..self.world.lights().len()];
+        let is_told = reaches
+            .iter()
+            .all(|reach| matches!(reach, Reach::Lit | Reach::Dark));
+        let lights = reaches.iter().enumerate();
+        is_told.then(|| lights.filter_map(|(light, reach)| (*reach == Reach::Lit).then_some(light)))
+    }
+
+    /// Whether nothing in a square jumps. (A normal that is interpolated may turn away from a light.)
+    pub(super) fn has_no_edge(&self, told: &Told, surface: Option<&Surface>) -> bool {
+        match (told.primary, surface) {
+            (Primary::Background, _) => true,
+            (Primary::One(_), Some(surface)) => {
+                !surface.is_smooth() && !surface.is_lifted && self.lit(told).is_some()
+            }
+            _ => false,
+        }
+    }
+
+    /// L over a square that is smooth, per primary.
+    pub(super) fn smooth_radiance(
+        &self,
+        told: &Told,
+        surface: Option<&Surface>,
+    ) -> Option<[Model; 3]> {
+        match (told.primary, surface) {
+            (Primary::Background, _) => Some(self.world.background().0.0.map(Model::constant)),
+            (Primary::One(shape), Some(surface)) => {
+                let radiance = self.radiance(surface, shape, self.lit(told)?);
+                radiance.iter().all(Model::is_known).then_some(radiance)
+            }
+            _ => None,
+        }
+    }
+
+    /// What R, G, B and A are anywhere in a square.
+    pub(super) fn range(
+        &mut self,
+        square: Square,
+        view: &View,
+        told: &Told,
+        surface: Option<&Surface>,
+    ) -> Option<Range> {
+        let background = Range::new(self.world.background().0.0, 0.0);
+        match (told.primary, surface) {
+            (Primary::Background, _) => Some(background),
+            (Primary::One(shape), Some(surface)) => {
+                self.range_of(shape, surface, Some(told.reaches))
+            }
+            (Primary::Several(list), _) => {
+                let shapes = self.list(list).to_vec();
+                let mut all: Option<Range> =
+                    self.sees_background(square, &shapes).then_some(background);
+                for shape in shapes {
+                    let solid = self.solid(shape);
+                    let surface = Surface::new(view, &solid).or_else(|| {
+                        let (silhouette, _) = solid.silhouette(view)?;
+                        Surface::at_silhouette(view, &solid, &silhouette)
+                    });
+                    let range = match surface {
+                        Some(surface) => self.range_of(shape, &surface, None),
+                        None => self.range_by_distance(shape),
+                    };
+                    let range = range?;
+                    all = Some(all.map_or(range, |all| all.union(&range)));
+                }
+                all
+            }
+            (Primary::One(shape), None) => self.range_by_distance(shape),
+            (Primary::Unasked | Primary::Many, _) => None,
+        }
+    }
+
+    /// Whether any ray through a square may pass by all of some shapes.
+    pub(super) fn sees_background(&mut self, square: Square, shapes: &[u64]) -> bool {
+        let shaft = self.window(square);
+        !shapes.iter().any(|&shape| {
+            let answer = self.visibility.shaft_among(
+                &shaft,
+                ShaftQuestion::Blockage,
+                u64::MAX,
+                &[shape],
+                &mut self.space,
+            );
+            matches!(answer, ShaftAnswer::All(_))
+        })
+    }
+
+    /// What a surface that is met in a square is anywhere, as the lights reach it.
+    pub(super) fn range_of(
+        &mut self,
+        shape: u64,
+        surface: &Surface,
+        known: Option<usize>,
+    ) -> Option<Range> {
+        let (lists, kept) = (self.lists.len(), self.reaches.len());
+        let reaches = known.unwrap_or_else(|| self.reach_all(shape, surface, None));
+        let mut range = Range::new([0.0; 3], 1.0);
+        for light in 0..self.world.lights().len() {
+            let reach = self.reaches[reaches + light];
+            if reach == Reach::Dark {
+                continue;
+            }
+            let terms = self.light_share(surface, shape, light);
+            let limits = self.limits(Some(surface), shape, light);
+            for (channel, (term, [lowest, highest])) in terms.iter().zip(limits).enumerate() {
+                let (least, most) = (term.least().max(lowest), term.most().min(highest));
+                range.add(
+                    channel,
+                    if reach == Reach::Lit {
+                        [least, most]
+                    } else {
+                        [least.min(0.0), most.max(0.0)]
+                    },
+                );
+            }
+        }
+        self.lists.truncate(lists);
+        self.reaches.truncate(kept);
+        let mut all = range.least.iter().chain(&range.most);
+        all.all(|value| value.is_finite()).then_some(range)
+    }
+
+    /// What a shape is anywhere, by its distance from the lights alone.
+    pub(super) fn range_by_distance(&self, shape: u64) -> Option<Range> {
+        let mut range = Range::new([0.0; 3], 1.0);
+        for light in 0..self.world.lights().len() {
+            let limits = self.limits(None, shape, light);
+            for (channel, limits) in limits.into_iter().enumerate() {
+                range.add(channel, limits);
+            }
+        }
+        let mut all = range.least.iter().chain(&range.most);
+        all.all(|value| value.is_finite()).then_some(range)
+    }
+
+    /// Between what one light's share of a surface is anywhere, by its distance alone: the lobes are at most 1.
+    pub(super) fn limits(
+        &self,
+        surface: Option<&Surface>,
+        shape: u64,
+        light: usize,
+    ) -> [[f64; 2]; 3] {
+        let (object, _) = object_and_triangle(shape);
+        let index = self.world.objects()[object as usize].material;
+        let origin = self.world.lights()[light].value.position().0;
+        let bounds = surface.and_then(|surface| surface.position.bounds());
+        let from_box = bounds.map_or(0.0, |[least, most]| {
+            (origin.clamp(least, most) - origin).length()
+        });
+        let distance = from_box.max(self.solid(shape).distance(origin));
+        let geometry = 1.0 / (distance * distance);
+        let reflected = self.world.reflected(light, index);
+        let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
+        [0, 1, 2].map(|channel: usize| {
+            let parts = [kd[channel], ks[channel]];
+            let sum = |bound: fn(f64, f64) -> f64| {
+                geometry * parts.iter().map(|&part| bound(part, 0.0)).sum::<f64>()
+            };
+            [sum(f64::min), sum(f64::max)]
+        })
+    }
+}

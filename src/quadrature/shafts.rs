@@ -1,0 +1,329 @@
+//! What may be met in a square, and what may stand between there and the lights, asked by shafts.
+
+use fearless_simd::Simd;
+
+use super::surface::{Solid, Square, Surface, View};
+use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
+use crate::camera::Projection;
+use crate::math::DVec3;
+use crate::simd::Kernel;
+use crate::visibility::{
+    Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace, Visibility, object_and_triangle,
+};
+
+/// So many shapes are listed of a region; where there are more, each block asks all.
+const MOST_LISTED: usize = 64;
+
+/// What is known of shapes in a region, for all of its blocks.
+#[derive(Debug)]
+pub(super) struct Region {
+    /// Its column and row among the regions.
+    pub(super) place: Option<[u32; 2]>,
+    pub(super) square: Square,
+    pub(super) primary: Primary,
+    /// Shapes that are met in it, and where what may be between these and the lights starts.
+    pub(super) shapes: Vec<(u64, usize)>,
+    pub(super) reaches: Vec<Reach>,
+    pub(super) lists: Vec<u64>,
+}
+
+impl Region {
+    pub(super) const NONE: Self = Self {
+        place: None,
+        square: Square {
+            middle: [0.0; 2],
+            half: 0.0,
+        },
+        primary: Primary::Unasked,
+        shapes: Vec::new(),
+        reaches: Vec::new(),
+        lists: Vec::new(),
+    };
+}
+
+/// A shaft through all shapes, on whatever instructions.
+struct Ask<'a, 'w> {
+    visibility: &'a Visibility<'w>,
+    shaft: &'a Shaft,
+    question: ShaftQuestion,
+    except: u64,
+    most: usize,
+    space: &'a mut ShaftSpace,
+}
+
+impl Kernel for Ask<'_, '_> {
+    type Output = ShaftAnswer;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> ShaftAnswer {
+        let Self {
+            visibility,
+            shaft,
+            question,
+            except,
+            most,
+            space,
+        } = self;
+        visibility.shaft(simd, shaft, question, except, most, space)
+    }
+}
+
+impl Quadrature<'_> {
+    /// Lists the shapes in a region, if it is another one than before.
+    pub(super) fn enter(&mut self, place: [u32; 2]) {
+        let region = &mut self.region;
+        if region.place == Some(place) {
+            return;
+        }
+        region.place = Some(place);
+        region.square = aligned(place, REGION);
+        region.shapes.clear();
+        region.reaches.clear();
+        region.lists.clear();
+        let shaft = self.window(self.region.square);
+        let answer = self.ask(&shaft, ShaftQuestion::FirstHit, u64::MAX, MOST_LISTED);
+        self.region.primary = match answer {
+            ShaftAnswer::Nothing => Primary::Background,
+            ShaftAnswer::All(shape) => Primary::One(shape),
+            ShaftAnswer::These => Primary::Several(self.keep_for_region()),
+            ShaftAnswer::TooMany => Primary::Unasked,
+        };
+    }
+
+    /// Keeps the list of the last answer for all blocks of the region.
+    pub(super) fn keep_for_region(&mut self) -> List {
+        let lists = &mut self.region.lists;
+        let start = lists.len();
+        lists.extend_from_slice(&self.space.list);
+        List {
+            start,
+            end: lists.len(),
+            of_region: true,
+        }
+    }
+
+    pub(super) fn primary(&mut self, square: Square, known: Primary) -> Primary {
+        let shaft = match known {
+            Primary::Background | Primary::One(_) => return known,
+            Primary::Unasked | Primary::Several(_) | Primary::Many => self.window(square),
+        };
+        let answer = match known {
+            Primary::Several(list) => self.visibility.shaft_among(
+                &shaft,
+                ShaftQuestion::FirstHit,
+                u64::MAX,
+                list.of(&self.lists, &self.region.lists),
+                &mut self.space,
+            ),
+            _ => self.ask(&shaft, ShaftQuestion::FirstHit, u64::MAX, MOST_SHAPES),
+        };
+        match answer {
+            ShaftAnswer::Nothing => Primary::Background,
+            ShaftAnswer::All(shape) => Primary::One(shape),
+            ShaftAnswer::These => Primary::Several(self.keep()),
+            ShaftAnswer::TooMany => Primary::Many,
+        }
+    }
+
+    /// The rays through a square.
+    pub(super) fn window(&self, square: Square) -> Shaft {
+        let Square {
+            middle: [x, y],
+            half,
+        } = square;
+        let rays = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+            .map(|[u, v]| self.camera.ray(x + u * half, y + v * half));
+        let forward = self.camera.forward().get();
+        let depths = [0.0, f64::INFINITY];
+        match self.camera.projection() {
+            Projection::Perspective { .. } => Shaft::Perspective {
+                eye: self.camera.eye().0,
+                directions: rays.map(|ray| ray.direction),
+                forward,
+                depths,
+            },
+            Projection::Orthographic { .. } => Shaft::Orthographic {
+                starts: rays.map(|ray| ray.origin.0),
+                forward,
+                depths,
+            },
+        }
+    }
+
+    /// Asks all shapes; the list is in `space`.
+    pub(super) fn ask(
+        &mut self,
+        shaft: &Shaft,
+        question: ShaftQuestion,
+        except: u64,
+        most: usize,
+    ) -> ShaftAnswer {
+        self.simd.run(Ask {
+            most,
+            visibility: self.visibility,
+            shaft,
+            question,
+            except,
+            space: &mut self.space,
+        })
+    }
+
+    /// Keeps the list of the last answer.
+    pub(super) fn keep(&mut self) -> List {
+        let start = self.lists.len();
+        self.lists.extend_from_slice(&self.space.list);
+        List {
+            start,
+            end: self.lists.len(),
+            of_region: false,
+        }
+    }
+
+    pub(super) fn list(&self, list: List) -> &[u64] {
+        list.of(&self.lists, &self.region.lists)
+    }
+
+    /// What may be between a shape and the lights anywhere in the region; where the answers start among those of
+    /// the region.
+    pub(super) fn between(&mut self, shape: u64) -> usize {
+        let known = self.region.shapes.iter().find(|(known, _)| *known == shape);
+        if let Some((_, start)) = known {
+            return *start;
+        }
+        let start = self.region.reaches.len();
+        let solid = self.solid(shape);
+        let bounds = match solid {
+            Solid::Sphere { center, radius } => {
+                Some([center - DVec3::splat(radius), center + DVec3::splat(radius)])
+            }
+            Solid::Plane { .. } | Solid::Triangle { .. } => {
+                let view = View::new(self.camera, self.region.square);
+                let surface = Surface::new(&view, &solid).filter(|surface| !surface.is_lifted);
+                surface.and_then(|surface| surface.position.bounds())
+            }
+        };
+        for light in 0..self.world.lights().len() {
+            let reach = match bounds {
+                None => Reach::Unasked,
+                Some(bounds) => self.all_between(bounds, shape, light),
+            };
+            self.region.reaches.push(reach);
+        }
+        self.region.shapes.push((shape, start));
+        start
+    }
+
+    pub(super) fn all_between(&mut self, from: [DVec3; 2], shape: u64, light: usize) -> Reach {
+        let to = self.world.lights()[light].value.position().0;
+        match self.ask(
+            &Shaft::ToPoint { from, to },
+            ShaftQuestion::Contents,
+            shape,
+            MOST_LISTED,
+        ) {
+            ShaftAnswer::TooMany => Reach::Unasked,
+            ShaftAnswer::Nothing | ShaftAnswer::All(_) | ShaftAnswer::These => {
+                Reach::Several(self.keep_for_region())
+            }
+        }
+    }
+
+    pub(super) fn solid(&self, shape: u64) -> Solid {
+        let (object, triangle) = object_and_triangle(shape);
+        Solid::of(self.world, object, triangle)
+    }
+
+    /// Asks of all lights whether they reach a surface, where that is not `known`; where the answers start.
+    pub(super) fn reach_all(
+        &mut self,
+        shape: u64,
+        surface: &Surface,
+        known: Option<usize>,
+    ) -> usize {
+        let start = self.reaches.len();
+        let bounds = surface.position.bounds();
+        let of_region = self.between(shape);
+        for light in 0..self.world.lights().len() {
+            let before = known.map_or(Reach::Unasked, |known| self.reaches[known + light]);
+            let before = match before {
+                Reach::Unasked | Reach::Terminator | Reach::Many => {
+                    self.region.reaches[of_region + light]
+                }
+                Reach::Lit | Reach::Dark | Reach::Several(_) => before,
+            };
+            let reach = match before {
+                Reach::Lit | Reach::Dark => before,
+                _ => self.reach(shape, surface, bounds, light, before),
+            };
+            self.reaches.push(reach);
+        }
+        start
+    }
+
+    pub(super) fn reach(
+        &mut self,
+        shape: u64,
+        surface: &Surface,
+        bounds: Option<[DVec3; 2]>,
+        light: usize,
+        before: Reach,
+    ) -> Reach {
+        let Some(bounds) = bounds.filter(|_| !surface.is_lifted) else {
+            return Reach::Many;
+        };
+        let light = &self.world.lights()[light].value;
+        let origin = light.position().0;
+        if light.misses(bounds) {
+            return Reach::Dark;
+        }
+        let height = surface.height(origin);
+        // What is nearer to the plane than rounding is on neither side.
+        let room = 1e-12
+            * (origin.abs().max_element() + bounds[0].abs().max(bounds[1].abs()).max_element());
+        if height.most() < -room {
+            return Reach::Dark;
+        }
+        // From inside of a sphere no light outside of it is seen.
+        if let Some(beyond) = surface.beyond(origin)
+            && beyond > -room
+        {
+            return if beyond > room {
+                Reach::Dark
+            } else {
+                Reach::Many
+            };
+        }
+        let is_above = height.least() > room;
+        if !is_above {
+            return Reach::Terminator;
+        }
+        // A flat shape does not hide its own points, and a sphere none that are above of it.
+        match self.between_points(bounds, origin, shape, before, ShaftQuestion::Blockage) {
+            ShaftAnswer::Nothing => Reach::Lit,
+            ShaftAnswer::All(_) => Reach::Dark,
+            ShaftAnswer::These => Reach::Several(self.keep()),
+            ShaftAnswer::TooMany => Reach::Many,
+        }
+    }
+
+    /// What is between a box and a light, of a list if that is known `before`; but for the shape that the box is on.
+    pub(super) fn between_points(
+        &mut self,
+        from: [DVec3; 2],
+        to: DVec3,
+        shape: u64,
+        before: Reach,
+        question: ShaftQuestion,
+    ) -> ShaftAnswer {
+        let shaft = Shaft::ToPoint { from, to };
+        let Reach::Several(list) = before else {
+            return self.ask(&shaft, question, shape, MOST_SHAPES);
+        };
+        let list = list.of(&self.lists, &self.region.lists);
+        if list.is_empty() {
+            return ShaftAnswer::Nothing;
+        }
+        self.visibility
+            .shaft_among(&shaft, question, shape, list, &mut self.space)
+    }
+}

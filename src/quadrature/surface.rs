@@ -1,0 +1,454 @@
+//! L1 and L2 over a square of the image: where its rays meet a shape, as models.
+
+use super::model::{Model, Vector};
+use crate::camera::Camera;
+use crate::math::DVec3;
+use crate::world::geometry::from_shorter_edges;
+use crate::world::{Shape, World};
+
+/// A square of the image, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Square {
+    pub(super) middle: [f64; 2],
+    /// Half its side.
+    pub(super) half: f64,
+}
+
+impl Square {
+    /// Its quarters, row by row.
+    pub(super) fn quarters(self) -> [Self; 4] {
+        let half = self.half * 0.5;
+        [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[u, v]| Self {
+            middle: [self.middle[0] + u * half, self.middle[1] + v * half],
+            half,
+        })
+    }
+}
+
+/// The primary rays through a square.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    pub(super) origin: Vector,
+    pub(super) direction: Vector,
+    /// |ω|² and 1/|ω|
+    pub(super) square: Model,
+    inverse: Model,
+}
+
+impl View {
+    pub(super) fn new(camera: &Camera, square: Square) -> Self {
+        let [x, y] = square.middle;
+        let half = square.half;
+        let middle = camera.ray(x, y);
+        // Rays are linear in the place, so that differences are slopes.
+        let along = |before: crate::math::Ray, after: crate::math::Ray| {
+            let origin = (after.origin.0 - before.origin.0) * 0.5;
+            let direction = (after.direction - before.direction) * 0.5;
+            [origin, direction]
+        };
+        let across = along(camera.ray(x - half, y), camera.ray(x + half, y));
+        let down = along(camera.ray(x, y - half), camera.ray(x, y + half));
+        let origin = Vector::linear(middle.origin.0, [across[0], down[0]]);
+        let direction = Vector::linear(middle.direction, [across[1], down[1]]);
+        let square = direction.dot(direction);
+        Self {
+            origin,
+            direction,
+            square,
+            inverse: square.root().reciprocal(),
+        }
+    }
+}
+
+/// A shape with all that its surface is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Solid {
+    Sphere {
+        center: DVec3,
+        radius: f64,
+    },
+    Plane {
+        point: DVec3,
+        normal: DVec3,
+    },
+    Triangle {
+        corners: [DVec3; 3],
+        normal: DVec3,
+        /// Of a smooth mesh.
+        normals: Option<[DVec3; 3]>,
+        /// Whether shadow rays start elsewhere than on it.
+        is_lifted: bool,
+    },
+}
+
+impl Solid {
+    /// How far a point is from it, at least.
+    pub(super) fn distance(&self, point: DVec3) -> f64 {
+        match *self {
+            Self::Sphere { center, radius } => ((point - center).length() - radius).abs(),
+            Self::Plane {
+                point: on_it,
+                normal,
+            } => normal.dot(point - on_it).abs(),
+            Self::Triangle {
+                corners: [a, b, c],
+                normal,
+                ..
+            } => {
+                let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+                let beside = (point.clamp(least, most) - point).length();
+                beside.max(normal.dot(point - a).abs())
+            }
+        }
+    }
+
+    /// The shape of an object, and of a mesh the triangle.
+    pub(super) fn of(world: &World, object: u32, triangle: u32) -> Self {
+        match world.objects()[object as usize].shape {
+            Shape::Sphere(index) => {
+                let sphere = &world.spheres()[index];
+                Self::Sphere {
+                    center: sphere.center.0,
+                    radius: sphere.radius,
+                }
+            }
+            Shape::Plane(index) => {
+                let plane = &world.planes()[index];
+                Self::Plane {
+                    point: plane.point.0,
+                    normal: plane.normal.get(),
+                }
+            }
+            Shape::Mesh(index) => {
+                let triangles = world.triangles();
+                let mesh = &triangles.meshes()[index];
+                let corners = triangles.vertices(triangle);
+                let [a, b, c] = from_shorter_edges(corners);
+                Self::Triangle {
+                    corners,
+                    normal: (b - a).cross(c - a).normalize(),
+                    normals: mesh.normals.as_ref().map(|normals| {
+                        let normals = normals.at(triangle - mesh.triangles.start);
+                        normals.map(crate::math::Normal::get)
+                    }),
+                    is_lifted: mesh.lifts_shadow_rays(),
+                }
+            }
+        }
+    }
+}
+
+/// Where the rays through a square meet a shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surface {
+    /// t
+    pub(super) distance: Model,
+    /// p
+    pub(super) position: Vector,
+    /// ω_o
+    pub(super) to_viewer: Vector,
+    /// n · ω_o
+    pub(super) cos_viewer: Model,
+    normal: Normal,
+    /// Whether shadow rays start elsewhere than at p.
+    pub(super) is_lifted: bool,
+}
+
+/// n, on the viewer's side.
+#[derive(Clone, Copy, Debug)]
+enum Normal {
+    Flat {
+        point: DVec3,
+        normal: DVec3,
+    },
+    /// n = ±(p − c)/R
+    Round {
+        offset: Vector,
+        center: DVec3,
+        radius: f64,
+        sign: f64,
+    },
+    /// Interpolated, over a flat triangle.
+    Smooth {
+        point: DVec3,
+        flat: DVec3,
+        normal: Vector,
+    },
+}
+
+/// Where the silhouette of a shape passes through a square: the shape is where this is above 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Silhouette {
+    pub(super) inside: Model,
+    /// Of a sphere, √inside is a coordinate of its surface.
+    pub(super) is_round: bool,
+}
+
+impl Surface {
+    /// Of a shape that all rays meet.
+    pub(super) fn new(view: &View, solid: &Solid) -> Option<Self> {
+        match *solid {
+            Solid::Sphere { center, radius } => {
+                let (to_center, inside) = discriminant(view, center, radius);
+                Self::round(view, center, radius, to_center, inside.root())
+            }
+            Solid::Plane { point, normal } => Self::flat(view, point, normal),
+            Solid::Triangle {
+                corners,
+                normal,
+                normals,
+                is_lifted,
+            } => {
+                let surface = Self::flat(view, corners[0], normal)?;
+                let surface = match normals {
+                    Some(normals) => surface.smooth(corners, normals)?,
+                    None => surface,
+                };
+                Some(Self {
+                    is_lifted,
+                    ..surface
+                })
+            }
+        }
+    }
+
+    /// Of a shape whose silhouette passes through the square.
+    pub(super) fn at_silhouette(
+        view: &View,
+        solid: &Solid,
+        silhouette: &Silhouette,
+    ) -> Option<Self> {
+        match *solid {
+            Solid::Sphere { center, radius } if silhouette.is_round => {
+                // √D from 0 to its largest is the third coordinate.
+                let root = Model::third(silhouette.inside.most().max(0.0).sqrt() * 0.5);
+                let to_center = -view.origin.minus(center);
+                Self::round(view, center, radius, to_center, root)
+            }
+            _ => Self::new(view, solid),
+        }
+    }
+
+    fn flat(view: &View, point: DVec3, normal: DVec3) -> Option<Self> {
+        let facing = -view.direction.along(normal);
+        let (facing, normal) = if facing.center < 0.0 {
+            (-facing, -normal)
+        } else {
+            (facing, normal)
+        };
+        let height = view.origin.minus(point).along(normal);
+        let inverse = facing.reciprocal();
+        let distance = height * inverse;
+        let is_before = distance.is_known() && height.least() > 0.0;
+        is_before.then(|| Self {
+            distance,
+            position: view.origin + view.direction.scaled(distance),
+            to_viewer: -view.direction.scaled(view.inverse),
+            cos_viewer: facing * view.inverse,
+            normal: Normal::Flat { point, normal },
+            is_lifted: false,
+        })
+    }
+
+    /// Of a sphere, from √D.
+    fn round(
+        view: &View,
+        center: DVec3,
+        radius: f64,
+        to_center: Vector,
+        root: Model,
+    ) -> Option<Self> {
+        let outside = to_center.dot(to_center).plus(-radius * radius);
+        let sign = if outside.least() > 0.0 {
+            1.0
+        } else if outside.most() < 0.0 {
+            -1.0
+        } else {
+            return None;
+        };
+        let middle = to_center.dot(view.direction);
+        let distance = (middle - root.times(sign)) * view.square.reciprocal();
+        let is_before = distance.is_known() && distance.least() > 0.0;
+        let offset = view.direction.scaled(distance) - to_center;
+        is_before.then(|| Self {
+            distance,
+            position: offset.minus(-center),
+            to_viewer: -view.direction.scaled(view.inverse),
+            // (p − c)·ω = −√D
+            cos_viewer: (root * view.inverse).times(1.0 / radius),
+            normal: Normal::Round {
+                offset,
+                center,
+                radius,
+                sign,
+            },
+            is_lifted: false,
+        })
+    }
+
+    /// With interpolated normals: Σ bᵢ nᵢ at unit length, b linear in p.
+    fn smooth(self, corners: [DVec3; 3], normals: [DVec3; 3]) -> Option<Self> {
+        let Normal::Flat { normal: flat, .. } = self.normal else {
+            return None;
+        };
+        let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let over = 1.0 / area.length_squared();
+        let weight = |i: usize| {
+            let (a, b) = (corners[(i + 1) % 3], corners[(i + 2) % 3]);
+            // The area of the triangle of p and the opposite edge, over all of it.
+            let along = area.cross(b - a) * over;
+            self.position.minus(a).along(along)
+        };
+        let mut sum = Vector::constant(DVec3::ZERO);
+        for (i, &normal) in normals.iter().enumerate() {
+            sum = sum + Vector::constant(normal).scaled(weight(i));
+        }
+        let normal = sum.scaled(sum.dot(sum).root().reciprocal());
+        let side = normal.along(flat);
+        let normal = if side.least() > 0.0 {
+            normal
+        } else if side.most() < 0.0 {
+            -normal
+        } else {
+            return None;
+        };
+        let cos_viewer = normal.dot(self.to_viewer);
+        cos_viewer.is_known().then_some(Self {
+            cos_viewer,
+            normal: Normal::Smooth {
+                point: corners[0],
+                flat,
+                normal,
+            },
+            ..self
+        })
+    }
+
+    /// n · (l − p), of the geometric normal: a light at l is above where it is above 0.
+    pub(super) fn height(&self, light: DVec3) -> Model {
+        match self.normal {
+            Normal::Flat { point, normal } => Model::constant(normal.dot(light - point)),
+            Normal::Smooth { point, flat, .. } => Model::constant(flat.dot(light - point)),
+            Normal::Round { .. } => self.shading_height(light),
+        }
+    }
+
+    /// n · (l − p) of L5.
+    pub(super) fn shading_height(&self, light: DVec3) -> Model {
+        match self.normal {
+            Normal::Flat { .. } => self.height(light),
+            Normal::Smooth { normal, .. } => -self.position.minus(light).dot(normal),
+            Normal::Round {
+                offset,
+                center,
+                radius,
+                sign,
+            } => offset
+                .along(light - center)
+                .plus(-radius * radius)
+                .times(sign / radius),
+        }
+    }
+
+    /// How far outside of the sphere a light is that is met from its inside: below 0 where it is inside, too.
+    pub(super) fn beyond(&self, light: DVec3) -> Option<f64> {
+        match self.normal {
+            Normal::Round {
+                center,
+                radius,
+                sign,
+                ..
+            } if sign < 0.0 => Some((light - center).length() - radius),
+            Normal::Round { .. } | Normal::Flat { .. } | Normal::Smooth { .. } => None,
+        }
+    }
+
+    /// Whether the normal is an interpolated one.
+    pub(super) fn is_smooth(&self) -> bool {
+        matches!(self.normal, Normal::Smooth { .. })
+    }
+}
+
+/// From the origins of rays to a sphere's center, and the discriminant D = R²|ω|² − |(c − o) × ω|² of where they
+/// meet it. Near the silhouette b² − ac would be the difference of numbers that are larger by far.
+fn discriminant(view: &View, center: DVec3, radius: f64) -> (Vector, Model) {
+    let to_center = -view.origin.minus(center);
+    let beside = to_center.cross(view.direction);
+    let inside = view.square.times(radius * radius) - beside.dot(beside);
+    (to_center, inside)
+}
+
+impl Solid {
+    /// Its silhouette in a square, if that is one curve there; and how far the rays get before it, at most.
+    pub(super) fn silhouette(&self, view: &View) -> Option<(Silhouette, f64)> {
+        match *self {
+            Self::Sphere { center, radius } => {
+                let (to_center, inside) = discriminant(view, center, radius);
+                let middle = to_center.dot(view.direction) * view.square.reciprocal();
+                let is_before = middle.least() > 0.0 && inside.is_known();
+                let silhouette = Silhouette {
+                    inside,
+                    is_round: true,
+                };
+                is_before.then_some((silhouette, middle.most()))
+            }
+            Self::Plane { point, normal } => {
+                let height = view.origin.minus(point).along(normal);
+                let sign = height.center.signum();
+                let silhouette = Silhouette {
+                    inside: view.direction.along(normal * -sign),
+                    is_round: false,
+                };
+                (height.times(sign).least() > 0.0).then_some((silhouette, f64::INFINITY))
+            }
+            Self::Triangle { corners, .. } => {
+                let inside = one_edge(view, corners)?;
+                let surface = Surface::new(view, self)?;
+                let silhouette = Silhouette {
+                    inside,
+                    is_round: false,
+                };
+                Some((silhouette, surface.distance.most()))
+            }
+        }
+    }
+}
+
+/// The edge function of a triangle's edge that passes through a square, if it is one alone: above 0 inside.
+fn one_edge(view: &View, corners: [DVec3; 3]) -> Option<Model> {
+    one_of(edges(view, corners))
+}
+
+/// The one of three edge functions that changes its sign, turned so that the others are above 0.
+pub(super) fn one_of(edges: [Model; 3]) -> Option<Model> {
+    let mut mixed = None;
+    let mut sign = 0.0;
+    for edge in edges {
+        let side = if edge.least() > 0.0 {
+            1.0
+        } else if edge.most() < 0.0 {
+            -1.0
+        } else {
+            if mixed.replace(edge).is_some() {
+                return None;
+            }
+            continue;
+        };
+        if sign * side < 0.0 {
+            return None;
+        }
+        sign = side;
+    }
+    let edge = mixed?;
+    Some(if sign < 0.0 { -edge } else { edge })
+}
+
+/// det(ω, a − o, b − o) of the edges, as det(ω, a − o, b − a): linear in the place of the image, and as a model so too,
+/// because only ω or only o differs from ray to ray.
+fn edges(view: &View, corners: [DVec3; 3]) -> [Model; 3] {
+    [0, 1, 2].map(|i: usize| {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        let way = -view.origin.minus(a);
+        way.cross(Vector::constant(b - a)).dot(view.direction)
+    })
+}
