@@ -59,8 +59,7 @@
 //! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
 //! spaces, or as spectra.
 //!
-//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion,
-//! adaptive sampling.
+//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion.
 //!
 //! # Example
 //!
@@ -133,6 +132,7 @@ pub mod mesh;
 pub mod oracle;
 pub mod output;
 mod printable;
+mod quadrature;
 pub mod render;
 pub mod scene;
 mod shading;

@@ -81,6 +81,8 @@ fn options(window: Option<Window>) -> Options {
             depth: true,
             normal: true,
             spectral: None,
+            error: false,
+            samples: false,
         },
         ..Options::default()
     }

@@ -79,6 +79,8 @@ fn shown(renderer: &Renderer<'_>, camera: &candela::Camera) -> Vec<u32> {
             depth: true,
             normal: true,
             spectral: None,
+            error: false,
+            samples: false,
         },
         ..Options::default()
     };

@@ -215,6 +215,8 @@ fn the_image_that_is_preserved_is_what_the_file_shows() {
         depth: true,
         normal: true,
         spectral: None,
+        error: false,
+        samples: false,
     };
     for compression in Compression::ALL {
         for precision in [Precision::Float, Precision::Half] {

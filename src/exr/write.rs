@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use super::file::ExrFile;
-use super::{ExrOptions, ExrReport, Preserve};
+use super::{ExrImage, ExrOptions, ExrReport, Preserve};
 use crate::image::Film;
 use crate::output::{self, OutputError, Unfinished};
 use crate::turns::in_turn;
@@ -53,7 +53,18 @@ impl Film {
         sink: &mut (impl Write + Seek + Send),
         options: &ExrOptions,
     ) -> io::Result<ExrReport> {
-        let file = ExrFile::begin(self.spec(), options, Preserve::Nothing, sink)?;
+        let (report, _) = self.write_exr_and_keep(sink, options, Preserve::Nothing)?;
+        Ok(report)
+    }
+
+    /// The same, and what the file shows, as if it were read back, where that is asked for.
+    pub(crate) fn write_exr_and_keep(
+        &self,
+        sink: &mut (impl Write + Seek + Send),
+        options: &ExrOptions,
+        preserve: Preserve,
+    ) -> io::Result<(ExrReport, Option<ExrImage>)> {
+        let file = ExrFile::begin(self.spec(), options, preserve, sink)?;
         let (blocks, lines) = (file.blocks(), file.lines_per_block());
         let height = self.window().height as usize;
         in_turn(
@@ -70,7 +81,6 @@ impl Film {
                 }
             },
         );
-        let (report, _) = file.finish()?;
-        Ok(report)
+        file.finish()
     }
 }

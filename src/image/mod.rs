@@ -181,6 +181,11 @@ impl Film {
         &self.spec.metadata
     }
 
+    /// Adds to what the header says of where the image comes from.
+    pub(crate) fn add_provenance(&mut self, entries: impl Iterator<Item = (String, String)>) {
+        self.spec.metadata.provenance.extend(entries);
+    }
+
     /// Its pixels and the values of its channels, to be filled.
     pub(crate) fn rows_mut(&mut self) -> (&mut [[f32; 4]], &mut [f32]) {
         (&mut self.pixels, &mut self.values)

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::sampling::Sampler;
+use super::sampling::{Pattern, Sampler};
 use crate::camera::{Camera, Projection};
 use crate::image::Window;
 use crate::math::DVec3;
@@ -16,9 +16,6 @@ pub(super) const TILE: u32 = 16;
 
 /// Pixels of a tile.
 pub(super) const PIXELS: usize = (TILE * TILE) as usize;
-
-/// Samples are parted by their number in their pixel modulo this, where that is asked for.
-pub(super) const SUBSETS: usize = 4;
 
 /// A number for each pixel of a tile.
 type PerPixel = [u32; PIXELS];
@@ -89,6 +86,24 @@ impl Selection {
     /// All.
     pub(super) const ALL: Self = Self([u64::MAX; PIXELS / 64]);
 
+    /// None.
+    pub(super) const NONE: Self = Self([0; PIXELS / 64]);
+
+    /// Adds a pixel.
+    pub(super) fn insert(&mut self, pixel: usize) {
+        self.0[pixel / 64] |= 1 << (pixel % 64);
+    }
+
+    /// Takes a pixel out.
+    pub(super) fn remove(&mut self, pixel: usize) {
+        self.0[pixel / 64] &= !(1 << (pixel % 64));
+    }
+
+    /// Their numbers.
+    pub(super) fn iter(self) -> impl Iterator<Item = usize> {
+        (0..PIXELS).filter(move |&pixel| self.contains(pixel))
+    }
+
     /// Whether a pixel is among them.
     pub(super) fn contains(self, pixel: usize) -> bool {
         self.0[pixel / 64] >> (pixel % 64) & 1 == 1
@@ -97,11 +112,11 @@ impl Selection {
 
 impl FromIterator<usize> for Selection {
     fn from_iter<I: IntoIterator<Item = usize>>(pixels: I) -> Self {
-        let mut bits = [0; PIXELS / 64];
+        let mut selection = Self::NONE;
         for pixel in pixels {
-            bits[pixel / 64] |= 1 << (pixel % 64);
+            selection.insert(pixel);
         }
-        Self(bits)
+        selection
     }
 }
 
@@ -149,6 +164,8 @@ impl PassPixels {
 #[derive(Clone, Debug)]
 pub(super) struct Batch {
     pixels: PassPixels,
+    pattern: Pattern,
+    spacing: [f64; 2],
     /// The first sample of each pixel, and how many there are.
     start: usize,
     samples: usize,
@@ -177,6 +194,8 @@ impl Default for Batch {
                 in_image: [[0; PIXELS]; 2],
                 seeds: [[0; PIXELS]; 2],
             },
+            pattern: Pattern::Grid(1),
+            spacing: [1.0; 2],
             start: 0,
             samples: 1,
             first: 0,
@@ -202,9 +221,12 @@ impl Batch {
         samples: Range<u32>,
     ) {
         let (start, samples) = (samples.start as usize, samples.len());
-        if (self.start, self.samples) != (start, samples) {
-            (self.start, self.samples, self.phase) = (start, samples, None);
+        let pattern = sampler.pattern();
+        if (self.pattern, self.start, self.samples) != (pattern, start, samples) {
+            (self.pattern, self.phase) = (pattern, None);
+            (self.start, self.samples) = (start, samples);
         }
+        self.spacing = sampler.spacing();
         (self.first, self.len) = (0, 0);
         let pixels = &mut self.pixels;
         pixels.take(tile, selection);
@@ -257,6 +279,7 @@ impl Batch {
                 let seeds = &self.seeds[dimension][first..];
                 let corner = U32x16::load(simd, &self.corners[dimension][first..]);
                 let place = corner.widened(simd) + sampler.offsets(simd, sequence, seeds);
+                let place = place * self.spacing[dimension];
                 place.store(&mut self.positions[dimension][first..]);
             }
         }
@@ -311,8 +334,9 @@ impl Batch {
     fn corners(&self, camera: &Camera) -> [DVec3; 4] {
         let pixels = self.range().pixel(0)..=self.range().last_pixel();
         let [x, y] = &self.pixels.in_image;
-        let [left, right] = around(&x[pixels.clone()]);
-        let [top, bottom] = around(&y[pixels]);
+        let [across, down] = self.spacing;
+        let [left, right] = around(&x[pixels.clone()]).map(|place| place * across);
+        let [top, bottom] = around(&y[pixels]).map(|place| place * down);
         [
             camera.ray(left, top).direction,
             camera.ray(right, top).direction,
@@ -346,7 +370,6 @@ impl Batch {
             range: self.range(),
             start: self.start,
             numbers: &self.pixels.numbers,
-            subset: None,
         }
     }
 }
@@ -435,30 +458,24 @@ impl SampleRange {
     }
 }
 
-/// The samples of a batch with the numbers of their pixels in the tile, or a subset of them.
+/// The samples of a batch with the numbers of their pixels in the tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NumberedSamples<'b> {
     range: SampleRange,
     /// The first sample of each pixel.
     start: usize,
     numbers: &'b PerPixel,
-    subset: Option<usize>,
 }
 
 impl NumberedSamples<'_> {
-    /// Those whose number in their pixel is `subset` modulo [`SUBSETS`].
-    pub(super) fn subset(self, subset: usize) -> Self {
-        Self {
-            subset: Some(subset),
-            ..self
-        }
-    }
-
     /// The slot of each sample and its pixel.
     pub(super) fn iter(self) -> impl Iterator<Item = (usize, usize)> {
-        (0..self.range.len)
-            .filter(move |&slot| self.contains(slot))
-            .map(move |slot| (slot, self.pixel(slot)))
+        (0..self.range.len).map(move |slot| (slot, self.pixel(slot)))
+    }
+
+    /// The number of the sample in a slot among those of its pixel.
+    pub(super) fn number_in_pixel(self, slot: usize) -> usize {
+        self.start + (self.range.first + slot) % self.range.samples
     }
 
     /// The samples of a packet that starts in a slot, pixel by pixel: one bit for each.
@@ -472,10 +489,8 @@ impl NumberedSamples<'_> {
             let pixel = self.range.pixel(start);
             let of_pixel = start..self.range.end(pixel).min(end);
             start = of_pixel.end;
-            let mut bits = 0;
-            for slot in of_pixel {
-                bits |= u32::from(self.contains(slot)) << (slot - first);
-            }
+            let after = |slot: usize| u32::MAX.checked_shl((slot - first) as u32).unwrap_or(0);
+            let bits = after(of_pixel.start) & !after(of_pixel.end);
             Some((self.numbers[pixel] as usize, bits))
         })
     }
@@ -488,14 +503,6 @@ impl NumberedSamples<'_> {
     /// The pixel of the last sample of the batch.
     pub(super) fn last_pixel(self) -> usize {
         self.pixel(self.range.len - 1)
-    }
-
-    /// Whether the sample in a slot is one of these.
-    fn contains(self, slot: usize) -> bool {
-        self.subset.is_none_or(|subset| {
-            let sample = self.start + (self.range.first + slot) % self.range.samples;
-            sample % SUBSETS == subset
-        })
     }
 }
 

@@ -1,5 +1,7 @@
 //! What a render took and met.
 
+use super::accuracy::ErrorCounts;
+
 /// The radiance in cd/m² that a screen shows as its white, where no exposure is given.
 pub const SCREEN_WHITE: f32 = 1.0;
 
@@ -27,6 +29,8 @@ pub struct Counts {
     /// Pixels with R, G or B above [`SCREEN_WHITE`] by so much that a code of 8 bits
     /// cannot show it, 0.9 %.
     pub beyond_white: u64,
+    /// How exact the pixels are, where they are rendered to an error.
+    pub errors: ErrorCounts,
 }
 
 impl Counts {
@@ -40,6 +44,18 @@ impl Counts {
             clamped: self.clamped + other.clamped,
             brightest: self.brightest.max(other.brightest),
             beyond_white: self.beyond_white + other.beyond_white,
+            errors: self.errors.and(other.errors),
+        }
+    }
+
+    /// Of a pixel that has no samples.
+    pub(super) fn of_pixel([r, g, b, _]: [f32; 4], clamped: u64) -> Self {
+        let largest = r.max(g).max(b);
+        Self {
+            clamped,
+            brightest: largest.max(0.0),
+            beyond_white: u64::from(largest > BEYOND_WHITE),
+            ..Self::default()
         }
     }
 }

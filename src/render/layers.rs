@@ -22,6 +22,11 @@ pub struct Layers {
     pub normal: bool,
     /// Radiance band by band, at these wavelengths. Only where light is carried spectrally.
     pub spectral: Option<Wavelengths>,
+    /// `error`, in cd/m²: how far the largest of R, G and B is off at most, and `error_kind`: 0 where that is a bound, 1
+    /// where it is an estimate. Only where pixels are rendered to an error.
+    pub error: bool,
+    /// `samples`: how many samples were taken of the pixel, 0 where its edges were integrated.
+    pub samples: bool,
 }
 
 impl Layers {
@@ -32,12 +37,16 @@ impl Layers {
             depth,
             normal,
             spectral,
+            error,
+            samples,
         } = self;
         let asked = [
             (lights, "lights"),
             (depth, "depth"),
             (normal, "normal"),
             (spectral.is_some(), "spectral"),
+            (error, "error"),
+            (samples, "samples"),
         ];
         let asked = asked
             .into_iter()
@@ -55,6 +64,8 @@ impl Layers {
             depth,
             normal,
             spectral,
+            error,
+            samples,
         } = self;
         let channel = |name: String, kind| Channel { name, kind };
         let mut channels = spectral.map(self::spectral).unwrap_or_default();
@@ -71,6 +82,13 @@ impl Layers {
         let normal = normal.map(|axis| channel(format!("N.{axis}"), ChannelKind::Direction));
         let first = shares.chain(depth).chain(normal);
         channels.list.splice(0..0, first);
+        let error = error.then_some(["error", "error_kind"]);
+        let last = error
+            .into_iter()
+            .flatten()
+            .chain(samples.then_some("samples"));
+        let last = last.map(|name| channel(name.to_owned(), ChannelKind::Data));
+        channels.list.extend(last);
         channels
     }
 }
@@ -156,6 +174,8 @@ mod tests {
         depth: true,
         normal: true,
         spectral: None,
+        error: false,
+        samples: false,
     };
 
     #[test]

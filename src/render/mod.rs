@@ -12,6 +12,8 @@
 //!     row by row, by all threads, until the job is canceled
 //! ```
 
+mod accuracy;
+mod adaptive;
 mod bands;
 mod batch;
 mod counts;
@@ -33,6 +35,7 @@ mod tile;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+pub use accuracy::{ErrorCounts, ErrorTarget, MAX_SAMPLES, MIN_RELATIVE_ERROR};
 pub use counts::Counts;
 #[doc(hidden)]
 pub use counts::SCREEN_WHITE;
@@ -42,7 +45,7 @@ pub use job::Job;
 #[doc(hidden)]
 pub use layers::BACKGROUND_LIGHT;
 pub use layers::Layers;
-pub use options::{MAX_SAMPLES, Options, OptionsError};
+pub use options::{Options, OptionsError};
 pub use renderer::{RenderError, RenderedExr, Renderer, render};
 pub use sink::{RenderedTile, Sink};
 

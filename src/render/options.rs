@@ -1,20 +1,20 @@
 //! How to render.
 
+use super::accuracy::{ErrorTarget, MAX_SAMPLES, MIN_RELATIVE_ERROR};
 use super::layers::Layers;
 use crate::camera::Camera;
 use crate::image::Window;
 use crate::simd::SimdLevel;
 use crate::world::World;
 
-/// The most samples of a pixel.
-pub const MAX_SAMPLES: u32 = 65_536;
-
 /// How to render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Samples of each pixel. 1 samples pixel centers and nothing else; more are a fixed pattern
     /// that differs from pixel to pixel. Range: 1 to [`MAX_SAMPLES`]. Default 1.
     pub samples: u32,
+    /// How exact each pixel is to be; `samples` says nothing then. Default `None`.
+    pub target: Option<ErrorTarget>,
     /// The part of the image to render; `None` is all of it.
     pub window: Option<Window>,
     /// What is made beside R, G, B and A. Default: nothing.
@@ -28,6 +28,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             samples: 1,
+            target: None,
             window: None,
             layers: Layers::default(),
             simd: SimdLevel::default(),
@@ -36,12 +37,22 @@ impl Default for Options {
 }
 
 /// Options that a world cannot be rendered with, or a camera.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptionsError {
     /// [`Options::samples`] is out of range.
     #[error("{0} samples of a pixel are out of range; choose 1 to {MAX_SAMPLES}")]
     Samples(u32),
+    /// [`Options::target`] is out of range.
+    #[error(
+        "a target of {} with a floor of {:?} cd/m² and at most {} samples is out of range; choose a target from \
+         {MIN_RELATIVE_ERROR} to 1, a floor above 0 and 1 to {MAX_SAMPLES} samples",
+        .0.relative, .0.floor, .0.max_samples
+    )]
+    Target(ErrorTarget),
+    /// [`Layers::error`] is asked for without [`Options::target`].
+    #[error("the layer `error` is known only where pixels are rendered to an error; set a target")]
+    NoTarget,
     /// [`Options::window`] is not inside the image, or has no pixels.
     #[error(
         "the window of {} × {} pixels at ({}, {}) is not inside the image of {} × {}; choose a part of it",
@@ -74,6 +85,12 @@ impl Options {
     pub fn check(&self, world: &World, camera: &Camera) -> Result<Window, OptionsError> {
         if !(1..=MAX_SAMPLES).contains(&self.samples) {
             return Err(OptionsError::Samples(self.samples));
+        }
+        if let Some(target) = self.target.filter(|target| !target.is_valid()) {
+            return Err(OptionsError::Target(target));
+        }
+        if self.layers.error && self.target.is_none() {
+            return Err(OptionsError::NoTarget);
         }
         if self.layers.spectral.is_some() && world.spectra().is_none() {
             return Err(OptionsError::Bands);

@@ -2,6 +2,8 @@
 
 use std::io::{self, Seek, Write};
 
+use super::accuracy::Goal;
+use super::batch::Selection;
 use super::counts::Counts;
 use super::exr_sink::ExrSink;
 use super::film_sink::FilmSink;
@@ -9,15 +11,18 @@ use super::job::Job;
 use super::layer_sums::RequestedLayers;
 use super::options::{Options, OptionsError};
 use super::sampling::Sampler;
-use super::scheduler::render_tiles;
-use super::sink::Sink;
-use super::tile::{Kept, Setup};
+use super::scheduler::{render_tiles, windows};
+use super::sink::{ErrorChannels, Sink};
+use super::tile::{Kept, Setup, Space, Tile};
 use crate::camera::Camera;
 use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve};
 use crate::image::{Film, ImageSpec, Metadata, Window};
-use crate::memory::OutOfMemory;
+use crate::memory::{OutOfMemory, look_for};
 use crate::visibility::Visibility;
 use crate::world::{Bands, Plan, World};
+
+/// The columns and rows of points that say what errors are relative to.
+const FLOOR_PARTS: u32 = 64;
 
 /// Renders a world as a camera sees it: plans, builds what the plan needs, and renders with the threads
 /// of the current rayon pool. The same world, camera and options give the same bits on any number of
@@ -71,6 +76,12 @@ pub enum RenderError {
     /// The file cannot be written.
     #[error("{0}")]
     Write(#[from] io::Error),
+    /// The image is black at all points that say what errors are relative to, and elsewhere it is not.
+    #[error(
+        "the image is too dark to say what errors are relative to: it is black at 64 × 64 points over it, but not \
+         everywhere; set the floor"
+    )]
+    TooDark,
     /// [`Job::cancel`] was called.
     #[error("rendering was canceled")]
     Canceled,
@@ -82,7 +93,7 @@ impl From<RenderError> for io::Error {
             RenderError::Write(error) => error,
             RenderError::Options(error) => Self::new(io::ErrorKind::InvalidInput, error),
             RenderError::Memory(error) => Self::new(io::ErrorKind::OutOfMemory, error),
-            RenderError::Canceled => Self::other(error),
+            RenderError::Canceled | RenderError::TooDark => Self::other(error),
         }
     }
 }
@@ -169,12 +180,15 @@ impl<'w> Renderer<'w> {
         let spec = self.spec(camera, options)?;
         let mut film = Film::black(spec);
         let counts = self.tiles(camera, options, job, &FilmSink::new(&mut film))?;
+        if options.target.is_some() {
+            film.add_provenance(counts.errors.provenance());
+        }
         Ok((film, counts))
     }
 
     /// Renders and writes OpenEXR into `sink`, from the sink's start: blocks are compressed and written
-    /// while others are still being rendered, and the film is never there as a whole. The bytes are
-    /// those that [`Renderer::film`] and [`Film::write_exr_to`] make one after the other.
+    /// while others are still being rendered, and the film is never there as a whole, unless it is rendered to an
+    /// error: the header, which comes first, says what came of it. The bytes are those that [`Renderer::film`] and [`Film::write_exr_to`] make one after the other.
     ///
     /// # Errors
     /// As [`Renderer::film`] and [`Film::write_exr_to`]; rendering ends with the first.
@@ -188,6 +202,19 @@ impl<'w> Renderer<'w> {
         sink: &mut (impl Write + Seek + Send),
     ) -> Result<RenderedExr, RenderError> {
         let spec = self.spec(camera, options)?;
+        if options.target.is_some() {
+            let values = 4 + spec.channels.list.len() as u64;
+            let bytes = spec.window.count().saturating_mul(4 * values);
+            look_for(bytes)
+                .map_err(|error| error.for_what("the film that is rendered to an error"))?;
+            let (film, counts) = self.film(camera, options, job)?;
+            let (report, image) = film.write_exr_and_keep(sink, exr, preserve)?;
+            return Ok(RenderedExr {
+                counts,
+                report,
+                image,
+            });
+        }
         let file = ExrFile::begin(&spec, exr, preserve, sink)?;
         let counts = {
             let strips = ExrSink::new(spec.window, &spec.channels, &file);
@@ -212,14 +239,63 @@ impl<'w> Renderer<'w> {
         job: &Job<'_>,
         sink: &dyn Sink,
     ) -> Result<Counts, RenderError> {
+        let channels = options.layers.channels(self.world).list.len();
+        let about_errors = ErrorChannels {
+            error: options.layers.error,
+            samples: options.layers.samples,
+        };
         let counts = self.set_up(camera, options, Kept::Sums, |setup, window| {
-            let channels = options.layers.channels(self.world).list.len();
-            render_tiles(setup, window, channels, job, sink)
+            let goal = options.target.map(|target| {
+                let floor = target.floor.unwrap_or_else(|| self.floor(setup));
+                Goal::new(&target, floor, channels == about_errors.count())
+            });
+            let setup = Setup {
+                goal: goal.as_ref(),
+                ..*setup
+            };
+            render_tiles(&setup, window, (channels, about_errors), job, sink)
         })?;
         if job.is_canceled() {
             return Err(RenderError::Canceled);
         }
+        // Black is exact; what is not black needs something to be relative to.
+        if options.target.is_some() && counts.errors.floor == 0.0 && counts.errors.unmet > 0 {
+            return Err(RenderError::TooDark);
+        }
         Ok(counts)
+    }
+
+    /// A hundredth of the mean luminance of the image in cd/m², from the centers of 64 × 64 parts.
+    fn floor(&self, setup: &Setup<'w>) -> f64 {
+        let parts = [FLOOR_PARTS; 2];
+        let sampler = Sampler::over(setup.camera.resolution(), parts);
+        let setup = Setup {
+            sampler: &sampler,
+            layers: None,
+            ..*setup
+        };
+        let (mut tile, mut space) = (Box::<Tile<'_>>::default(), Box::<Space>::default());
+        let weights = self.world.color_space().primaries().luminance_weights();
+        let mut sum = 0.0;
+        for window in windows(Window::whole(parts)) {
+            tile.begin(&setup, window);
+            tile.pass(&setup, 0..1, &Selection::ALL, &mut space);
+            for pixel in 0..tile.places().len() {
+                let (radiance, _) = tile.sums_of(pixel);
+                let channels = radiance.iter().zip(weights);
+                sum += channels
+                    .map(|(channel, weight)| channel * weight)
+                    .sum::<f64>();
+            }
+        }
+        let mean = sum / f64::from(FLOOR_PARTS * FLOOR_PARTS);
+        // Below the least normal f32 pixels have no relative precision.
+        let floor = mean * 0.01;
+        if floor >= f64::from(f32::MIN_POSITIVE) {
+            floor
+        } else {
+            0.0
+        }
     }
 
     /// Makes what all tiles have in common, and works with it on a window.
@@ -233,7 +309,10 @@ impl<'w> Renderer<'w> {
         let window = options.check(self.world, camera)?;
         let spectra = self.world.spectra().zip(options.layers.spectral);
         let bands = spectra.map(|(spectra, wavelengths)| Bands::new(spectra, wavelengths));
-        let sampler = Sampler::new(options.samples);
+        let most = options
+            .target
+            .map_or(options.samples, |target| target.max_samples);
+        let sampler = Sampler::new(most);
         let setup = Setup {
             world: self.world,
             camera,
@@ -242,6 +321,7 @@ impl<'w> Renderer<'w> {
             sampler: &sampler,
             layers: RequestedLayers::new(self.world, camera, options.layers, bands.as_ref()),
             sums,
+            goal: None,
         };
         Ok(work(&setup, window))
     }
@@ -262,9 +342,15 @@ impl<'w> Renderer<'w> {
         let layers = options.layers.names();
         let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
         let inputs = ("inputs_sha256".to_owned(), world.inputs_hash().to_owned());
+        let accuracy = match options.target {
+            None => vec![("samples".to_owned(), options.samples.to_string())],
+            Some(target) => vec![
+                ("max_error".to_owned(), target.relative.to_string()),
+                ("max_samples".to_owned(), target.max_samples.to_string()),
+            ],
+        };
         let others = [
             ("plan".to_owned(), plan),
-            ("samples".to_owned(), options.samples.to_string()),
             ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
         ];
         Metadata {
@@ -274,6 +360,7 @@ impl<'w> Renderer<'w> {
             provenance: std::iter::once(inputs)
                 .chain(layers)
                 .chain(others)
+                .chain(accuracy)
                 .collect(),
         }
     }

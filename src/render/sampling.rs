@@ -6,22 +6,67 @@ use crate::simd::{F64x16, U32x16};
 
 /// The sample positions of pixels: the same on every machine and in every run.
 ///
-/// One sample is the pixel's center. More are the first points of the two-dimensional Sobol'
+/// One sample is the pixel's center. More are, unless they are the middles of a grid, the first points of the two-dimensional Sobol'
 /// sequence, Owen-scrambled with a seed from the pixel's position (hash-based: Laine & Karras 2011,
 /// "Stratified Sampling for Stochastic Transparency", with the mixing constants of Vegdahl 2021),
 /// so that any power of two of them is stratified in every way and neighbors are independent.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sampler {
-    /// The sequence before it is scrambled, each number with its highest bit last.
+    pattern: Pattern,
+    /// Of a sequence, before it is scrambled, each number with its highest bit last; of a grid, column and row.
     sequence: Vec<[u32; 2]>,
+    /// Pixels of the image from one pixel of the grid to the next.
+    spacing: [f64; 2],
+}
+
+/// What kind of places samples have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pattern {
+    /// The scrambled sequence.
+    Scrambled,
+    /// The middles of so many equal parts along each side, the same in all pixels.
+    Grid(u32),
 }
 
 impl Sampler {
     pub(super) fn new(samples: u32) -> Self {
+        if samples == 1 {
+            return Self::grid(1);
+        }
         let sequence = (0..samples).map(|sample| [sample, sobol(sample).reverse_bits()]);
         Self {
+            pattern: Pattern::Scrambled,
             sequence: sequence.collect(),
+            spacing: [1.0; 2],
         }
+    }
+
+    /// The middles of `side` × `side` equal parts of the pixel, row by row.
+    pub(super) fn grid(side: u32) -> Self {
+        let sequence = (0..side * side).map(|sample| [sample % side, sample / side]);
+        Self {
+            pattern: Pattern::Grid(side),
+            sequence: sequence.collect(),
+            spacing: [1.0; 2],
+        }
+    }
+
+    /// The centers of so many columns and rows that the whole image is parted into, as if they were the pixels of one.
+    pub(super) fn over(image: [u32; 2], parts: [u32; 2]) -> Self {
+        Self {
+            spacing: [0, 1].map(|axis| f64::from(image[axis]) / f64::from(parts[axis])),
+            ..Self::grid(1)
+        }
+    }
+
+    pub(super) fn pattern(&self) -> Pattern {
+        self.pattern
+    }
+
+    /// Pixels of the image from one of those that are sampled to the next: 1, unless the samples are over the whole
+    /// image.
+    pub(super) fn spacing(&self) -> [f64; 2] {
+        self.spacing
     }
 
     /// How many samples a pixel has.
@@ -32,7 +77,7 @@ impl Sampler {
     /// What scrambles the two dimensions for the pixels at some columns x and rows y.
     #[inline(always)]
     pub(super) fn seeds<S: Simd>(&self, simd: S, [x, y]: [U32x16<S>; 2]) -> [U32x16<S>; 2] {
-        if self.sequence.len() == 1 {
+        if self.pattern != Pattern::Scrambled {
             return [U32x16::splat(simd, 0); 2];
         }
         let seed = hash(simd, hash(simd, x) ^ y);
@@ -51,8 +96,13 @@ impl Sampler {
     /// and the pixels' seeds.
     #[inline(always)]
     pub(super) fn offsets<S: Simd>(&self, simd: S, sequence: &[u32], seeds: &[u32]) -> F64x16<S> {
-        if self.sequence.len() == 1 {
-            return F64x16::splat(simd, 0.5);
+        match self.pattern {
+            Pattern::Grid(1) => return F64x16::splat(simd, 0.5),
+            Pattern::Grid(side) => {
+                let part = U32x16::load(simd, sequence).widened(simd);
+                return (part + F64x16::splat(simd, 0.5)) * (1.0 / f64::from(side));
+            }
+            Pattern::Scrambled => {}
         }
         let sequence = U32x16::load(simd, sequence);
         let scrambled = scrambled(simd, sequence, U32x16::load(simd, seeds));

@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use super::adaptive::Adaptive;
 use super::batch::{Selection, TILE};
 use super::counts::Counts;
 use super::job::Job;
-use super::sink::{RenderedTile, Sink};
+use super::sink::{ErrorChannels, RenderedTile, Sink};
 use super::tile::{Setup, Space, Tile};
 use crate::image::Window;
 use crate::turns::in_turn;
@@ -15,7 +16,7 @@ use crate::turns::in_turn;
 pub(super) fn render_tiles<'w>(
     setup: &Setup<'w>,
     window: Window,
-    channels: usize,
+    (channels, error_channels): (usize, ErrorChannels),
     job: &Job<'_>,
     sink: &dyn Sink,
 ) -> Counts {
@@ -27,7 +28,11 @@ pub(super) fn render_tiles<'w>(
         job.advance(worker.rendered.window().count());
         sink.take(&worker.rendered)
     };
-    let workers = in_turn(tiles(window), || Worker::new(channels), each);
+    let workers = in_turn(
+        tiles(window),
+        || Worker::new(setup, RenderedTile::new(channels, error_channels)),
+        each,
+    );
     let counts = workers.iter().map(|worker| worker.counts);
     counts.fold(Counts::default(), Counts::and)
 }
@@ -59,34 +64,41 @@ struct Worker<'w> {
     tile: Box<Tile<'w>>,
     space: Box<Space>,
     rendered: RenderedTile,
+    adaptive: Option<Adaptive<'w>>,
     counts: Counts,
 }
 
 impl<'w> Worker<'w> {
-    /// For so many channels beside R, G, B, A.
-    fn new(channels: usize) -> Self {
+    fn new(setup: &Setup<'w>, rendered: RenderedTile) -> Self {
         Self {
             tile: Box::default(),
             space: Box::default(),
-            rendered: RenderedTile::new(channels),
+            rendered,
+            adaptive: setup.goal.map(|goal| Adaptive::new(setup, goal)),
             counts: Counts::default(),
         }
     }
 
-    /// Renders all samples of a tile into `rendered`.
+    /// Renders a tile into `rendered`.
     fn render(&mut self, setup: &Setup<'w>, window: Window) {
+        if let Some((adaptive, goal)) = self.adaptive.as_mut().zip(setup.goal) {
+            let (tile, space) = (&mut self.tile, &mut self.space);
+            let met = adaptive.render(setup, goal, window, tile, space, &mut self.rendered);
+            self.counts = self.counts.and(met);
+            return;
+        }
         let samples = 0..setup.sampler.samples();
         self.tile.begin(setup, window);
         let taken = self
             .tile
             .pass(setup, samples, &Selection::ALL, &mut self.space);
         let met = self.tile.means(setup, &mut self.rendered);
+        self.rendered.set_samples(setup.sampler.samples());
         self.counts = self.counts.and(taken).and(met);
     }
 }
 
 /// The tiles of a window.
-#[cfg(test)]
 pub(super) fn windows(window: Window) -> impl Iterator<Item = Window> {
     (0..tiles(window)).map(move |number| tile(window, number))
 }

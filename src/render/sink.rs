@@ -22,16 +22,35 @@ pub struct RenderedTile {
     channels: usize,
     /// Their values, row by row, pixel by pixel, channel by channel within.
     values: Vec<f32>,
+    /// Which of the last of these channels are about errors.
+    error_channels: ErrorChannels,
+}
+
+/// Which channels about errors there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct ErrorChannels {
+    /// `error` and `error_kind`.
+    pub(super) error: bool,
+    /// `samples`.
+    pub(super) samples: bool,
+}
+
+impl ErrorChannels {
+    /// How many.
+    pub(super) fn count(self) -> usize {
+        2 * usize::from(self.error) + usize::from(self.samples)
+    }
 }
 
 impl RenderedTile {
     /// Without pixels, for so many channels beside R, G, B, A.
-    pub(super) fn new(channels: usize) -> Self {
+    pub(super) fn new(channels: usize, error_channels: ErrorChannels) -> Self {
         Self {
             window: Window::whole([0, 0]),
             pixels: Vec::new(),
             channels,
             values: Vec::new(),
+            error_channels,
         }
     }
 
@@ -68,6 +87,42 @@ impl RenderedTile {
     pub(super) fn values_mut(&mut self, [column, row]: [u32; 2]) -> &mut [f32] {
         let pixel = (row * self.window.width + column) as usize;
         &mut self.values[pixel * self.channels..][..self.channels]
+    }
+
+    /// R, G, B, A of the pixel at a column and row of the tile.
+    pub(super) fn pixel(&self, [column, row]: [u32; 2]) -> [f32; 4] {
+        self.pixels[(row * self.window.width + column) as usize]
+    }
+
+    /// Whether anything is asked for of the errors or samples of pixels.
+    pub(super) fn wants_errors(&self) -> bool {
+        self.error_channels.count() > 0
+    }
+
+    /// Sets what is asked for of a pixel's error in cd/m², its kind and the samples taken.
+    pub(super) fn set_error(&mut self, place: [u32; 2], error: f32, is_bound: bool, samples: u32) {
+        let channels = self.error_channels;
+        let first = self.channels - channels.count();
+        let mut values = self.values_mut(place)[first..].iter_mut();
+        let kind = if is_bound { 0.0 } else { 1.0 };
+        let error = channels.error.then_some([error, kind]);
+        let samples = channels.samples.then_some(samples as f32);
+        for value in error.into_iter().flatten().chain(samples) {
+            if let Some(place) = values.next() {
+                *place = value;
+            }
+        }
+    }
+
+    /// Sets the samples taken of all pixels, where that is asked for.
+    pub(super) fn set_samples(&mut self, samples: u32) {
+        if self.error_channels.samples {
+            for values in self.values.chunks_exact_mut(self.channels) {
+                if let Some(last) = values.last_mut() {
+                    *last = samples as f32;
+                }
+            }
+        }
     }
 
     /// Copies it to its place in whole rows of `window`, of which `pixels` and `values` have the first

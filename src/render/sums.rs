@@ -55,16 +55,17 @@ impl PixelSums {
     }
 
     /// Σ L of a pixel.
-    #[cfg_attr(
-        not(test),
-        expect(
-            dead_code,
-            reason = "for estimates of the error, which are still to come"
-        )
-    )]
     pub(super) fn radiance(&self, pixel: usize) -> [f64; 3] {
         let [r, g, b] = &self.radiance;
         [r[pixel], g[pixel], b[pixel]]
+    }
+
+    /// Sets the sums of a pixel.
+    pub(super) fn set(&mut self, pixel: usize, radiance: [f64; 3], hits: u32) {
+        for (sums, radiance) in self.radiance.iter_mut().zip(radiance) {
+            sums[pixel] = radiance;
+        }
+        self.hits[pixel] = hits;
     }
 
     /// Adds the radiance of one sample of a pixel.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::batch::{PIXELS, SUBSETS, Selection};
+use super::batch::{PIXELS, Selection};
 use super::scheduler::windows;
-use super::sink::RenderedTile;
+use super::sink::{ErrorChannels, RenderedTile};
 use super::tile::{Kept, Setup, Space, Tile};
 use super::{Layers, Options, OptionsError, Renderer};
 use crate::camera::Camera;
@@ -20,6 +20,8 @@ const ALL: Layers = Layers {
     depth: true,
     normal: true,
     spectral: None,
+    error: false,
+    samples: false,
 };
 
 /// The lecture's scene, small, with a background that has a share of its own.
@@ -66,7 +68,7 @@ fn add<'w>(setup: &Setup<'w>, tile: &mut Tile<'w>, ranges: &[Range<u32>], select
 }
 
 fn means<'w>(setup: &Setup<'w>, tile: &mut Tile<'w>) -> RenderedTile {
-    let mut rendered = RenderedTile::new(setup.channels());
+    let mut rendered = RenderedTile::new(setup.channels(), ErrorChannels::default());
     tile.means(setup, &mut rendered);
     rendered
 }
@@ -172,68 +174,43 @@ fn is_near(actual: f64, expected: f64, tolerance: f64) -> bool {
     (actual - expected).abs() <= tolerance * expected.abs()
 }
 
+/// A quarter of the samples of each pass, and after four times as many the first quarter is all there was before.
 #[test]
-fn subset_sums_add_up() {
-    const SAMPLES: u32 = 10;
+fn quarters_add_up() {
+    const SAMPLES: u32 = 64;
     for_each_tile(SAMPLES, Kept::SumsAndStatistics, |setup, window| {
-        let mut tile = passes(setup, window, &[0..3, 3..SAMPLES]);
-        for pixel in 0..window.count() as usize {
-            let (radiance, hits) = tile.sums_of(pixel);
-            let subsets = tile.statistics().unwrap().subsets();
-            let parts = subsets
-                .each_ref()
-                .map(|subset| subset.pixels.radiance(pixel));
+        let mut tile = passes(setup, window, std::slice::from_ref(&(0..16)));
+        let pixels = window.count() as usize;
+        let sums = |tile: &Tile<'_>| (0..pixels).map(|p| tile.sums_of(p)).collect::<Vec<_>>();
+        let before = sums(&tile);
+        for pixel in 0..pixels {
+            tile.widen(pixel);
+        }
+        tile.pass(setup, 16..64, &Selection::ALL, &mut Box::default());
+        for (pixel, (radiance, hits)) in sums(&tile).into_iter().enumerate() {
+            let quarters = tile.statistics().unwrap().quarters(pixel);
+            assert_eq!(quarters[0], before[pixel]);
             for channel in 0..3 {
-                let sum: f64 = parts.iter().map(|part| part[channel]).sum();
+                let sum: f64 = quarters.iter().map(|(part, _)| part[channel]).sum();
                 assert!(is_near(sum, radiance[channel], 1e-14), "{pixel}");
             }
-            let hits_of = |subset: &super::statistics::Subset<'_>| subset.pixels.hits[pixel];
-            assert_eq!(subsets.iter().map(hits_of).sum::<u32>(), hits);
+            assert_eq!(quarters.iter().map(|(_, hits)| hits).sum::<u32>(), hits);
         }
     });
 }
 
-/// The layers of each subset, weighted by how many samples it has, make the layers of all.
+/// A quarter of the sequence is a net over all of the pixel: in each of its quarters is a quarter of the samples.
 #[test]
-fn accumulators_of_layers_add_up() {
-    // Samples 0, 4, 8 and 1, 5, 9 and 2, 6 and 3, 7.
-    const SAMPLES: u32 = 10;
-    const COUNTS: [u32; SUBSETS] = [3, 3, 2, 2];
-    for_each_tile(SAMPLES, Kept::SumsAndStatistics, |setup, window| {
-        let mut tile = passes(setup, window, &[0..7, 7..SAMPLES]);
-        let all = means(setup, &mut tile);
-        let whole = pixels(&tile, &all);
-        // Three channels of each light and of the background, and Z.
-        let depth = 3 * (setup.world.lights().len() + 1);
-        for (pixel, whole) in whole.iter().enumerate() {
-            let subsets = tile.statistics().unwrap().subsets();
-            let parts: Vec<Vec<f32>> = subsets
-                .iter_mut()
-                .zip(COUNTS)
-                .map(|(subset, count)| {
-                    let mut values = vec![0.0; setup.channels()];
-                    let misses = count - subset.pixels.hits[pixel];
-                    let layers = subset.layers.as_mut().unwrap();
-                    layers.means(pixel, misses, count, &mut values);
-                    values
-                })
-                .collect();
-            for (channel, whole) in whole[4..].iter().enumerate() {
-                let whole = f64::from(f32::from_bits(*whole));
-                let values = parts.iter().map(|part| f64::from(part[channel]));
-                if channel == depth {
-                    let nearest = values.fold(f64::INFINITY, f64::min);
-                    assert_eq!(nearest, whole);
-                } else {
-                    let weighted = values
-                        .zip(COUNTS)
-                        .map(|(value, count)| value * f64::from(count));
-                    let mean = weighted.sum::<f64>() / f64::from(SAMPLES);
-                    // Normals are of length 1, and turn against each other.
-                    let off = (mean - whole).abs();
-                    assert!(off <= 2e-7 * whole.abs().max(1.0), "{channel} of {pixel}");
-                }
+fn quarters_are_over_the_whole_pixel() {
+    for_each_tile(64, Kept::SumsAndStatistics, |setup, _| {
+        for quarter in 0..4 {
+            let mut counts = [0; 4];
+            for sample in 16 * quarter..16 * (quarter + 1) {
+                // The first bits of a number are its last here.
+                let [x, y] = setup.sampler.sequence(sample);
+                counts[(x & 1 | (y & 1) << 1) as usize] += 1;
             }
+            assert_eq!(counts, [4; 4]);
         }
     });
 }
@@ -241,7 +218,7 @@ fn accumulators_of_layers_add_up() {
 #[test]
 fn means_lie_between_the_least_and_the_most() {
     for_each_tile(16, Kept::SumsAndStatistics, |setup, window| {
-        let mut tile = passes(setup, window, std::slice::from_ref(&(0..16)));
+        let tile = passes(setup, window, std::slice::from_ref(&(0..16)));
         let mut is_spread = false;
         for pixel in 0..window.count() as usize {
             let (sums, _) = tile.sums_of(pixel);

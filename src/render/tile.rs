@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use fearless_simd::Simd;
 
+use super::accuracy::Goal;
 use super::bands::Further;
 use super::batch::{Batch, PIXELS, Selection, TilePixels};
 use super::counts::Counts;
@@ -30,21 +31,17 @@ pub(super) struct Setup<'w> {
     pub(super) sampler: &'w Sampler,
     pub(super) layers: Option<RequestedLayers<'w>>,
     pub(super) sums: Kept,
+    /// Where pixels are rendered to an error, which.
+    pub(super) goal: Option<&'w Goal>,
 }
 
 /// What is kept of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Kept {
     /// Their sums.
+    #[default]
     Sums,
     /// [`Statistics`] beside these.
-    #[cfg_attr(
-        not(test),
-        expect(
-            dead_code,
-            reason = "for estimates of the error, which are still to come"
-        )
-    )]
     SumsAndStatistics,
 }
 
@@ -59,7 +56,9 @@ pub(super) struct Tile<'w> {
     taken: Taken,
     sums: PixelSums,
     layers: Option<LayerSums<'w>>,
-    statistics: Option<Box<Statistics<'w>>>,
+    statistics: Option<Box<Statistics>>,
+    /// Whether passes add to these.
+    kept: Kept,
 }
 
 /// A count for each pixel of a tile.
@@ -90,10 +89,15 @@ impl<'w> Tile<'w> {
         self.sums.clear();
         let pixels = self.pixels.iter().len();
         self.layers = setup.layers.map(|layers| layers.sums(pixels));
-        self.statistics = match setup.sums {
-            Kept::Sums => None,
-            Kept::SumsAndStatistics => Some(Box::new(Statistics::new(setup.layers, pixels))),
-        };
+        self.keep(setup.sums);
+    }
+
+    /// What is kept of the samples from now on.
+    pub(super) fn keep(&mut self, kept: Kept) {
+        self.kept = kept;
+        if kept == Kept::SumsAndStatistics {
+            self.statistics.get_or_insert_default().clear();
+        }
     }
 
     /// Adds these samples of some pixels, which have had all samples before these and no others.
@@ -122,25 +126,18 @@ impl<'w> Tile<'w> {
     }
 
     /// What is kept beside the sums, where it was asked for.
-    #[cfg_attr(
-        not(test),
-        expect(
-            dead_code,
-            reason = "for estimates of the error, which are still to come"
-        )
-    )]
-    pub(super) fn statistics(&mut self) -> Option<&mut Statistics<'w>> {
-        self.statistics.as_deref_mut()
+    pub(super) fn statistics(&self) -> Option<&Statistics> {
+        self.statistics.as_deref()
     }
 
-    /// Whether anything is made of the terms of L9.
-    fn wants_terms(&self) -> bool {
-        self.layers.as_ref().is_some_and(LayerSums::want_terms)
+    /// Makes the samples that a pixel has had the first quarter of four times as many.
+    pub(super) fn widen(&mut self, pixel: usize) {
+        let (radiance, hits) = self.sums_of(pixel);
+        if let Some(statistics) = &mut self.statistics {
+            statistics.widen(pixel, radiance, hits);
+        }
     }
-}
 
-#[cfg(test)]
-impl Tile<'_> {
     /// Column and row of each pixel, by its number.
     pub(super) fn places(&self) -> impl ExactSizeIterator<Item = [u32; 2]> {
         self.pixels.iter()
@@ -149,6 +146,16 @@ impl Tile<'_> {
     /// Σ L of a pixel, and its hits.
     pub(super) fn sums_of(&self, pixel: usize) -> ([f64; 3], u32) {
         (self.sums.radiance(pixel), self.sums.hits[pixel])
+    }
+
+    /// How many samples a pixel has had.
+    pub(super) fn taken(&self, pixel: usize) -> u32 {
+        self.taken.0[pixel]
+    }
+
+    /// Whether anything is made of the terms of L9.
+    fn wants_terms(&self) -> bool {
+        self.layers.as_ref().is_some_and(LayerSums::want_terms)
     }
 }
 
@@ -212,8 +219,10 @@ impl Kernel for Pass<'_, '_> {
                 selected
             };
             sums.add(simd, batch.range(), points, &shaded.radiance);
-            if let Some(statistics) = &mut tile.statistics {
-                statistics.add(batch.numbered(), points, &shaded.radiance);
+            if tile.kept == Kept::SumsAndStatistics
+                && let Some(statistics) = &mut tile.statistics
+            {
+                statistics.add(batch.numbered(), &samples, points, &shaded.radiance);
             }
             // The last pixel may have samples in the next batch.
             finish(tile, batch.numbered().last_pixel(), further);
@@ -259,18 +268,12 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
     if let Some(layers) = &mut tile.layers {
         layers.see(batch.numbered(), points);
     }
-    if let Some(statistics) = &mut tile.statistics {
-        statistics.see(batch.numbered(), points);
-    }
     if tile.wants_terms() {
         shading::ask_lights(simd, world, visibility, points, tracing, shaded);
         for packet in 0..PACKETS {
             let terms = shading::packet_terms(simd, world, points, packet, shaded);
             if let Some(layers) = &mut tile.layers {
                 layers.add(batch.numbered(), &terms);
-            }
-            if let Some(statistics) = &mut tile.statistics {
-                statistics.add_terms(batch.numbered(), &terms);
             }
         }
     } else {
@@ -290,9 +293,6 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
 fn finish(tile: &mut Tile<'_>, end: usize, further: Further) {
     if let Some(layers) = &mut tile.layers {
         layers.finish(end, further);
-    }
-    if let Some(statistics) = &mut tile.statistics {
-        statistics.finish(end, further);
     }
 }
 

@@ -28,6 +28,8 @@ const ALL: Layers = Layers {
     depth: true,
     normal: true,
     spectral: None,
+    error: false,
+    samples: false,
 };
 
 const LIGHTS: Layers = Layers {
@@ -35,6 +37,8 @@ const LIGHTS: Layers = Layers {
     depth: false,
     normal: false,
     spectral: None,
+    error: false,
+    samples: false,
 };
 
 fn with_layers(scene: &Scene, samples: u32, layers: Layers) -> Film {
