@@ -3,6 +3,7 @@
 from math import cos, pi, radians, sin, tan
 from types import SimpleNamespace
 
+from ply import ply
 from vectors import add, cross, mul, sub, unit
 
 
@@ -87,8 +88,13 @@ def shape(entry, folder):
         found.triangles = [(keys["vertices"], None)]
     else:
         found.kind = "triangles"
-        found.triangles = placed(obj(folder / keys["file"]), keys)
+        found.triangles = placed(mesh(folder / keys["file"]), keys)
     return found
+
+
+def mesh(path):
+    """Triangles of a file, by the end of its name."""
+    return (ply if path.suffix.lower() == ".ply" else obj)(path)
 
 
 def obj(path):
@@ -115,21 +121,29 @@ def obj(path):
 def placed(triangles, keys):
     """Scaled, turned about x, y, z, moved."""
     scale, moved = keys.get("scale", [1, 1, 1]), keys.get("translate", [0, 0, 0])
+    if isinstance(scale, (int, float)):
+        scale = [scale] * 3
     angles = [radians(angle) for angle in keys.get("rotate", [0, 0, 0])]
 
-    def to(v):
-        x, y, z = [a * b for a, b in zip(v, scale)]
+    def turned(v):
+        x, y, z = v
         s, c = sin(angles[0]), cos(angles[0])
         y, z = c * y - s * z, s * y + c * z
         s, c = sin(angles[1]), cos(angles[1])
         x, z = c * x + s * z, c * z - s * x
         s, c = sin(angles[2]), cos(angles[2])
-        x, y = c * x - s * y, s * x + c * y
-        return [a + b for a, b in zip((x, y, z), moved)]
+        return [c * x - s * y, s * x + c * y, z]
 
-    if any(normals for _, normals in triangles) and (keys.keys() & {"scale", "rotate"}):
-        raise Refused("normals that are transformed")
-    return [([to(v) for v in corners], normals) for corners, normals in triangles]
+    def to(v):
+        return add(turned([a * b for a, b in zip(v, scale)]), moved)
+
+    def across(n):
+        return unit(turned([a / b for a, b in zip(n, scale)]))
+
+    return [
+        ([to(v) for v in corners], [across(n) for n in normals] if normals else None)
+        for corners, normals in triangles
+    ]
 
 
 def rays(scene):

@@ -14,6 +14,16 @@ def render(scene, program, peak):
     import numpy as np
 
     mi.set_variant("scalar_rgb")
+    sampler = {"type": "stratified", "sample_count": 1, "jitter": False}
+    total = 0
+    for light in emitters(mi, scene):
+        described = dark(mi, np, scene, sampler) | {"light": light}
+        total = total + np.array(mi.render(mi.load_dict(described), spp=1), dtype=np.float64)
+    return {channel: total[:, :, i].ravel().tolist() for i, channel in enumerate("RGB")}
+
+
+def dark(mi, np, scene, sampler):
+    """The scene without its lights, as a dictionary."""
     transform = mi.ScalarTransform4f
     if any(scene.background):
         raise Refused("a background that does not light")
@@ -25,7 +35,7 @@ def render(scene, program, peak):
             "type": "hdrfilm", "width": scene.width, "height": scene.height,
             "rfilter": {"type": "box"}, "pixel_format": "rgb", "component_format": "float32",
         },
-        "sampler": {"type": "stratified", "sample_count": 1, "jitter": False},
+        "sampler": sampler,
     }
     extent = max(length(sub(seen.eye, seen.look_at)), *[length(sub(l.position, seen.look_at)) for l in scene.lights], 0)
     if seen.kind == "perspective":
@@ -48,24 +58,25 @@ def render(scene, program, peak):
     for number, object_ in enumerate(scene.objects):
         for part, shape in enumerate(shapes(mi, np, object_, scene, extent)):
             described[f"shape_{number}_{part}"] = shape | {"bsdf": {"type": "ref", "id": f"bsdf_{object_.material}"}}
-    total = None
+    return described
+
+
+def emitters(mi, scene):
+    """Each light, as a dictionary."""
     for light in scene.lights:
         strength = {"type": "rgb", "value": mul(light.intensity, pi)}
         if light.kind == "point":
-            emitter = {"type": "point", "position": light.position, "intensity": strength}
+            yield {"type": "point", "position": light.position, "intensity": strength}
         elif light.falloff == "linear_angle":
             axis = unit(sub(light.look_at, light.position))
             aside = unit(cross(axis, [1, 0, 0] if abs(axis[0]) < 0.9 else [0, 1, 0]))
-            emitter = {
+            yield {
                 "type": "spot", "intensity": strength,
                 "beam_width": light.inner, "cutoff_angle": light.outer,
-                "to_world": transform().look_at(origin=light.position, target=light.look_at, up=aside),
+                "to_world": mi.ScalarTransform4f().look_at(origin=light.position, target=light.look_at, up=aside),
             }
         else:
             raise Refused(f"the falloff {light.falloff}")
-        picture = np.array(mi.render(mi.load_dict(described | {"light": emitter}), spp=1), dtype=np.float64)
-        total = picture if total is None else total + picture
-    return {channel: total[:, :, i].ravel().tolist() for i, channel in enumerate("RGB")}
 
 
 def shapes(mi, np, object_, scene, extent):
@@ -88,16 +99,18 @@ def shapes(mi, np, object_, scene, extent):
         world = transform().look_at(origin=foot, target=add(foot, n), up=aside)
         yield {"type": "rectangle", "to_world": world @ transform().scale([half] * 3)}
     else:
-        for corners, normals in object_.triangles:
-            mesh = mi.Mesh("triangle", 3, 1, has_vertex_normals=normals is not None)
+        for is_smooth in (False, True):
+            part = [(c, n) for c, n in object_.triangles if (n is not None) == is_smooth]
+            if not part:
+                continue
+            mesh = mi.Mesh("mesh", 3 * len(part), len(part), has_vertex_normals=is_smooth)
             parameters = mi.traverse(mesh)
-            parameters["vertex_positions"] = np.ravel(corners).astype(np.float32)
-            parameters["faces"] = np.array([0, 1, 2], dtype=np.uint32)
-            if normals is not None:
-                parameters["vertex_normals"] = np.ravel(normals).astype(np.float32)
+            parameters["vertex_positions"] = np.ravel([c for c, _ in part]).astype(np.float32)
+            parameters["faces"] = np.arange(3 * len(part), dtype=np.uint32)
+            if is_smooth:
+                parameters["vertex_normals"] = np.ravel([n for _, n in part]).astype(np.float32)
             parameters.update()
-            path = write_ply(mesh)
-            yield {"type": "ply", "filename": path, "face_normals": normals is None}
+            yield {"type": "ply", "filename": write_ply(mesh), "face_normals": not is_smooth}
 
 
 def write_ply(mesh):
