@@ -19,6 +19,8 @@ pub(super) struct Hit {
     pub(super) geometric_normal: WideVector,
     /// n: interpolated where the mesh is smooth, on the side of the geometric normal.
     pub(super) normal: WideVector,
+    /// Whether the vertex normals are on the far side of the geometric normal, so that n is turned over.
+    pub(super) is_behind: bool,
     /// ω_o
     pub(super) to_viewer: WideVector,
     /// Where the mesh says so, how shadow rays start elsewhere than at p.
@@ -48,11 +50,12 @@ impl Hit {
         };
         let geometric_normal = turned_towards(outward, to_viewer);
         let interpolated = interpolated_normal(shape, ray);
+        let is_behind =
+            interpolated.is_some_and(|normal| dot(normal, geometric_normal) < Wide::from(0.0));
         let lift = match surface.shadow_terminator {
             ShadowTerminator::Geometric => None,
             ShadowTerminator::Hanika => {
-                let is_behind = |normal| dot(normal, geometric_normal) < Wide::from(0.0);
-                interpolated.and_then(|normal| lift(shape, ray, position, is_behind(normal)))
+                interpolated.and_then(|_| lift(shape, ray, position, is_behind))
             }
         };
         Self {
@@ -63,6 +66,7 @@ impl Hit {
             normal: interpolated.map_or(geometric_normal, |normal| {
                 turned_towards(normal, geometric_normal)
             }),
+            is_behind,
             to_viewer,
             lift,
         }

@@ -28,6 +28,7 @@
 //! | X = K_m ∫ S x̄ dλ | colors of spectra, Bradford's adaptation, RGB spaces | `colorimetry` |
 //! | R = ½ + x / (2 √(1 + x²)) | reflectances of colors (Jakob & Hanika 2019) | `upsampling` |
 //! | | values in all notations | `value` |
+//! | ∫∫ L_o dx dy | the mean over a pixel | [`PixelQuadrature`] |
 //!
 //! Where things are is computed in numbers of twice f64's length (`wide`), relative to the eye, so that neither
 //! a scene far from the origin nor one that is tiny beside its spheres loses precision. f64 decides only what it
@@ -44,6 +45,7 @@ mod explanation;
 mod hit;
 mod lighting;
 mod occlusion;
+mod pixel;
 mod spectrum;
 mod spot;
 mod surface;
@@ -69,6 +71,7 @@ pub use explanation::{SpotTerms, TransportUsed};
 use hit::{Hit, starts_inwards};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
 use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
+pub use pixel::{PixelMean, PixelQuadrature};
 use spot::Cone;
 use surface::{Shape, Surface};
 use value::Palette;
@@ -290,9 +293,14 @@ impl Oracle {
 
     /// L1 and L2: the nearest hit. Of equally near ones the first in the file counts.
     fn nearest(&self, ray: &Ray) -> Option<Hit> {
+        self.nearest_of(ray, 0..self.surfaces.len())
+    }
+
+    /// The same among some surfaces, in the order of the file.
+    fn nearest_of(&self, ray: &Ray, among: impl Iterator<Item = usize>) -> Option<Hit> {
         let mut nearest: Option<(usize, Wide)> = None;
-        for (index, surface) in self.surfaces.iter().enumerate() {
-            if let Some(t) = surface.intersect(ray)
+        for index in among {
+            if let Some(t) = self.surfaces[index].intersect(ray)
                 && nearest.is_none_or(|(_, smallest)| t < smallest)
             {
                 nearest = Some((index, t));
@@ -312,9 +320,29 @@ impl Oracle {
 
     /// L3 to L8: one light's term of L9.
     fn term(&self, hit: &Hit, light: &Lamp) -> Term {
+        let material = self.material(hit);
+        self.term_of(
+            hit,
+            light,
+            &light.intensity,
+            material,
+            0..self.surfaces.len(),
+        )
+    }
+
+    /// The same for a light of this intensity on a surface of this material, which only some surfaces may be
+    /// in the way of.
+    fn term_of(
+        &self,
+        hit: &Hit,
+        light: &Lamp,
+        intensity: &Components,
+        material: &Material,
+        occluders: impl Iterator<Item = usize>,
+    ) -> Term {
         let segment = self.segment(hit, light);
         let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {
-            return Term::nothing(self.material(hit));
+            return Term::nothing(material);
         };
         let distance = length(segment.vector()).narrow();
         let spot = light.cone.map(|cone| {
@@ -325,7 +353,7 @@ impl Oracle {
             }
         });
         let falloff = spot.map_or(1.0, |spot| spot.falloff);
-        let incident = incident_light(&light.intensity, distance).scaled(falloff);
+        let incident = incident_light(intensity, distance).scaled(falloff);
         let cos_incident = cosine(hit.normal, to_light);
         let reflected = ideal_reflection(hit.normal, to_light);
         let cos_lobe = cosine(hit.to_viewer, reflected);
@@ -334,16 +362,14 @@ impl Oracle {
             Outcome::Below
         } else if falloff == 0.0 {
             Outcome::Outside
-        } else if self.occluder(hit, light).is_some() {
+        } else if self.occluder_of(hit, light, occluders).is_some() {
             Outcome::Occluded
         } else {
             Outcome::Lit
         };
         let reflectance = match outcome {
-            Outcome::Lit | Outcome::Occluded => {
-                self.material(hit).reflectance(cos_incident, cos_lobe)
-            }
-            Outcome::Below | Outcome::Outside | Outcome::AtPoint => self.material(hit).nothing(),
+            Outcome::Lit | Outcome::Occluded => material.reflectance(cos_incident, cos_lobe),
+            Outcome::Below | Outcome::Outside | Outcome::AtPoint => material.nothing(),
         };
         let visibility = match outcome {
             Outcome::Lit => 1.0,
@@ -389,9 +415,20 @@ impl Oracle {
     /// L4: V = 0 where there is one; the surface that stands strictly between p, or p′ where shadow rays are
     /// lifted, and p_L, of several the nearest to p.
     fn occluder(&self, hit: &Hit, light: &Lamp) -> Option<usize> {
+        self.occluder_of(hit, light, 0..self.surfaces.len())
+    }
+
+    /// The same among some surfaces.
+    fn occluder_of(
+        &self,
+        hit: &Hit,
+        light: &Lamp,
+        among: impl Iterator<Item = usize>,
+    ) -> Option<usize> {
         let segment = &self.shadow_segment(hit, light);
         let mut nearest: Option<(usize, f64)> = None;
-        for (index, surface) in self.surfaces.iter().enumerate() {
+        for index in among {
+            let surface = &self.surfaces[index];
             let own = index == hit.surface;
             if !segment.may_meet(surface) {
                 continue;

@@ -39,6 +39,11 @@ impl Cone {
         }
     }
 
+    /// In radians: nothing falls off within it.
+    pub(super) fn inner_angle(&self) -> f64 {
+        self.inner
+    }
+
     /// θ in radians: between the axis and a way from the light.
     pub(super) fn angle(&self, way: Vector) -> f64 {
         length(cross(self.axis, way)).atan2(dot(self.axis, way))

@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// A scene under construction: entries are numbered in the order in which they are added.
 #[derive(Clone)]
-struct Builder(Scene);
+pub(super) struct Builder(pub(super) Scene);
 
 fn entry<T>(name: &str, value: T) -> Entry<T> {
     Entry {
@@ -52,14 +52,14 @@ fn perspective(eye: [f64; 3], look_at: [f64; 3], vertical_fov: f64) -> Camera {
     }
 }
 
-fn orthographic(eye: [f64; 3], look_at: [f64; 3], height: f64) -> Camera {
+pub(super) fn orthographic(eye: [f64; 3], look_at: [f64; 3], height: f64) -> Camera {
     Camera::Orthographic {
         view: view(eye, look_at),
         height: height.into(),
     }
 }
 
-fn lobes(diffuse: f64, specular: f64, shininess: Option<f64>) -> Lobes {
+pub(super) fn lobes(diffuse: f64, specular: f64, shininess: Option<f64>) -> Lobes {
     Lobes {
         diffuse: Value::Uniform(diffuse).into(),
         specular: Value::Uniform(specular).into(),
@@ -72,7 +72,7 @@ const MATTE: &str = "matte";
 
 impl Builder {
     /// A black world with `camera` and the material [`MATTE`], k_d = 1.
-    fn new(resolution: [u32; 2], camera: Camera) -> Self {
+    pub(super) fn new(resolution: [u32; 2], camera: Camera) -> Self {
         Self(Scene {
             source: Arc::new(Source {
                 path: "test.toml".into(),
@@ -100,13 +100,13 @@ impl Builder {
     }
 
     /// Adds a material, or puts it in the place of the one of that name.
-    fn material(mut self, name: &str, material: Material) -> Self {
+    pub(super) fn material(mut self, name: &str, material: Material) -> Self {
         self.0.materials.retain(|entry| entry.name != name);
         self.0.materials.push(entry(name, material));
         self
     }
 
-    fn light(mut self, position: [f64; 3], intensity: f64) -> Self {
+    pub(super) fn light(mut self, position: [f64; 3], intensity: f64) -> Self {
         let name = format!("light{}", self.0.lights.len());
         let light = Light::Point {
             position: position.into(),
@@ -122,7 +122,7 @@ impl Builder {
         self
     }
 
-    fn sphere(self, center: [f64; 3], radius: f64) -> Self {
+    pub(super) fn sphere(self, center: [f64; 3], radius: f64) -> Self {
         self.object(Object::Sphere {
             material: MATTE.to_owned().into(),
             center: center.into(),
@@ -130,7 +130,7 @@ impl Builder {
         })
     }
 
-    fn plane(self, point: [f64; 3], normal: [f64; 3]) -> Self {
+    pub(super) fn plane(self, point: [f64; 3], normal: [f64; 3]) -> Self {
         self.object(Object::Plane {
             material: MATTE.to_owned().into(),
             point: point.into(),
@@ -138,7 +138,7 @@ impl Builder {
         })
     }
 
-    fn triangle(self, vertices: [[f64; 3]; 3]) -> Self {
+    pub(super) fn triangle(self, vertices: [[f64; 3]; 3]) -> Self {
         self.object(Object::Triangle {
             material: MATTE.to_owned().into(),
             vertices: vertices.into(),
@@ -158,7 +158,7 @@ impl Builder {
         })
     }
 
-    fn oracle(&self) -> Oracle {
+    pub(super) fn oracle(&self) -> Oracle {
         Oracle::new(&self.0)
     }
 
