@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod accuracy;
 mod allocation;
 mod bad_scenes;
 mod blessed;
@@ -21,6 +22,7 @@ mod fuzz_scene;
 mod fuzzing;
 mod generate;
 mod hard_cases;
+mod honesty;
 mod images;
 mod invariance;
 mod layering;

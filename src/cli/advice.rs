@@ -209,7 +209,7 @@ const OPTIONS: [Advice; 20] = [
     ),
 ];
 
-const COMMANDS: [(&[&str], &str); 7] = [
+const COMMANDS: [(&[&str], &str); 8] = [
     (
         &[
             "convert", "view", "show", "display", "preview", "png", "topng", "develop", "expose",
@@ -223,6 +223,10 @@ const COMMANDS: [(&[&str], &str); 7] = [
     (
         &["compare", "idiff", "metrics", "flip", "difference", "psnr"],
         "how far an image is from another says `candela diff A.exr B.exr`",
+    ),
+    (
+        &["bench", "benchmark", "convergence", "speed", "profile"],
+        "speed against error is measured by `candela report SCENE.toml -o DIR`",
     ),
     (
         &["explain", "pixel", "inspect", "debug"],
@@ -257,6 +261,7 @@ pub(super) fn advised(mut error: clap::Error, words: &[OsString]) -> clap::Error
     };
     let Some(tip) = tip else {
         remove_dashes_tip(&mut error);
+        keep_nearest_command(&mut error);
         return error;
     };
     for kind in [
@@ -283,6 +288,18 @@ fn remove_dashes_tip(error: &mut clap::Error) {
     tips.retain(|tip| !tip.to_string().contains(" as a value, use "));
     if !tips.is_empty() {
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+    }
+}
+
+/// Keeps the most similar of the commands that clap offers, which is its last.
+fn keep_nearest_command(error: &mut clap::Error) {
+    let Some(ContextValue::Strings(mut commands)) = error.remove(ContextKind::SuggestedSubcommand)
+    else {
+        return;
+    };
+    if let Some(nearest) = commands.pop() {
+        let nearest = ContextValue::Strings(vec![nearest]);
+        error.insert(ContextKind::SuggestedSubcommand, nearest);
     }
 }
 

@@ -12,6 +12,7 @@ mod new;
 mod numbers;
 mod probe;
 mod render;
+mod report;
 mod schema;
 mod shortage;
 mod signals;
@@ -57,6 +58,8 @@ Examples:
       The sum at one pixel, term by term
   candela verify scene.toml
       Does the renderer agree with the equations on this scene
+  candela report scene.toml -o report
+      Speed against error, as a page with tables and a plot
   candela diff reference.exr scene.exr
       How far an image is from another, layer by layer
 
@@ -80,6 +83,7 @@ enum Command {
     Check(check::Arguments),
     Probe(probe::Arguments),
     Verify(verify::Arguments),
+    Report(report::Arguments),
     Diff(diff::Arguments),
     New(new::Arguments),
     Completions(completions::Arguments),
@@ -118,6 +122,7 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         Command::Verify(arguments) => {
             with_threads(None, || verify::run(arguments, unfinished, &mut output))
         }
+        Command::Report(arguments) => report::run(arguments, unfinished, &mut output),
         Command::Diff(arguments) => {
             with_threads(None, || diff::run(arguments, unfinished, &mut output))
         }

@@ -1,5 +1,6 @@
 //! `candela render`: a scene file becomes an EXR.
 
+mod accuracy;
 mod layers;
 mod outputs;
 mod progress;
@@ -17,7 +18,7 @@ use candela::display::{self, Alpha, Frame};
 use candela::exr::{Compression, ExrImage};
 use candela::output::{self, Unfinished};
 use candela::render::SimdLevel;
-use candela::render::{Job, MAX_SAMPLES, Renderer};
+use candela::render::{Job, RenderError, Renderer};
 use candela::scene::Scene;
 use candela::world::{Loaded, World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -26,17 +27,16 @@ use super::crop::{Crop, crop};
 use super::develop::DevelopArguments;
 use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
+use accuracy::AccuracyArguments;
+pub(super) use accuracy::max_error;
 use layers::LayerArguments;
+pub(super) use layers::transports;
 use outputs::Outputs;
 use progress::Progress;
 use request::Request;
 use statistics::{Seconds, Statistics};
 use summary::Summary;
-use values::count;
-pub(super) use values::named;
-
-/// Samples a pixel where none are asked for: nobody's first picture has steps at its edges.
-const DEFAULT_SAMPLES: u32 = 16;
+pub(super) use values::{count, named};
 
 /// Render a scene to a linear OpenEXR image in cd/m²
 ///
@@ -58,6 +58,8 @@ Examples:
       And choose its exposure, as long as the light of the scene is still a guess
   candela render scene.toml -o scene.exr --samples 256
       256 samples a pixel, for edges that bear a magnifying glass
+  candela render scene.toml --max-error 0.5%
+      Each pixel right to half a percent, with as few samples as that takes
   candela render scene.toml --samples 1
       Pixel centers and nothing else: a quick look, and values to compare
   candela render scene.toml --crop 600,300,700,400 --samples 256
@@ -80,15 +82,8 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "OUT.exr", value_parser = named("exr"))]
     output: Option<PathBuf>,
 
-    /// Samples a pixel, 1 to 65536: 1 is its center and nothing else, more are spread over it
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = DEFAULT_SAMPLES,
-        allow_negative_numbers = true
-    )]
-    #[arg(value_parser = |text: &str| count(text, MAX_SAMPLES))]
-    samples: u32,
+    #[command(flatten)]
+    accuracy: AccuracyArguments,
 
     /// Also make a PNG of what is rendered, as `candela tonemap` would; - is standard output
     #[arg(long, value_name = "OUT.png", value_parser = named("png"))]
@@ -143,9 +138,13 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// What is wrong with the options as they stand together.
     pub(crate) fn misuse(&self) -> Option<String> {
-        self.layers.misuse()
+        self.layers.misuse(self.accuracy.target().is_some())
     }
 }
+
+/// Nothing says what errors are relative to.
+const TOO_DARK: &str = "the image is too dark to say what errors are relative to: it is black at 64 × 64 points over \
+    it, but not everywhere; set the radiance below which errors do not matter with --error-floor, in cd/m²";
 
 pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
     super::with_threads(arguments.threads, || render(arguments, unfinished))
@@ -169,6 +168,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
 
     let progress = Progress::new(request.window, !arguments.quiet);
     let job = Job::watched(|pixels| progress.advance(pixels));
+    let mut is_too_dark = false;
     let written = output::write(&outputs.exr, unfinished, |mut sink| {
         let rendered = renderer.exr(
             &camera,
@@ -178,8 +178,12 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             &job,
             &mut sink,
         );
+        is_too_dark = matches!(rendered, Err(RenderError::TooDark));
         Ok(rendered?)
     });
+    if is_too_dark {
+        return Err(TOO_DARK.into());
+    }
     seconds.render = progress.finish();
     let rendered = written?;
     let developed = develop(arguments, &world, rendered.image.as_ref(), unfinished)?;

@@ -17,10 +17,19 @@ enum Layer {
     Depth,
     Normal,
     Spectral,
+    Error,
+    Samples,
 }
 
 impl Layer {
-    const ALL: [Self; 4] = [Self::Lights, Self::Depth, Self::Normal, Self::Spectral];
+    const ALL: [Self; 6] = [
+        Self::Lights,
+        Self::Depth,
+        Self::Normal,
+        Self::Spectral,
+        Self::Error,
+        Self::Samples,
+    ];
 
     const fn name(self) -> &'static str {
         match self {
@@ -28,12 +37,14 @@ impl Layer {
             Self::Depth => "depth",
             Self::Normal => "normal",
             Self::Spectral => "spectral",
+            Self::Error => "error",
+            Self::Samples => "samples",
         }
     }
 }
 
 /// Layers that have a name but are not made yet.
-const PLANNED: [&str; 9] = [
+const PLANNED: [&str; 7] = [
     "diffuse",
     "specular",
     "albedo",
@@ -41,8 +52,6 @@ const PLANNED: [&str; 9] = [
     "position",
     "shadow",
     "cryptomatte",
-    "error",
-    "samples",
 ];
 
 /// The options about layers.
@@ -50,7 +59,8 @@ const PLANNED: [&str; 9] = [
 pub(super) struct LayerArguments {
     /// What the EXR holds beside R, G, B and A, separated by commas: `lights`, each light's share as
     /// `light_NAME.R`, `.G`, `.B`; `depth`, the distance along the view axis as `Z`; `normal`, in
-    /// world space, as `N.X`, `.Y`, `.Z`; `spectral`, L(λ) as `S0.550,000000nm`, …, at --wavelengths
+    /// world space, as `N.X`, `.Y`, `.Z`; `spectral`, L(λ) as `S0.550,000000nm`, …, at --wavelengths;
+    /// `error`, how far a pixel is off, and `error_kind`, with --max-error; `samples`, those taken
     ///
     /// All are made in the same pass as R, G, B and A, and leave these as they are.
     ///
@@ -66,6 +76,11 @@ pub(super) struct LayerArguments {
     /// `transport = "auto"` carries light spectrally then. The cost is in proportion to bands and
     /// pixels, not to samples: 41 bands take about a fifth longer to render at 4 samples a pixel, 4
     /// bytes for each band and pixel, and several seconds to compress where the image is large.
+    ///
+    /// error: in cd/m², of the largest of R, G and B. `error_kind` is 0 where it is a bound, which is
+    /// proven, and 1 where it is an estimate. Both are always FLOAT.
+    ///
+    /// samples: how many were taken of the pixel; 0 where its edges were integrated. Always FLOAT.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = layer)]
     layers: Vec<Layer>,
 
@@ -80,14 +95,13 @@ pub(super) struct LayerArguments {
     /// How light is carried, instead of what the scene says: `rgb`, `spectral`, or `auto`, which
     /// is spectral if anything in the scene is a spectrum
     #[arg(long, value_name = "NAME")]
-    #[arg(value_parser = PossibleValuesParser::new(Transport::ALL.map(Transport::name))
-        .map(|name| transport(&name)))]
+    #[arg(value_parser = transports())]
     transport: Option<Transport>,
 }
 
 impl LayerArguments {
     /// What is wrong with the options as they stand together.
-    pub(super) fn misuse(&self) -> Option<String> {
+    pub(super) fn misuse(&self, has_target: bool) -> Option<String> {
         let twice = Layer::ALL
             .into_iter()
             .find(|&layer| self.layers.iter().filter(|&&other| other == layer).count() > 1);
@@ -96,6 +110,13 @@ impl LayerArguments {
                 "--layers has `{}` twice; say it once",
                 layer.name()
             ));
+        }
+        if self.has(Layer::Error) && !has_target {
+            return Some(
+                "--layers error says how far pixels are off, which is known with --max-error alone; add it, \
+                 or leave `error` out"
+                    .to_owned(),
+            );
         }
         if self.wavelengths.is_some() && !self.is_spectral() {
             return Some(
@@ -126,6 +147,8 @@ impl LayerArguments {
             depth: self.has(Layer::Depth),
             normal: self.has(Layer::Normal),
             spectral: self.is_spectral().then_some(wavelengths),
+            error: self.has(Layer::Error),
+            samples: self.has(Layer::Samples),
         }
     }
 
@@ -206,6 +229,11 @@ fn wavelengths(text: &str) -> Result<Wavelengths, String> {
         };
         format!("expected END to be whole steps from START, such as {ends}")
     })
+}
+
+/// The name of a transport.
+pub(crate) fn transports() -> impl TypedValueParser<Value = Transport> {
+    PossibleValuesParser::new(Transport::ALL.map(Transport::name)).map(|name| transport(&name))
 }
 
 fn transport(name: &str) -> Transport {

@@ -31,7 +31,8 @@ impl Request {
             .crop
             .map(|crop| crop.within("--crop", camera.resolution()));
         let options = Options {
-            samples: arguments.samples,
+            samples: arguments.accuracy.samples,
+            target: arguments.accuracy.target(),
             window: crop.transpose()?,
             layers: arguments.layers.layers(),
             simd: arguments.simd.unwrap_or_default(),
@@ -65,8 +66,16 @@ impl Request {
             Bands::size(spectra, wavelengths)
         });
         let threads = rayon::current_num_threads();
-        let [pixels, all] = [Preserve::Nothing, self.preserve]
-            .map(|preserve| render::memory(self.window, &channels, &self.exr, preserve, threads));
+        let values = 4 + channels.list.len() as u64;
+        let film = match self.options.target {
+            // The whole film is there before its header is written.
+            Some(_) => self.window.count().saturating_mul(4 * values),
+            None => 0,
+        };
+        let [pixels, all] = [Preserve::Nothing, self.preserve].map(|preserve| {
+            let parts = render::memory(self.window, &channels, &self.exr, preserve, threads);
+            parts.saturating_add(film)
+        });
         fits_in_memory(pixels, all - pixels, table, layers, &channels).map_err(failure::transient)
     }
 }

@@ -15,7 +15,11 @@ pub(super) struct Statistics<'a> {
     inputs_sha256: &'a str,
     image: [u32; 2],
     window: [u32; 4],
-    samples: u32,
+    /// Of each pixel, where it is not rendered to an error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accuracy: Option<Accuracy>,
     /// What is made beside R, G, B, A.
     layers: Vec<&'static str>,
     threads: usize,
@@ -32,6 +36,24 @@ pub(super) struct Statistics<'a> {
     clamped_to_half: u64,
     seconds: &'a Seconds,
     plan: &'a Plan,
+}
+
+/// What was asked of the pixels' errors, and what came of it. Errors are relative.
+#[derive(Serialize)]
+struct Accuracy {
+    max_error: f64,
+    /// In cd/m².
+    floor: f64,
+    max_samples: u32,
+    /// Smooth pixels and those whose edges are integrated.
+    bound_pixels: u64,
+    smooth_pixels: u64,
+    edge_pixels: u64,
+    estimated_pixels: u64,
+    /// Of the estimated ones.
+    unmet_pixels: u64,
+    worst_bound: f64,
+    worst_estimate: f64,
 }
 
 /// How long each step took.
@@ -64,7 +86,25 @@ impl<'a> Statistics<'a> {
             inputs_sha256: world.inputs_hash(),
             image: camera.resolution(),
             window: [x, y, x + width, y + height],
-            samples: request.options.samples,
+            samples: match request.options.target {
+                Some(_) => None,
+                None => Some(request.options.samples),
+            },
+            accuracy: request.options.target.map(|target| {
+                let errors = counts.errors;
+                Accuracy {
+                    max_error: target.relative,
+                    floor: errors.floor,
+                    max_samples: target.max_samples,
+                    bound_pixels: errors.bound(),
+                    smooth_pixels: errors.smooth,
+                    edge_pixels: errors.edges,
+                    estimated_pixels: errors.estimated,
+                    unmet_pixels: errors.unmet,
+                    worst_bound: errors.worst_bound,
+                    worst_estimate: errors.worst_estimate,
+                }
+            }),
             layers: request.options.layers.names(),
             threads: rayon::current_num_threads(),
             primary_rays: counts.primary_rays,

@@ -59,15 +59,13 @@ impl Summary<'_> {
             } = self.window;
             format!("{columns} × {rows} of {width} × {height}")
         };
-        let samples = match self.arguments.samples {
-            1 => "1 sample".to_owned(),
-            samples => format!("{samples} samples"),
-        };
+        let accuracy = self.arguments.accuracy.summary();
         let mut lines = vec![format!(
-            "{}: {size}, {samples} a pixel, rendered in {:.2} s",
+            "{}: {size}, {accuracy}, rendered in {:.2} s",
             name(self.output),
             self.seconds,
         )];
+        lines.extend(self.arguments.accuracy.outcome(&self.counts.errors));
         if let (Some(preview), Some(developed)) = (&self.arguments.preview, &self.developed) {
             // What is chosen may be repeated with `tonemap`.
             let exposure = match self.arguments.development.exposure() {
@@ -195,8 +193,10 @@ impl Summary<'_> {
             ),
         ];
         let counted = counted.into_iter().filter(|&(count, _)| count > 0);
+        let unmet = self.arguments.accuracy.warning(&self.counts.errors);
         counted
             .map(|(count, what)| format!("{what}: {count}"))
+            .chain(unmet)
             .collect()
     }
 

@@ -22,7 +22,7 @@ pub(crate) fn named(extension: &'static str) -> impl TypedValueParser<Value = Pa
 }
 
 /// A whole number from 1 to `most`.
-pub(super) fn count(text: &str, most: u32) -> Result<u32, String> {
+pub(crate) fn count(text: &str, most: u32) -> Result<u32, String> {
     let number = text
         .parse()
         .ok()
