@@ -55,7 +55,8 @@ fn summary_and_statistics_say_what_came_of_it() {
     );
     assert_eq!(accuracy["max_error"], 0.01);
     assert!(accuracy["worst_bound"].as_f64().unwrap() <= 0.01 + 1e-7);
-    assert!(json.get("samples").is_none());
+    // The most that a pixel may take.
+    assert_eq!(json["samples"], 4096);
     // A few samples are not enough, and that is said.
     let few = output(folder, "render ball.toml --max-error 0.01% --max-samples 4");
     let summary = text(&few.stderr);

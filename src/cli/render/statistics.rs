@@ -15,9 +15,8 @@ pub(super) struct Statistics<'a> {
     inputs_sha256: &'a str,
     image: [u32; 2],
     window: [u32; 4],
-    /// Of each pixel, where it is not rendered to an error.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    samples: Option<u32>,
+    /// Of each pixel; where it is rendered to an error, the most.
+    samples: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     accuracy: Option<Accuracy>,
     /// What is made beside R, G, B, A.
@@ -87,8 +86,8 @@ impl<'a> Statistics<'a> {
             image: camera.resolution(),
             window: [x, y, x + width, y + height],
             samples: match request.options.target {
-                Some(_) => None,
-                None => Some(request.options.samples),
+                Some(target) => target.max_samples,
+                None => request.options.samples,
             },
             accuracy: request.options.target.map(|target| {
                 let errors = counts.errors;
