@@ -37,7 +37,8 @@ const REGION: u32 = 64;
 const MOST_SHAPES: usize = 16;
 
 /// Where there are more shapes than [`MOST_SHAPES`] in squares of so many pixels along their side, their pixels
-/// are left open: to tell a dense mesh apart would take longer than to sample it.
+/// are left open: to tell a dense mesh apart would take longer than to sample it. In a region with more than are listed
+/// of it, so are all squares with more than that, and all of this size that are not told.
 const LEAST_CROWDED: f64 = 4.0;
 
 /// How exact a pixel is to be.
@@ -257,7 +258,13 @@ impl<'w> Quadrature<'w> {
         } else {
             Some(self.pixel(square, &view, &told, surface.as_ref()))
         };
-        let is_crowded = told.primary == Primary::Many && 2.0 * square.half <= LEAST_CROWDED;
+        let is_many = told.primary == Primary::Many;
+        let is_small = 2.0 * square.half <= LEAST_CROWDED;
+        let is_crowded = if self.region.is_crowded() {
+            is_many || is_small
+        } else {
+            is_small && (is_many || self.is_shadow_crowded(&told))
+        };
         let verdict = verdict.or(is_crowded.then_some(Verdict::Open {
             range: None,
             is_smooth: false,
@@ -277,6 +284,14 @@ impl<'w> Quadrature<'w> {
         }
         self.lists.truncate(lists);
         self.reaches.truncate(reaches);
+    }
+
+    /// Whether there are more shapes between a square and a light than are told one by one.
+    fn is_shadow_crowded(&self, told: &Told) -> bool {
+        told.is_asked && {
+            let reaches = &self.reaches[told.reaches..][..self.world.lights().len()];
+            reaches.contains(&Reach::Many)
+        }
     }
 
     /// Asks what is not known yet of a part of a square.

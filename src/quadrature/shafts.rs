@@ -28,6 +28,11 @@ pub(super) struct Region {
 }
 
 impl Region {
+    /// Whether it has more shapes than are listed.
+    pub(super) fn is_crowded(&self) -> bool {
+        self.primary == Primary::Unasked
+    }
+
     pub(super) const NONE: Self = Self {
         place: None,
         square: Square {
@@ -88,6 +93,11 @@ impl Quadrature<'_> {
             ShaftAnswer::These => Primary::Several(self.keep_for_region()),
             ShaftAnswer::TooMany => Primary::Unasked,
         };
+        if self.region.is_crowded() {
+            // Of no shape is anything listed.
+            let lights = self.world.lights().len();
+            self.region.reaches.resize(lights, Reach::Unasked);
+        }
     }
 
     /// Keeps the list of the last answer for all blocks of the region.
@@ -186,6 +196,9 @@ impl Quadrature<'_> {
     /// What may be between a shape and the lights anywhere in the region; where the answers start among those of
     /// the region.
     pub(super) fn between(&mut self, shape: u64) -> usize {
+        if self.region.is_crowded() {
+            return 0;
+        }
         let known = self.region.shapes.iter().find(|(known, _)| *known == shape);
         if let Some((_, start)) = known {
             return *start;
