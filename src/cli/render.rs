@@ -181,10 +181,10 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         is_too_dark = matches!(rendered, Err(RenderError::TooDark));
         Ok(rendered?)
     });
+    seconds.render = progress.finish();
     if is_too_dark {
         return Err(TOO_DARK.into());
     }
-    seconds.render = progress.finish();
     let rendered = written?;
     let developed = develop(arguments, &world, rendered.image.as_ref(), unfinished)?;
     seconds.total = start.elapsed().as_secs_f64();

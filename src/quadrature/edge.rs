@@ -2,7 +2,7 @@
 //! two shapes meet.
 
 use super::clip::Clip;
-use super::model::Model;
+use super::model::{Model, Vector};
 use super::surface::{Silhouette, Solid, Square, Surface, View, one_of};
 use super::{List, Mean, Primary, Quadrature, Reach, Told};
 use crate::math::DVec3;
@@ -166,14 +166,14 @@ impl Quadrature<'_> {
             (Some((first, _)), Some((second, _))) => {
                 let (e, f) = (first.inside, second.inside);
                 // The same line from both sides.
-                let ratio = -f.center / e.center;
+                let (ratio, size) = (-f.center / e.center, e.magnitude());
                 let is_same = [
                     (e.center, f.center),
                     (e.slope[0], f.slope[0]),
                     (e.slope[1], f.slope[1]),
                 ]
                 .iter()
-                .all(|(e, f)| (e * ratio + f).abs() <= 1e-9 * ratio.abs() * e_size(&first.inside));
+                .all(|(e, f)| (e * ratio + f).abs() <= 1e-9 * ratio.abs() * size);
                 if !(ratio > 0.0 && is_same) {
                     return None;
                 }
@@ -208,11 +208,6 @@ impl Quadrature<'_> {
     }
 }
 
-/// The largest of what an edge function over a square is.
-fn e_size(edge: &Model) -> f64 {
-    edge.magnitude()
-}
-
 /// Where a shape is between a surface and a light: above 0 there.
 fn occluded(surface: &Surface, light: DVec3, occluder: &Solid) -> Option<Model> {
     let way = surface.position.minus(light);
@@ -220,7 +215,7 @@ fn occluded(surface: &Surface, light: DVec3, occluder: &Solid) -> Option<Model> 
         Solid::Sphere { center, radius } => {
             let to_center = center - light;
             let square = way.dot(way);
-            let beside = model_cross(to_center, &way);
+            let beside = Vector::constant(to_center).cross(way);
             let inside = square.times(radius * radius) - beside.dot(beside);
             // The nearest to its center is between the ends of the segment, which are both outside.
             let nearest = way.along(to_center) * square.reciprocal();
@@ -253,10 +248,6 @@ fn occluded(surface: &Surface, light: DVec3, occluder: &Solid) -> Option<Model> 
     }
 }
 
-fn model_cross(a: DVec3, b: &super::model::Vector) -> super::model::Vector {
-    super::model::Vector::constant(a).cross(*b)
-}
-
 impl Edge {
     /// The mean over the square.
     fn mean(&self) -> Option<Mean> {
@@ -273,7 +264,10 @@ impl Edge {
         let at_most = Clip::new(&line.plus(rest), None).area;
         let at_least = Clip::new(&line.plus(-rest), None).area;
         let band = (at_most - here.area).max(here.area - at_least);
-        let mut mean = Mean::NOTHING;
+        let mut mean = Mean {
+            value: [0.0; 4],
+            error: [0.0; 4],
+        };
         for channel in 0..3 {
             let (f, g) = (
                 &self.inside.radiance[channel],

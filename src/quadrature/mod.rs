@@ -4,7 +4,8 @@
 //!
 //! Squares are told apart by shafts (`visibility/shaft.rs`): what may be met in a square, and what may stand
 //! between there and a light. What is not told of a square is asked of its quarters, among the shapes that were
-//! left, from 16 × 16 pixels down to one. So nothing is missed, however small, and what is told of a pixel depends on its place in the image alone.
+//! left, from 16 × 16 pixels down to one. So nothing is missed, however small, and what is told of a pixel depends on
+//! its place in the image alone.
 //!
 //! What is known of smooth functions are models (`model`): their values and how much they bend.
 
@@ -53,9 +54,25 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    /// How far a radiance may be off.
-    pub(crate) fn allowed(self, radiance: f64) -> f64 {
-        self.relative * radiance.max(self.floor)
+    /// Whether R, G, B and A are as exact as they are to be, as dark as their errors let them be.
+    pub(crate) fn is_met(&self, mean: [f64; 4], error: [f64; 4]) -> bool {
+        let near = |channel: usize| {
+            let least = mean[channel] - error[channel];
+            error[channel] <= self.relative * least.max(self.floor)
+        };
+        (0..3).all(near) && error[3] <= self.relative
+    }
+
+    /// The largest error of R, G and B over the larger of radiance and floor.
+    pub(crate) fn largest(&self, radiance: &[f64], error: &[f64]) -> f64 {
+        let channels = radiance.iter().zip(error).take(3);
+        channels.fold(0.0, |largest, (radiance, &error)| {
+            if error > 0.0 {
+                f64::max(largest, error / radiance.max(self.floor))
+            } else {
+                largest
+            }
+        })
     }
 }
 
@@ -174,10 +191,14 @@ struct Mean {
 }
 
 impl Mean {
-    const NOTHING: Self = Self {
-        value: [0.0; 4],
-        error: [0.0; 4],
-    };
+    /// Over a square that is smooth.
+    fn of([r, g, b]: &[Model; 3], told: &Told) -> Self {
+        let alpha = f64::from(u8::from(told.primary != Primary::Background));
+        Self {
+            value: [r.center, g.center, b.center, alpha],
+            error: [r.mean_error(), g.mean_error(), b.mean_error(), 0.0],
+        }
+    }
 }
 
 /// Tells what is known of pixels; what a thread needs for that, to be used again and again.
@@ -326,13 +347,9 @@ impl<'w> Quadrature<'w> {
     /// Of smooth radiance over a square, how far the mean over a part of it, half of whose side is `part` of the
     /// square's, is from the value in the middle of the part, if that is near enough.
     fn flatness(&self, radiance: &[Model; 3], side: u32, part: f64) -> Option<Verdict> {
-        let error = [0, 1, 2].map(|channel: usize| radiance[channel].bend(part));
-        let mut relative = 0.0_f64;
-        for (error, radiance) in error.iter().zip(radiance) {
-            if *error > 0.0 {
-                relative = relative.max(error / radiance.least().max(self.target.floor));
-            }
-        }
+        let error = radiance.map(|channel| channel.bend(part));
+        let least = radiance.map(|channel| channel.least());
+        let relative = self.target.largest(&least, &error);
         (relative <= self.target.relative).then_some(Verdict::Smooth {
             side,
             error,
@@ -354,10 +371,11 @@ impl<'w> Quadrature<'w> {
         told: &Told,
         surface: Option<&Surface>,
     ) -> Verdict {
-        if let Some(radiance) = self.smooth_radiance(told, surface) {
+        let smooth = self.smooth_radiance(told, surface);
+        if let Some(radiance) = &smooth {
             let mut side = 1;
             while side <= self.target.most_side {
-                let verdict = self.flatness(&radiance, side, 1.0 / f64::from(side));
+                let verdict = self.flatness(radiance, side, 1.0 / f64::from(side));
                 if let Some(verdict) = verdict {
                     return verdict;
                 }
@@ -365,8 +383,11 @@ impl<'w> Quadrature<'w> {
             }
         }
         if self.integrates
-            && let Some(mean) = self.mean(square, view, told, surface)
-            && self.is_near(&mean)
+            && let Some(mean) = match &smooth {
+                Some(radiance) => Some(Mean::of(radiance, told)),
+                None => self.across_edge(square, view, told, surface),
+            }
+            && self.target.is_met(mean.value, mean.error)
         {
             return Verdict::Integrated {
                 mean: mean.value,
@@ -375,35 +396,8 @@ impl<'w> Quadrature<'w> {
         }
         Verdict::Open {
             range: self.range(square, view, told, surface),
-            is_smooth: self.has_no_edge(told, surface),
+            is_smooth: smooth.is_some(),
         }
-    }
-
-    /// The mean over a square that is smooth or has one edge.
-    fn mean(
-        &mut self,
-        square: Square,
-        view: &View,
-        told: &Told,
-        surface: Option<&Surface>,
-    ) -> Option<Mean> {
-        let Some(radiance) = self.smooth_radiance(told, surface) else {
-            return self.across_edge(square, view, told, surface);
-        };
-        let [r, g, b] = radiance;
-        let alpha = f64::from(u8::from(told.primary != Primary::Background));
-        Some(Mean {
-            value: [r.center, g.center, b.center, alpha],
-            error: [r.mean_error(), g.mean_error(), b.mean_error(), 0.0],
-        })
-    }
-
-    /// Whether a mean is as exact as it is to be.
-    fn is_near(&self, mean: &Mean) -> bool {
-        let [r, g, b, alpha] = mean.error;
-        let channels = [r, g, b].into_iter().zip(mean.value);
-        let mut near = channels.map(|(error, value)| error <= self.target.allowed(value - error));
-        near.all(|is_near| is_near) && alpha <= self.target.relative
     }
 }
 

@@ -45,18 +45,7 @@ impl<'w> Quadrature<'w> {
         is_told.then(|| lights.filter_map(|(light, reach)| (*reach == Reach::Lit).then_some(light)))
     }
 
-    /// Whether nothing in a square jumps. (A normal that is interpolated may turn away from a light.)
-    pub(super) fn has_no_edge(&self, told: &Told, surface: Option<&Surface>) -> bool {
-        match (told.primary, surface) {
-            (Primary::Background, _) => true,
-            (Primary::One(_), Some(surface)) => {
-                !surface.is_smooth() && !surface.is_lifted && self.lit(told).is_some()
-            }
-            _ => false,
-        }
-    }
-
-    /// L over a square that is smooth, per primary.
+    /// L over a square that is smooth, per primary: where nothing jumps, the border of a spot's cone included.
     pub(super) fn smooth_radiance(
         &self,
         told: &Told,

@@ -1,6 +1,7 @@
 //! Rendering to an error: what is asked for, and what came of it.
 
 use super::sampling::Sampler;
+use crate::quadrature::Target;
 
 /// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 65_536;
@@ -104,9 +105,8 @@ impl ErrorCounts {
 /// What all tiles that are rendered to an error have in common.
 #[derive(Debug)]
 pub(super) struct Goal {
-    pub(super) relative: f64,
-    /// In cd/m², 0 where the image is black at all points that were asked.
-    pub(super) floor: f64,
+    /// Its floor is 0 where the image is black at all points that were asked.
+    pub(super) target: Target,
     pub(super) max_samples: u32,
     /// Whether nothing is made of samples but R, G, B and A.
     pub(super) is_plain: bool,
@@ -117,35 +117,21 @@ pub(super) struct Goal {
 impl Goal {
     pub(super) fn new(target: &ErrorTarget, floor: f64, is_plain: bool) -> Self {
         Self {
-            relative: target.relative,
-            floor,
+            target: Target {
+                relative: target.relative,
+                floor,
+                most_side: most_side(target.max_samples),
+            },
             max_samples: target.max_samples,
             is_plain,
             grids: [1, 2, 4, 8].map(Sampler::grid),
         }
     }
+}
 
-    /// How far a radiance may be off.
-    pub(super) fn allowed(&self, radiance: f64) -> f64 {
-        self.relative * radiance.max(self.floor)
-    }
-
-    /// The largest error of R, G and B over the larger of radiance and floor.
-    pub(super) fn relative(&self, mean: [f64; 4], error: [f64; 4]) -> f64 {
-        let channels = mean.into_iter().zip(error).take(3);
-        channels.fold(0.0, |largest, (mean, error)| {
-            if error > 0.0 {
-                f64::max(largest, error / mean.max(self.floor))
-            } else {
-                largest
-            }
-        })
-    }
-
-    /// The most samples along the side of a smooth pixel.
-    pub(super) fn most_side(&self) -> u32 {
-        let sides = [8, 4, 2, 1];
-        let fits = |side: &u32| side * side <= self.max_samples;
-        sides.into_iter().find(fits).unwrap_or(1)
-    }
+/// The most samples along the side of a smooth pixel that may have so many.
+fn most_side(max_samples: u32) -> u32 {
+    let sides = [8, 4, 2, 1];
+    let fits = |side: &u32| side * side <= max_samples;
+    sides.into_iter().find(fits).unwrap_or(1)
 }

@@ -9,7 +9,7 @@ use super::statistics::QUARTERS;
 use super::sums::narrowed;
 use super::tile::{Kept, Setup, Space, Tile};
 use crate::image::Window;
-use crate::quadrature::{self, Quadrature, Range, Verdict};
+use crate::quadrature::{Quadrature, Range, Verdict};
 
 /// Samples of the first pass over a pixel that nothing is proven of; each one after it makes them four times as many.
 const FIRST_SAMPLES: u32 = 16;
@@ -54,18 +54,13 @@ pub(super) struct Adaptive<'w> {
 
 impl<'w> Adaptive<'w> {
     pub(super) fn new(setup: &Setup<'w>, goal: &Goal) -> Self {
-        let target = quadrature::Target {
-            relative: goal.relative,
-            floor: goal.floor,
-            most_side: goal.most_side(),
-        };
         Self {
             quadrature: Quadrature::new(
                 setup.world,
                 setup.camera,
                 setup.visibility,
                 setup.simd,
-                target,
+                goal.target,
                 goal.is_plain,
             ),
             verdicts: Vec::new(),
@@ -99,7 +94,9 @@ impl<'w> Adaptive<'w> {
                     smooth[side.trailing_zeros() as usize].insert(pixel);
                     ([r, g, b, 0.0], relative, true)
                 }
-                Verdict::Integrated { mean, error } => (error, goal.relative(mean, error), true),
+                Verdict::Integrated { mean, error } => {
+                    (error, goal.target.largest(&mean, &error), true)
+                }
                 Verdict::Open { .. } => {
                     open.insert(pixel);
                     ([f64::INFINITY; 4], f64::INFINITY, false)
@@ -154,17 +151,16 @@ impl<'w> Adaptive<'w> {
             counts = counts.and(tile.pass(setup, samples.clone(), &open, space));
             for pixel in open.iter() {
                 let verdict = &self.verdicts[number(window, places[pixel])];
-                let (mean, mut error) = estimate(tile, pixel, samples.end, verdict, goal.floor);
-                if goal.floor == 0.0 && mean[..3] == [0.0; 3] {
+                let (mean, mut error) =
+                    estimate(tile, pixel, samples.end, verdict, goal.target.floor);
+                if goal.target.floor == 0.0 && mean[..3] == [0.0; 3] {
                     // In a picture that is black at all points nothing else is expected where it is black again.
                     error[..3].fill(0.0);
                 }
-                let is_met = (0..3)
-                    .all(|channel| error[channel] <= goal.allowed(mean[channel] - error[channel]))
-                    && error[3] <= goal.relative;
+                let is_met = goal.target.is_met(mean, error);
                 self.errors[pixel] = PixelError {
                     error,
-                    relative: goal.relative(mean, error),
+                    relative: goal.target.largest(&mean, &error),
                     is_bound: false,
                     is_met,
                 };
@@ -189,7 +185,7 @@ impl<'w> Adaptive<'w> {
     ) -> Counts {
         let window = rendered.window();
         let mut errors = ErrorCounts {
-            floor: goal.floor,
+            floor: goal.target.floor,
             ..ErrorCounts::default()
         };
         for (pixel, place) in tile.places().enumerate() {
