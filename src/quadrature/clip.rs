@@ -4,9 +4,9 @@ use super::model::Model;
 
 /// The part of the square −1 ≤ u, v ≤ 1 where φ = c + g_u u + g_v v ≥ 0.
 ///
-/// With √φ = s (1 + w) and a `scale` s, half of the largest √φ of the square, integrals of w are there as well: over a polygon,
-/// the strip between φ and φ + dφ is as long as a function that is linear between the corners, and that times √φ
-/// or 1/√φ has an integral in closed form.
+/// With √φ = s (1 + w) and a `scale` s, half of the largest √φ of the square, integrals of w are there as well: over a
+/// polygon, the strip between φ and φ + dφ is as long as a function that is linear between the corners, and that times
+/// √φ or 1/√φ has an integral in closed form.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Clip {
     /// Over the square's.

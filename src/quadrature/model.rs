@@ -5,8 +5,8 @@
 //!
 //! f = c + g_u u + g_v v + g_w w + e, |e| ≤ r,
 //!
-//! of which c is the value at the middle, u = v = 0, where there is no w, and bounds on |∂f/∂u|, |∂f/∂v|, |∂²f/∂u²| and |∂²f/∂v²| over the whole square. Sums, products and functions of
-//! models are models again (affine arithmetic: de Figueiredo & Stolfi 2004, "Affine Arithmetic: Concepts and
+//! of which c is the value at the middle, u = v = 0, where there is no w, and bounds on |∂f/∂u|, |∂f/∂v|, |∂²f/∂u²|
+//! and |∂²f/∂v²| over the whole square. Sums, products and functions of models are models again (affine arithmetic: de Figueiredo & Stolfi 2004, "Affine Arithmetic: Concepts and
 //! Applications"; derivatives by the product and the chain rule). Linear functions are exact, so that what cancels
 //! to first order does so here as well.
 //!

@@ -163,3 +163,59 @@ fn what_no_sample_meets_is_told() {
         assert_eq!(is_background, [x, y] != [10, 4], "{x}, {y}: {verdict:?}");
     }
 }
+
+/// The border of a sharp cone is an edge, though no shape makes it: 10 m below the lamp, 18° are 3.25 m.
+#[test]
+fn the_border_of_a_spot_is_an_edge() {
+    let scene = "
+        [image]
+        resolution = [16, 16]
+        [camera.orthographic]
+        eye = [0, 0, 20]
+        look_at = [0, 0, 0]
+        height = 16
+        [materials.m.phong]
+        diffuse = 0.5
+        [lights.l.spot]
+        position = [0, 0, 10]
+        look_at = [0, 0, 0]
+        intensity = 100
+        inner = 18
+        outer = 18
+        [objects.floor.plane]
+        material = 'm'
+        point = [0, 0, 0]
+        normal = [0, 0, 1]
+    ";
+    let (world, camera) = World::new(&Scene::parse(scene, "spot.toml").unwrap()).unwrap();
+    let visibility = Visibility::new(&world, &Plan::new(&world));
+    let window = Window::whole([16, 16]);
+    let told = verdicts(
+        &world,
+        &camera,
+        &visibility,
+        SimdLevel::default(),
+        &[window],
+    );
+    // From the middle of the image to the nearest and the furthest point of a pixel.
+    let radius = 10.0 * 18.0_f64.to_radians().tan();
+    let mut borders = 0;
+    for ([x, y], verdict) in window.pixels().zip(told) {
+        let [x, y] = [x, y].map(|place| (f64::from(place) - 7.5).abs());
+        let is_border = (x - 0.5).hypot(y - 0.5) < radius && radius < (x + 0.5).hypot(y + 0.5);
+        if is_border {
+            borders += 1;
+            assert!(
+                matches!(
+                    verdict,
+                    Verdict::Open {
+                        is_smooth: false,
+                        ..
+                    }
+                ),
+                "{x}, {y}: {verdict:?}"
+            );
+        }
+    }
+    assert!(borders > 10);
+}

@@ -188,7 +188,8 @@ impl<'w> Renderer<'w> {
 
     /// Renders and writes OpenEXR into `sink`, from the sink's start: blocks are compressed and written
     /// while others are still being rendered, and the film is never there as a whole, unless it is rendered to an
-    /// error: the header, which comes first, says what came of it. The bytes are those that [`Renderer::film`] and [`Film::write_exr_to`] make one after the other.
+    /// error: the header, which comes first, says what came of it. The bytes are those that [`Renderer::film`] and
+    /// [`Film::write_exr_to`] make one after the other.
     ///
     /// # Errors
     /// As [`Renderer::film`] and [`Film::write_exr_to`]; rendering ends with the first.

@@ -6,8 +6,8 @@ use crate::simd::{F64x16, U32x16};
 
 /// The sample positions of pixels: the same on every machine and in every run.
 ///
-/// One sample is the pixel's center. More are, unless they are the middles of a grid, the first points of the two-dimensional Sobol'
-/// sequence, Owen-scrambled with a seed from the pixel's position (hash-based: Laine & Karras 2011,
+/// One sample is the pixel's center. More are, unless they are the middles of a grid, the first points of the
+/// two-dimensional Sobol' sequence, Owen-scrambled with a seed from the pixel's position (hash-based: Laine & Karras 2011,
 /// "Stratified Sampling for Stochastic Transparency", with the mixing constants of Vegdahl 2021),
 /// so that any power of two of them is stratified in every way and neighbors are independent.
 #[derive(Clone, Debug, PartialEq)]
