@@ -5,7 +5,16 @@
 //! The standard's two pieces meet to seven digits only; its constants are kept, as everyone's are.
 
 /// Where the linear piece ends, in light.
-const LINEAR_END: f64 = 0.003_130_8;
+pub(crate) const LINEAR_END: f64 = 0.003_130_8;
+
+/// The slope of the linear piece.
+pub(crate) const SLOPE: f64 = 12.92;
+
+/// The exponent of the other piece, from code values to light.
+pub(crate) const CONTRAST: f64 = 2.4;
+
+/// What code values of that piece lack.
+pub(crate) const OFFSET: f64 = 0.055;
 
 /// Where the linear piece ends, in code values.
 const CODED_END: f64 = 0.040_45;
@@ -13,18 +22,18 @@ const CODED_END: f64 = 0.040_45;
 /// Linear light to code value, both 0 to 1.
 pub(crate) fn srgb_encode(light: f64) -> f64 {
     if light <= LINEAR_END {
-        12.92 * light
+        SLOPE * light
     } else {
-        1.055 * libm::pow(light, 1.0 / 2.4) - 0.055
+        (1.0 + OFFSET) * libm::pow(light, 1.0 / CONTRAST) - OFFSET
     }
 }
 
 /// Code value to linear light, both 0 to 1.
 pub fn srgb_decode(code: f64) -> f64 {
     if code <= CODED_END {
-        code / 12.92
+        code / SLOPE
     } else {
-        libm::pow((code + 0.055) / 1.055, 2.4)
+        libm::pow((code + OFFSET) / (1.0 + OFFSET), CONTRAST)
     }
 }
 

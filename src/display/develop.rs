@@ -1,19 +1,29 @@
 //! One pixel after the other from radiance to the samples of a PNG, and what is noticed on the way.
 
-use super::codes::Codes;
 use super::dither::threshold;
-use super::{Bits, Settings, View, exposure};
+use super::lanes::{PIECE, Planes, transform};
+use super::screen::Transfer;
+use super::view::Rendering;
+use super::{Bits, Dither, Settings, exposure};
 use crate::color::Primaries;
+use crate::simd::SimdLevel;
 
 /// A channel above this is brighter than the screen: it would have a code of 256 or more.
 const CLIPS: f64 = 1.009;
 
+/// What is brighter, infinities among it, is taken for this: of a size that views can square and multiply.
+const INFINITE: f64 = 1e30;
+
 /// The settings, as far as pixels need them.
 pub(super) struct Develop {
+    level: SimdLevel,
     scale: f64,
-    view: View,
+    /// A channel above this clips.
+    clips: f64,
+    view: Rendering,
+    transfer: Transfer,
     bits: Bits,
-    codes: Codes,
+    dither: Dither,
     has_alpha: bool,
     /// Where the picture's top left is in the display window.
     origin: [u32; 2],
@@ -44,10 +54,17 @@ impl Develop {
     /// the display window.
     pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
         Self {
+            level: SimdLevel::default(),
             scale: exposure::scale(ev),
-            view: settings.view,
+            clips: if settings.view.clips() {
+                CLIPS
+            } else {
+                f64::INFINITY
+            },
+            view: Rendering::new(settings.view),
+            transfer: Transfer::Srgb,
             bits: settings.bits,
-            codes: Codes::new(settings.bits, settings.dither),
+            dither: settings.dither,
             has_alpha,
             origin,
             weights: Primaries::REC709.luminance_weights(),
@@ -77,55 +94,79 @@ impl Develop {
     /// Row `y` of the picture, of which there are pixels from column `left` on. Where there are
     /// none it is black, and transparent where there is alpha.
     pub(super) fn row(&self, y: u32, left: u32, pixels: &[[f32; 4]], row: &mut [u8]) -> Seen {
-        row.fill(0);
-        let [first_x, first_y] = self.origin;
+        let bytes = self.pixel_bytes();
+        let (before, rest) = row.split_at_mut((left as usize * bytes).min(row.len()));
+        let (samples, after) = rest.split_at_mut((pixels.len() * bytes).min(rest.len()));
+        before.fill(0);
+        after.fill(0);
         let mut seen = Seen::default();
-        let samples = row.chunks_exact_mut(self.pixel_bytes()).skip(left as usize);
-        for ((&pixel, samples), x) in pixels.iter().zip(samples).zip(left..) {
-            // Backgrounds are large.
-            if pixel == [0.0; 4] {
-                continue;
-            }
-            self.pixel(
-                pixel,
-                threshold(first_x + x, first_y + y),
-                samples,
-                &mut seen,
-            );
+        let mut planes = [[0.0; PIECE]; 3];
+        let pieces = pixels.chunks(PIECE).zip(samples.chunks_mut(PIECE * bytes));
+        for ((pixels, samples), x) in pieces.zip((left..).step_by(PIECE)) {
+            self.expose(pixels, &mut planes, &mut seen);
+            self.view.apply(self.level, &mut planes, pixels.len());
+            transform(self.level, &self.transfer, &mut planes, pixels.len());
+            self.quantize([x, y], pixels, &planes, samples);
         }
         seen
     }
 
-    /// One pixel from R, G, B, A to the samples of the image.
-    fn pixel(&self, pixel: [f32; 4], threshold: f64, samples: &mut [u8], seen: &mut Seen) {
-        let [r, g, b, alpha] = pixel.map(f64::from);
-        let per_coverage = if self.has_alpha && alpha > 0.0 && alpha.is_finite() {
-            1.0 / alpha
-        } else {
-            1.0
-        };
-        let radiance = [r, g, b].map(|radiance| radiance * per_coverage);
-        let [red, green, blue] = self.weights;
-        let luminance = red * radiance[0] + green * radiance[1] + blue * radiance[2];
-        if luminance > seen.brightest && luminance.is_finite() {
-            seen.brightest = luminance;
+    /// Exposed radiance by which no coverage is multiplied.
+    fn expose(&self, pixels: &[[f32; 4]], [red, green, blue]: &mut Planes, seen: &mut Seen) {
+        let [of_red, of_green, of_blue] = self.weights;
+        let clips = self.clips;
+        for (place, pixel) in pixels.iter().enumerate() {
+            let [r, g, b, alpha] = pixel.map(f64::from);
+            let per_coverage = if self.has_alpha && alpha > 0.0 && alpha.is_finite() {
+                1.0 / alpha
+            } else {
+                1.0
+            };
+            let [r, g, b] = [r, g, b].map(|radiance| radiance * per_coverage);
+            let luminance = of_red * r + of_green * g + of_blue * b;
+            if luminance > seen.brightest && luminance.is_finite() {
+                seen.brightest = luminance;
+            }
+            let exposed = [r, g, b].map(|radiance| radiance * self.scale);
+            seen.clipped += u64::from(exposed.iter().any(|&channel| channel > clips));
+            [red[place], green[place], blue[place]] =
+                exposed.map(|channel| channel.clamp(-INFINITE, INFINITE));
         }
-        let exposed = radiance.map(|radiance| radiance * self.scale);
-        if self.view.clips() && exposed.iter().any(|&channel| channel > CLIPS) {
-            seen.clipped += 1;
-        }
-        let light = self.view.apply(exposed);
-        let [r, g, b] = light.map(|light| self.codes.code(light, threshold));
-        let codes = [r, g, b, self.bits.quantize(alpha)];
+    }
+
+    /// From code values from 0 to 1 to the samples of the image.
+    fn quantize(
+        &self,
+        [left, y]: [u32; 2],
+        pixels: &[[f32; 4]],
+        [red, green, blue]: &Planes,
+        samples: &mut [u8],
+    ) {
+        let [first_x, first_y] = self.origin;
+        let codes = pixels.iter().zip(red.iter().zip(green).zip(blue));
+        let codes = codes.map(|(pixel, ((&r, &g), &b))| ([r, g, b], f64::from(pixel[3])));
+        let samples = samples.chunks_exact_mut(self.pixel_bytes());
         match self.bits {
             Bits::Eight => {
-                for (sample, code) in samples.iter_mut().zip(codes) {
-                    *sample = code as u8;
+                for ((samples, (rgb, alpha)), x) in samples.zip(codes).zip(first_x + left..) {
+                    let threshold = match self.dither {
+                        Dither::Blue => threshold(x, first_y + y),
+                        Dither::None => 0.5,
+                    };
+                    let [r, g, b] = rgb.map(|value| (value * f64::from(u8::MAX) + threshold) as u8);
+                    let alpha = self.bits.quantize(alpha) as u8;
+                    for (sample, code) in samples.iter_mut().zip([r, g, b, alpha]) {
+                        *sample = code;
+                    }
                 }
             }
             Bits::Sixteen => {
-                for (sample, code) in samples.chunks_exact_mut(2).zip(codes) {
-                    sample.copy_from_slice(&code.to_be_bytes());
+                for (samples, (rgb, alpha)) in samples.zip(codes) {
+                    let [r, g, b] = rgb;
+                    let codes = [r, g, b, alpha].map(|value| self.bits.quantize(value));
+                    for (sample, code) in samples.chunks_exact_mut(2).zip(codes) {
+                        sample.copy_from_slice(&code.to_be_bytes());
+                    }
                 }
             }
         }

@@ -10,16 +10,17 @@
 //!         display window of R, G, B, A; NaN → 0; RGB ÷ A where alpha is kept
 //! ```
 //!
-//! All of it is computed in f64, one pixel by itself: the same picture gives the same PNG, to the
-//! byte, for any number of threads.
+//! All of it is computed in f64, each pixel by itself, sixteen side by side: the same picture gives the
+//! same PNG, to the byte, for any number of threads and instruction set.
 
-mod codes;
 mod develop;
 mod dither;
 #[doc(hidden)]
 pub mod exposure;
+mod lanes;
 mod picture;
 mod png;
+mod screen;
 mod source;
 mod stream;
 mod view;

@@ -1,6 +1,15 @@
 //! The picture as it is: radiance 1 is the screen's white, and what exceeds it clips.
 
-/// Clips each channel to 0 to 1.
-pub(super) fn apply(rgb: [f64; 3]) -> [f64; 3] {
-    rgb.map(|x| x.clamp(0.0, 1.0))
+use fearless_simd::Simd;
+
+use crate::display::lanes::{Rgb, Transform};
+
+/// What the screen cannot show, it clips.
+pub(in crate::display) struct Clip;
+
+impl Transform for Clip {
+    #[inline(always)]
+    fn apply<S: Simd>(&self, _: S, rgb: Rgb<S>) -> Rgb<S> {
+        rgb
+    }
 }

@@ -1,0 +1,94 @@
+//! Colors side by side: what happens to sixteen of them at once.
+
+use fearless_simd::Simd;
+
+use crate::simd::{F64x16, Kernel, LANES, SimdLevel};
+
+/// Red, green and blue of sixteen colors.
+pub(super) type Rgb<S> = [F64x16<S>; 3];
+
+/// Colors that are worked on together: few enough to stay in the nearest cache, and a multiple of [`LANES`].
+pub(super) const PIECE: usize = 256;
+
+/// Red, green and blue of the colors of a piece, apart.
+pub(super) type Planes = [[f64; PIECE]; 3];
+
+/// What becomes of a color, each by itself. Colors are finite, and so are the results.
+pub(super) trait Transform {
+    /// Of sixteen at once; marked `#[inline(always)]`, as is all that it calls.
+    fn apply<S: Simd>(&self, simd: S, rgb: Rgb<S>) -> Rgb<S>;
+}
+
+/// Transforms the first `count` colors, and some after them.
+#[inline(never)]
+pub(super) fn transform(
+    level: SimdLevel,
+    transform: &impl Transform,
+    planes: &mut Planes,
+    count: usize,
+) {
+    level.run(Piece {
+        transform,
+        planes,
+        count,
+    });
+}
+
+struct Piece<'p, T> {
+    transform: &'p T,
+    planes: &'p mut Planes,
+    count: usize,
+}
+
+impl<T: Transform> Kernel for Piece<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        let [red, green, blue] = self.planes;
+        let mut start = 0;
+        while start < self.count {
+            let lanes = start..start + LANES;
+            let rgb = [
+                F64x16::load(simd, &red[lanes.clone()]),
+                F64x16::load(simd, &green[lanes.clone()]),
+                F64x16::load(simd, &blue[lanes.clone()]),
+            ];
+            let [r, g, b] = self.transform.apply(simd, rgb);
+            r.store(&mut red[lanes.clone()]);
+            g.store(&mut green[lanes.clone()]);
+            b.store(&mut blue[lanes]);
+            start += LANES;
+        }
+    }
+}
+
+/// One function for each channel.
+#[inline(always)]
+pub(super) fn each<S: Simd>([r, g, b]: Rgb<S>, channel: impl Fn(F64x16<S>) -> F64x16<S>) -> Rgb<S> {
+    [channel(r), channel(g), channel(b)]
+}
+
+/// A matrix by rows, times each color.
+#[inline(always)]
+pub(super) fn product<S: Simd>(rows: &[[f64; 3]; 3], [r, g, b]: Rgb<S>) -> Rgb<S> {
+    let [red, green, blue] = rows;
+    [
+        r * red[0] + g * red[1] + b * red[2],
+        r * green[0] + g * green[1] + b * green[2],
+        r * blue[0] + g * blue[1] + b * blue[2],
+    ]
+}
+
+/// The rows of a matrix.
+pub(super) fn rows(matrix: glam::DMat3) -> [[f64; 3]; 3] {
+    matrix.transpose().to_cols_array_2d()
+}
+
+/// A transform of one color.
+#[cfg(test)]
+pub(super) fn of_one(by: &impl Transform, rgb: [f64; 3]) -> [f64; 3] {
+    let mut planes = rgb.map(|channel| [channel; PIECE]);
+    transform(SimdLevel::default(), by, &mut planes, 1);
+    planes.map(|plane| plane[0])
+}
