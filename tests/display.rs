@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use candela::display::{
-    Alpha, Bits, DisplayError, Dither, Exposure, Frame, Picture, Settings, View, convert, tonemap,
+    Alpha, Bits, DisplayError, Dither, Exposure, Picture, Settings, View, convert, tonemap,
 };
 use candela::exr::{Compression, ExrOptions, ExrProblem, read};
 use candela::image::{Film, Metadata, Window};
@@ -18,12 +18,8 @@ use crate::openimageio::{Decoded, decode, oiiotool};
 
 /// Without dither: every value becomes the nearest code.
 const NEAREST: Settings = Settings {
-    exposure: Exposure::Ev(0.0),
-    view: View::Srgb,
-    bits: Bits::Eight,
-    alpha: Alpha::Auto,
     dither: Dither::None,
-    frame: Frame::Display,
+    ..Settings::new()
 };
 
 /// A PNG as the png crate decodes it: width, samples of a pixel, all samples.

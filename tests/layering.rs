@@ -80,7 +80,10 @@ const MAY_USE: [(&str, &[&str]); 24] = [
         ],
     ),
     ("compare", &["color", "memory"]),
-    ("display", &["image", "exr", "color", "simd", "memory", "output"]),
+    (
+        "display",
+        &["image", "exr", "color", "simd", "memory", "output"],
+    ),
     ("bench", &["world", "visibility", "math", "simd"]),
     ("oracle", &["scene", "mesh", "spectrum"]),
 ];

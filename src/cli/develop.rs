@@ -1,6 +1,8 @@
 //! The options that say how radiance becomes a picture: of `tonemap`, and of `render` for its preview.
 
-use candela::display::{Dither, Exposure, View};
+mod quantities;
+
+use candela::display::{Dither, Exposure, Gamut, Screen, Settings, View};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// From radiance to the screen's range.
@@ -11,14 +13,52 @@ pub(super) struct DevelopArguments {
         long,
         value_name = "EV",
         default_value_t = 0.0,
-        value_parser = finite,
+        value_parser = quantities::ev,
         allow_negative_numbers = true
     )]
     exposure: f64,
 
-    /// Choose the EV that brings the log-average luminance of what is lit to 18 % gray
-    #[arg(long, conflicts_with = "exposure")]
-    auto_exposure: bool,
+    /// Choose the EV from the picture
+    ///
+    /// log-average, or no value: the log-average luminance of what is lit becomes 18 % gray;
+    /// percentile:99: the luminance that 99 % of what is lit does not exceed becomes the screen's white.
+    #[arg(
+        long,
+        value_name = "RULE",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "log-average",
+        value_parser = quantities::rule,
+        conflicts_with = "exposure"
+    )]
+    auto_exposure: Option<Exposure>,
+
+    /// Expose as a camera does whose sensor has this speed; with --shutter and --aperture
+    ///
+    /// Pixels are luminances in cd/m², as candela writes them. What saturates the sensor becomes the screen's white:
+    /// L = 1.2 · 2^EV100, EV100 = log2(N²/t · 100/S). --exposure adds to it.
+    #[arg(
+        long,
+        value_name = "S",
+        value_parser = quantities::positive,
+        requires_all = ["shutter", "aperture"],
+        conflicts_with = "auto_exposure"
+    )]
+    iso: Option<f64>,
+
+    /// How long the camera's shutter is open, in seconds, such as 1/60 or 0.5
+    #[arg(long, value_name = "T", value_parser = quantities::shutter, requires = "iso")]
+    shutter: Option<f64>,
+
+    /// The f-number of the camera's lens, such as 8 or f/8
+    #[arg(long, value_name = "N", value_parser = quantities::aperture, requires = "iso")]
+    aperture: Option<f64>,
+
+    /// What is to look white: a light such as D65 or A, a temperature in K, or a chromaticity x,y
+    ///
+    /// Colors are adapted from it to the screen's white by CAT16. Without, they stay as they are.
+    #[arg(long, value_name = "LIGHT", value_parser = quantities::white)]
+    white_balance: Option<quantities::White>,
 
     /// How radiance beyond the screen's range is shown
     ///
@@ -32,6 +72,36 @@ pub(super) struct DevelopArguments {
     )]
     pub(super) view: View,
 
+    /// The screen that the picture is made for
+    ///
+    /// srgb; p3: Display P3; rec2020-pq and rec2020-hlg: HDR (BT.2100), where 1 after exposure and view is 203
+    /// cd/m²; rec1886: a television with the primaries of Rec.709; linear: code values are light. The PNG says which.
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = Screen::default().name(),
+        value_parser = PossibleValuesParser::new(Screen::ALL.map(Screen::name))
+            .map(|name| Screen::ALL.into_iter().find(|screen| screen.name() == name).unwrap_or_default())
+    )]
+    pub(super) display: Screen,
+
+    /// The luminance of 1 on the screen, in cd/m² [default: 203 on HDR, else 80; 100 on rec1886]
+    #[arg(long, value_name = "CD/M2", value_parser = quantities::luminance)]
+    white_nits: Option<f64>,
+
+    /// What becomes of colors that the screen's primaries cannot mix
+    ///
+    /// clip: their negative channels become 0; compress: saturated colors move towards gray, so far that those of
+    /// Rec.2020 fit, and keep their order.
+    #[arg(
+        long,
+        value_name = "RULE",
+        default_value = Gamut::default().name(),
+        value_parser = PossibleValuesParser::new(Gamut::ALL.map(Gamut::name))
+            .map(|name| Gamut::ALL.into_iter().find(|gamut| gamut.name() == name).unwrap_or_default())
+    )]
+    gamut: Gamut,
+
     /// How light between two codes of 8 bits is shown
     ///
     /// blue: by a fine pattern of both codes whose mean is right, without which slow gradients show
@@ -44,22 +114,36 @@ pub(super) struct DevelopArguments {
         value_parser = PossibleValuesParser::new(Dither::ALL.map(Dither::name))
             .map(|name| Dither::ALL.into_iter().find(|dither| dither.name() == name).unwrap_or_default())
     )]
-    pub(super) dither: Dither,
+    dither: Dither,
 }
 
 impl DevelopArguments {
-    pub(super) const fn exposure(&self) -> Exposure {
-        if self.auto_exposure {
-            Exposure::Auto
-        } else {
-            Exposure::Ev(self.exposure)
+    pub(super) fn exposure(&self) -> Exposure {
+        if let Some(chosen) = self.auto_exposure {
+            return chosen;
+        }
+        match (self.iso, self.shutter, self.aperture) {
+            (Some(iso), Some(shutter), Some(aperture)) => {
+                match Exposure::of_camera(iso, shutter, aperture) {
+                    Exposure::Ev(ev) => Exposure::Ev(ev + self.exposure),
+                    chosen @ (Exposure::Auto | Exposure::Percentile(_)) => chosen,
+                }
+            }
+            _ => Exposure::Ev(self.exposure),
         }
     }
-}
 
-fn finite(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err("expected a finite number of EV, such as 1.5 or -2".to_string()),
+    /// What is said here; the rest as it is by default.
+    pub(super) fn settings(&self) -> Settings {
+        Settings {
+            exposure: self.exposure(),
+            view: self.view,
+            dither: self.dither,
+            screen: self.display,
+            white_luminance: self.white_nits,
+            white: self.white_balance.and_then(|white| white.chromaticity),
+            gamut: self.gamut,
+            ..Settings::default()
+        }
     }
 }

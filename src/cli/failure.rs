@@ -29,6 +29,11 @@ pub(super) fn transient(failure: Failure) -> Failure {
     Transient(failure).into()
 }
 
+/// Whether a later try, or another machine, may cure it.
+pub(super) fn is_passing(failure: &Failure) -> bool {
+    any(&**failure, &is_transient)
+}
+
 /// Where something is further off than a limit allows.
 const BEYOND: u8 = 3;
 

@@ -25,6 +25,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::crop::{Crop, crop};
 use super::develop::DevelopArguments;
+use super::display_server::DisplayServer;
 use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
 use accuracy::AccuracyArguments;
@@ -48,6 +49,11 @@ pub(super) use values::{count, named};
 #[command(mut_arg("auto_exposure", |option| option.requires("preview")))]
 #[command(mut_arg("view", |option| option.requires("preview")))]
 #[command(mut_arg("dither", |option| option.requires("preview")))]
+#[command(mut_arg("iso", |option| option.requires("preview")))]
+#[command(mut_arg("white_balance", |option| option.requires("preview")))]
+#[command(mut_arg("display", |option| option.requires("preview")))]
+#[command(mut_arg("white_nits", |option| option.requires("preview")))]
+#[command(mut_arg("gamut", |option| option.requires("preview")))]
 #[command(after_long_help = "\
 Examples:
   candela render
@@ -130,6 +136,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     chromaticities: bool,
 
+    /// Also show the picture in tev while it is rendered, which listens at HOST:PORT, such as 127.0.0.1:14158
+    #[arg(long, value_name = "HOST:PORT")]
+    display_server: Option<String>,
+
     /// No progress bar, no summary and no warnings
     #[arg(short, long)]
     quiet: bool,
@@ -167,7 +177,15 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     seconds.build = build;
 
     let progress = Progress::new(request.window, !arguments.quiet);
+    let server = match &arguments.display_server {
+        Some(address) => Some(request.show(&world, &camera, address, &outputs.exr)?),
+        None => None,
+    };
     let job = Job::watched(|pixels| progress.advance(pixels));
+    let job = match &server {
+        Some(server) => job.shown_to(server),
+        None => job,
+    };
     let mut is_too_dark = false;
     let written = output::write(&outputs.exr, unfinished, |mut sink| {
         let rendered = renderer.exr(
@@ -186,6 +204,8 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         return Err(TOO_DARK.into());
     }
     let rendered = written?;
+    drop(job);
+    let unseen = server.and_then(DisplayServer::warning);
     let developed = develop(arguments, &world, rendered.image.as_ref(), unfinished)?;
     seconds.total = start.elapsed().as_secs_f64();
     seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
@@ -206,6 +226,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
             counts: rendered.counts,
             exr: rendered.report,
             developed,
+            unseen,
             seconds: seconds.render,
         };
         // Nowhere is left to report that the messages themselves cannot be written.
@@ -250,18 +271,15 @@ fn develop(
     // A PNG with alpha cannot hold light where nothing covers a pixel.
     let has_background = world.background().0.0 != [0.0; 3];
     let settings = display::Settings {
-        exposure: arguments.development.exposure(),
-        view: arguments.development.view,
         // Where there is none, what light is there is of the compression.
         alpha: if has_background {
             Alpha::Opaque
         } else {
             Alpha::Keep
         },
-        dither: arguments.development.dither,
         // Of a part, the part; of the whole that is the whole.
         frame: Frame::Data,
-        ..display::Settings::default()
+        ..arguments.development.settings()
     };
     let report = display::convert_image(image, preview, &settings, unfinished)?;
     Ok(Some(report))

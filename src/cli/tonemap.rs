@@ -1,13 +1,20 @@
 //! `candela tonemap`: a PNG of an EXR.
 
+mod many;
+mod watch;
+
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::develop::DevelopArguments;
-use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
+use super::display_server::DisplayServer;
+use super::sequence::{Conversion, conversions};
+use candela::Primaries;
+use candela::display::{self, Alpha, Bits, Frame, Settings};
 use candela::exr::ExrReader;
+use candela::image::Window;
 use candela::internal::printable_path;
 use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
@@ -31,14 +38,22 @@ Examples:
       What one light adds, of an EXR with a layer for each light
   candela tonemap scene.exr --bits 16 --alpha opaque
       16 bits, over black, without alpha
+  candela tonemap shot.####.exr -o png/shot.####.png --view reinhard
+      All frames of a sequence
+  candela tonemap scene.exr --display rec2020-pq -o hdr.png
+      For an HDR screen
+  candela tonemap scene.exr --watch
+      Again whenever the file changes
   candela render scene.toml -o - | candela tonemap - -o scene.png
       Through a pipe")]
 pub(crate) struct Arguments {
-    /// The EXR file; - is standard input
-    #[arg(value_name = "IN.exr")]
-    input: PathBuf,
+    /// The EXR file; - is standard input. Many files, f.####.exr or f.%04d.exr for the frames of a sequence, or a
+    /// pattern such as '*.exr' become a PNG each
+    #[arg(value_name = "IN.exr", required = true)]
+    inputs: Vec<PathBuf>,
 
-    /// The PNG file, or - for standard output [default: IN.png in the current folder]
+    /// The PNG file, or - for standard output; of many files a folder, or f.####.png [default: IN.png in the
+    /// current folder]
     #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
     output: Option<PathBuf>,
 
@@ -53,14 +68,39 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     development: DevelopArguments,
 
-    /// Bits of each sample
+    /// The linear color space of the file's numbers, whatever the file says [default: what the file says, else
+    /// rec709]
     #[arg(
         long,
-        default_value = "8",
+        value_name = "NAME",
+        value_parser = PossibleValuesParser::new(Primaries::names())
+            .map(|name| Primaries::named(&name).unwrap_or(Primaries::REC709))
+    )]
+    input_space: Option<Primaries>,
+
+    /// Show pixels that have values that are not a number in magenta, and infinite ones in cyan
+    #[arg(long)]
+    show_invalid: bool,
+
+    /// Make the PNG anew whenever the file changes, until interrupted
+    #[arg(long)]
+    watch: bool,
+
+    /// Also show the file's numbers in tev, which listens at HOST:PORT, such as 127.0.0.1:14158
+    #[arg(long, value_name = "HOST:PORT")]
+    display_server: Option<String>,
+
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+
+    /// Bits of each sample [default: 8, or 16 for HDR]
+    #[arg(
+        long,
         value_parser = PossibleValuesParser::new(["8", "16"])
             .map(|bits| if bits == "16" { Bits::Sixteen } else { Bits::Eight })
     )]
-    bits: Bits,
+    bits: Option<Bits>,
 
     /// What becomes of coverage
     ///
@@ -76,48 +116,118 @@ pub(crate) struct Arguments {
     alpha: Alpha,
 }
 
-/// Makes the PNG; warnings, and the exposure if it was chosen, go to `messages`.
+impl Arguments {
+    /// Whether the one input may be many files.
+    fn stands_for_many(&self) -> bool {
+        let is_pattern = |input: &PathBuf| {
+            let text = input.to_string_lossy();
+            text.contains(['*', '?', '[']) || super::advice::frame_number(input).is_some()
+        };
+        self.inputs.iter().any(is_pattern)
+    }
+
+    fn bits(&self) -> Bits {
+        // In 8 bits HDR has steps that are seen.
+        self.bits.unwrap_or(if self.development.display.is_hdr() {
+            Bits::Sixteen
+        } else {
+            Bits::Eight
+        })
+    }
+}
+
+/// Makes the PNGs; warnings, and exposures that were chosen, go to `messages`.
 pub(crate) fn run(
     arguments: &Arguments,
     unfinished: &Unfinished,
-    messages: &mut impl Write,
+    messages: &mut (impl Write + Send),
 ) -> Result<(), Failure> {
-    let settings = Settings {
-        exposure: arguments.development.exposure(),
-        view: arguments.development.view,
-        bits: arguments.bits,
-        alpha: arguments.alpha,
-        dither: arguments.development.dither,
-        frame: Frame::Display,
-    };
-    let default;
-    let output = match &arguments.output {
-        Some(output) => output.as_path(),
-        None => {
-            default = default_output(&arguments.input)?;
-            &default
+    let conversions = conversions(&arguments.inputs, arguments.output.as_deref(), "png")?;
+    let [conversion] = &conversions[..] else {
+        if arguments.watch || arguments.display_server.is_some() {
+            let what = if arguments.watch {
+                "--watch"
+            } else {
+                "--display-server"
+            };
+            return Err(format!("{what} takes one file, not {}", conversions.len()).into());
         }
+        return many::run(arguments, &conversions, unfinished, messages);
+    };
+    if arguments.watch {
+        return watch::run(arguments, conversion, unfinished, messages);
+    }
+    let told = convert(arguments, conversion, unfinished)?;
+    // Nowhere is left to report that the messages themselves cannot be written.
+    let _ = messages.write_all(told.as_bytes());
+    Ok(())
+}
+
+/// Makes one PNG; what there is to say of it, a line each.
+fn convert(
+    arguments: &Arguments,
+    Conversion { input, output }: &Conversion,
+    unfinished: &Unfinished,
+) -> Result<String, Failure> {
+    let settings = Settings {
+        bits: arguments.bits(),
+        alpha: arguments.alpha,
+        frame: Frame::Display,
+        input: arguments.input_space,
+        shows_invalid: arguments.show_invalid,
+        ..arguments.development.settings()
     };
     super::refuse_terminal(output)?;
     // What is no EXR, such as the PNG itself, is told first: another name would not help there.
-    let reader = ExrReader::open(&arguments.input, arguments.layer.as_deref())?;
-    super::refuse_same_files(&[&arguments.input], &[output])?;
+    let reader = ExrReader::open(input, arguments.layer.as_deref())?;
+    super::refuse_same_files(&[input], &[output])?;
+    let mut lines = Vec::new();
+    if let Some(address) = &arguments.display_server {
+        lines.extend(show(address, &reader, input)?);
+    }
     let report = display::convert_reader(&reader, output, &settings, unfinished)?;
 
-    // Nowhere is left to report that the messages themselves cannot be written.
     let remarks = if reader.window().is_some() {
         report.remarks()
     } else {
         // That nothing is shown has been said.
         Vec::new()
     };
-    for warning in report.warnings.iter().chain(&remarks) {
-        let _ = writeln!(messages, "warning: {}: {warning}", named(&arguments.input));
+    let name = named(input);
+    let warnings = report.warnings.iter().chain(&remarks);
+    lines.extend(warnings.map(|warning| format!("warning: {name}: {warning}\n")));
+    let notes = report.notes.iter();
+    lines.extend(notes.map(|note| format!("note: {name}: {note}\n")));
+    if settings.exposure.is_auto() {
+        let of = if arguments.inputs.len() == 1 && !arguments.stands_for_many() {
+            String::new()
+        } else {
+            format!("{name}: ")
+        };
+        lines.push(format!("{of}exposure: {}\n", report.exposure()));
     }
-    if matches!(settings.exposure, Exposure::Auto) {
-        let _ = writeln!(messages, "exposure: {}", report.exposure());
+    Ok(lines.concat())
+}
+
+/// Shows what a file has in a viewer; what there is to say of it.
+fn show(address: &str, reader: &ExrReader, input: &Path) -> Result<Option<String>, Failure> {
+    let channels = ["R", "G", "B", "A"].map(str::to_owned).to_vec();
+    let name = named(input);
+    let server = DisplayServer::connect(address, &name, reader.resolution(), channels)?;
+    if let Some(window) = reader.window() {
+        for band in reader.bands() {
+            let pixels = reader.new_rows(band.clone())?;
+            let rows = Window {
+                y: window.y + band.start,
+                height: band.end - band.start,
+                ..window
+            };
+            server.update(rows, pixels.iter().flatten().copied());
+        }
     }
-    Ok(())
+    Ok(server
+        .warning()
+        .map(|warning| format!("warning: {warning}\n")))
 }
 
 /// How a message names an input.
@@ -129,25 +239,19 @@ fn named(input: &Path) -> String {
     }
 }
 
-/// IN.png in the current folder. An input without a name cannot be read, which is found later.
-fn default_output(input: &Path) -> Result<PathBuf, Failure> {
-    if input == Path::new("-") || input.starts_with("/dev") || input.starts_with("/proc") {
-        let input = named(input);
-        return Err(format!("{input} gives the PNG no name; give it one with -o OUT.png").into());
-    }
-    Ok(Path::new(input.file_name().unwrap_or_default()).with_extension("png"))
-}
-
 /// A path whose name does not promise another format, such as the input's.
 fn png_path() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(|path| {
         let path = PathBuf::from(path);
-        super::advice::no_frames(&path)?;
         match path.extension() {
-            Some(extension) if !extension.eq_ignore_ascii_case(OsStr::new("png")) => Err(format!(
-                "candela tonemap writes PNG; name the file {}",
-                printable_path(&path.with_extension("png"))
-            )),
+            Some(extension)
+                if !extension.eq_ignore_ascii_case(OsStr::new("png")) && !path.is_dir() =>
+            {
+                Err(format!(
+                    "candela tonemap writes PNG; name the file {}",
+                    printable_path(&path.with_extension("png"))
+                ))
+            }
             _ => Ok(path),
         }
     })
@@ -156,7 +260,7 @@ fn png_path() -> impl TypedValueParser<Value = PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use candela::display::{Dither, View};
+    use candela::display::{Dither, Exposure, View};
     use clap::Parser;
 
     #[derive(Debug, Parser)]
@@ -175,13 +279,14 @@ mod tests {
         let arguments = parse("a/b.c.exr").unwrap();
         assert_eq!(arguments.development.exposure(), Exposure::Ev(0.0));
         assert_eq!(
-            (arguments.development.view, arguments.bits, arguments.alpha),
+            (
+                arguments.development.view,
+                arguments.bits(),
+                arguments.alpha
+            ),
             (View::Srgb, Bits::Eight, Alpha::Auto)
         );
-        let default = |input| default_output(Path::new(input)).ok();
-        assert_eq!(default("a/b.c.exr"), Some(PathBuf::from("b.c.png")));
-        assert_eq!(default("-"), None);
-        assert_eq!(default("/dev/stdin"), None);
+        assert_eq!(arguments.inputs, [PathBuf::from("a/b.c.exr")]);
     }
 
     #[test]
@@ -192,13 +297,17 @@ mod tests {
         assert_eq!(arguments.output.as_deref(), Some(Path::new("x.PNG")));
         assert_eq!(arguments.development.exposure(), Exposure::Ev(-1.5));
         assert_eq!(
-            (arguments.development.view, arguments.bits, arguments.alpha),
+            (
+                arguments.development.view,
+                arguments.bits(),
+                arguments.alpha
+            ),
             (View::Reinhard, Bits::Sixteen, Alpha::Opaque)
         );
         let piped = parse("- -o - --layer light_key --dither none").unwrap();
         assert_eq!(piped.output.as_deref(), Some(Path::new("-")));
         assert_eq!(piped.layer.as_deref(), Some("light_key"));
-        assert_eq!(piped.development.dither, Dither::None);
+        assert_eq!(piped.development.settings().dither, Dither::None);
         let chosen = parse("a.exr --auto-exposure").unwrap();
         assert_eq!(chosen.development.exposure(), Exposure::Auto);
     }

@@ -12,6 +12,13 @@ const BRADFORD: DMat3 = DMat3::from_rows(
     DVec3::new(0.0389, -0.0685, 1.0296),
 );
 
+/// XYZ to the cone responses of CIECAM16 (CIE 248:2022, section 3; Li et al. 2017).
+const CAT16: DMat3 = DMat3::from_rows(
+    DVec3::new(0.401_288, 0.650_173, -0.051_461),
+    DVec3::new(-0.250_268, 1.204_414, 0.045_854),
+    DVec3::new(-0.002_079, 0.048_952, 0.953_127),
+);
+
 /// The linear Bradford adaptation from XYZ under the white `from` to XYZ under the white `to`.
 ///
 /// M⁻¹ · diag(M·to / M·from) · M, a von Kries scaling of the cone responses (ICC.1:2022, annex E).
@@ -20,11 +27,26 @@ const BRADFORD: DMat3 = DMat3::from_rows(
 /// Both whites are XYZ with positive cone responses, which every real white has, and commonly have
 /// Y = 1: a difference in Y is adapted away like one in color.
 pub fn bradford(from: DVec3, to: DVec3) -> DMat3 {
+    von_kries(&BRADFORD, from, to)
+}
+
+/// The complete adaptation by CAT16 from XYZ under the white `from` to XYZ under the white `to`; as [`bradford`],
+/// of which this is the newer sibling, with the cone responses of CIECAM16.
+pub(crate) fn cat16(from: DVec3, to: DVec3) -> DMat3 {
+    von_kries(&CAT16, from, to)
+}
+
+/// Whether CAT16 can take light of this XYZ for white: all of its cone responses are above 0.
+pub(super) fn excites_all_cones(xyz: DVec3) -> bool {
+    (CAT16 * xyz).min_element() > 0.0
+}
+
+fn von_kries(cones: &DMat3, from: DVec3, to: DVec3) -> DMat3 {
     if from == to {
         return DMat3::IDENTITY;
     }
-    let gain = (BRADFORD * to) / (BRADFORD * from);
-    BRADFORD.inverse() * DMat3::from_diagonal(gain) * BRADFORD
+    let gain = (*cones * to) / (*cones * from);
+    cones.inverse() * DMat3::from_diagonal(gain) * *cones
 }
 
 /// Linear RGB of one space to linear RGB of another.

@@ -71,6 +71,11 @@ impl Primaries {
         DVec3::from_array(xyz(self.white))
     }
 
+    /// Whether light of a chromaticity (x, y), y > 0, can be adapted to as a white ([CAT16](crate::display::Settings::white)).
+    pub fn can_be_white(chromaticity: [f64; 2]) -> bool {
+        adaptation::excites_all_cones(DVec3::from_array(xyz(chromaticity)))
+    }
+
     /// Whether these are the primaries of XYZ itself, as far as files are exact.
     pub fn is_xyz(&self) -> bool {
         let list = |p: &Self| [p.red, p.green, p.blue].into_iter().flatten();

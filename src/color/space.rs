@@ -87,14 +87,14 @@ struct LinearSpace {
     display_id: Option<&'static str>,
 }
 
-/// A linear space that a scene can name.
-struct SceneSpace {
-    /// The name in a scene file.
+/// A linear space with its name.
+struct NamedSpace {
+    /// In a scene file, or on the command line.
     name: &'static str,
     linear: LinearSpace,
 }
 
-const REC709: SceneSpace = SceneSpace {
+const REC709: NamedSpace = NamedSpace {
     name: "rec709",
     linear: LinearSpace {
         primaries: Primaries::REC709,
@@ -103,7 +103,7 @@ const REC709: SceneSpace = SceneSpace {
     },
 };
 
-const P3_D65: SceneSpace = SceneSpace {
+const P3_D65: NamedSpace = NamedSpace {
     name: "p3-d65",
     linear: LinearSpace {
         primaries: Primaries::P3_D65,
@@ -112,7 +112,7 @@ const P3_D65: SceneSpace = SceneSpace {
     },
 };
 
-const REC2020: SceneSpace = SceneSpace {
+const REC2020: NamedSpace = NamedSpace {
     name: "rec2020",
     linear: LinearSpace {
         primaries: Primaries::REC2020,
@@ -121,7 +121,7 @@ const REC2020: SceneSpace = SceneSpace {
     },
 };
 
-const ACES_CG: SceneSpace = SceneSpace {
+const ACES_CG: NamedSpace = NamedSpace {
     name: "acescg",
     linear: LinearSpace {
         primaries: Primaries::AP1,
@@ -131,21 +131,30 @@ const ACES_CG: SceneSpace = SceneSpace {
 };
 
 /// Spaces that images come in, though no scene names them.
-const OF_IMAGES: [LinearSpace; 3] = [
-    LinearSpace {
-        primaries: Primaries::ADOBE_RGB,
-        scene_id: "lin_adobergb_scene",
-        display_id: None,
+const OF_IMAGES: [NamedSpace; 3] = [
+    NamedSpace {
+        name: "adobe-rgb",
+        linear: LinearSpace {
+            primaries: Primaries::ADOBE_RGB,
+            scene_id: "lin_adobergb_scene",
+            display_id: None,
+        },
     },
-    LinearSpace {
-        primaries: Primaries::AP0,
-        scene_id: "lin_ap0_scene",
-        display_id: None,
+    NamedSpace {
+        name: "aces2065-1",
+        linear: LinearSpace {
+            primaries: Primaries::AP0,
+            scene_id: "lin_ap0_scene",
+            display_id: None,
+        },
     },
-    LinearSpace {
-        primaries: Primaries::XYZ,
-        scene_id: "lin_ciexyzd65_scene",
-        display_id: Some("lin_ciexyzd65_display"),
+    NamedSpace {
+        name: "xyz",
+        linear: LinearSpace {
+            primaries: Primaries::XYZ,
+            scene_id: "lin_ciexyzd65_scene",
+            display_id: Some("lin_ciexyzd65_display"),
+        },
     },
 ];
 
@@ -158,7 +167,7 @@ impl ColorSpace {
         self.facts().name
     }
 
-    const fn facts(self) -> SceneSpace {
+    const fn facts(self) -> NamedSpace {
         match self {
             Self::Rec709 => REC709,
             Self::P3D65 => P3_D65,
@@ -178,14 +187,30 @@ impl ColorSpace {
     }
 }
 
+/// All linear spaces that are known.
+fn spaces() -> impl Iterator<Item = NamedSpace> {
+    let of_scenes = ColorSpace::ALL.map(ColorSpace::facts);
+    of_scenes.into_iter().chain(OF_IMAGES)
+}
+
 impl Primaries {
     /// Those of a linear space by its identifier: all of those of the ASWF Color Interop Forum, of scenes and of
     /// displays.
     pub fn of_interop_id(id: &str) -> Option<Self> {
-        let of_scenes = ColorSpace::ALL.map(|space| space.facts().linear);
-        let mut spaces = of_scenes.iter().chain(&OF_IMAGES);
+        let mut spaces = spaces().map(|space| space.linear);
         let found = spaces.find(|space| space.scene_id == id || space.display_id == Some(id));
         found.map(|space| space.primaries)
+    }
+
+    /// Those of a linear space by its name, one of [`Primaries::names`].
+    pub fn named(name: &str) -> Option<Self> {
+        let found = spaces().find(|space| space.name == name);
+        found.map(|space| space.linear.primaries)
+    }
+
+    /// The names of all linear spaces that are known.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        spaces().map(|space| space.name)
     }
 }
 
@@ -212,16 +237,15 @@ mod tests {
     /// Names, identifiers and primaries are each of one space.
     #[test]
     fn no_two_spaces_share_a_fact() {
-        let spaces = ColorSpace::ALL.map(|space| space.facts().linear);
-        let all: Vec<&LinearSpace> = spaces.iter().chain(&OF_IMAGES).collect();
+        let all: Vec<NamedSpace> = spaces().collect();
         for (place, one) in all.iter().enumerate() {
             for other in &all[..place] {
-                assert_ne!(one.scene_id, other.scene_id);
-                assert_ne!(one.primaries, other.primaries, "{}", one.scene_id);
+                assert_ne!(one.name, other.name);
+                assert_ne!(one.linear.scene_id, other.linear.scene_id);
+                assert_ne!(one.linear.primaries, other.linear.primaries, "{}", one.name);
             }
+            assert_eq!(Primaries::named(one.name), Some(one.linear.primaries));
         }
-        let names: HashSet<&str> = ColorSpace::ALL.map(ColorSpace::name).into();
-        assert_eq!(names.len(), ColorSpace::ALL.len());
     }
 
     /// The pages have every name, and every identifier of a scene-referred form, and no other.
@@ -238,8 +262,6 @@ mod tests {
         let told: HashSet<&str> = words
             .filter(|word| word.starts_with("lin_") && word.len() > 4)
             .collect();
-        let spaces = ColorSpace::ALL.map(|space| space.facts().linear);
-        let ids = spaces.iter().chain(&OF_IMAGES);
-        assert_eq!(told, ids.map(|space| space.scene_id).collect());
+        assert_eq!(told, spaces().map(|space| space.linear.scene_id).collect());
     }
 }

@@ -1,4 +1,4 @@
-//! The sRGB transfer function, IEC 61966-2-1, to the letter.
+//! Transfer functions: sRGB (IEC 61966-2-1) to the letter, and the constants of HDR's two (ITU-R BT.2100-2).
 //!
 //! Powers are libm's own, which are the same on every machine.
 //!
@@ -19,7 +19,8 @@ pub(crate) const OFFSET: f64 = 0.055;
 /// Where the linear piece ends, in code values.
 const CODED_END: f64 = 0.040_45;
 
-/// Linear light to code value, both 0 to 1.
+/// Linear light to code value, both 0 to 1: what lanes are held against.
+#[cfg(test)]
 pub(crate) fn srgb_encode(light: f64) -> f64 {
     if light <= LINEAR_END {
         SLOPE * light
@@ -35,6 +36,34 @@ pub fn srgb_decode(code: f64) -> f64 {
     } else {
         libm::pow((code + OFFSET) / (1.0 + OFFSET), CONTRAST)
     }
+}
+
+/// The perceptual quantizer (SMPTE ST 2084; BT.2100-2, table 4): light y, as a part of [`pq::PEAK`], has the code
+/// ((c₁ + c₂ yᵐ) / (1 + c₃ yᵐ))ⁿ with m = [`pq::M1`], n = [`pq::M2`].
+pub(crate) mod pq {
+    /// In cd/m².
+    pub(crate) const PEAK: f64 = 10_000.0;
+    pub(crate) const M1: f64 = 2610.0 / 16_384.0;
+    pub(crate) const M2: f64 = 2523.0 / 4096.0 * 128.0;
+    pub(crate) const C1: f64 = 3424.0 / 4096.0;
+    pub(crate) const C2: f64 = 2413.0 / 4096.0 * 32.0;
+    pub(crate) const C3: f64 = 2392.0 / 4096.0 * 32.0;
+}
+
+/// Hybrid log-gamma (BT.2100-2, table 5): scene light E from 0 to 1 has the code √(3E) up to [`hlg::ROOT_END`], and
+/// a ln(12E − b) + c above. A screen shows E Y^(γ − 1) of its peak, Y the luminance of E.
+pub(crate) mod hlg {
+    /// In cd/m², that of the nominal screen, for which γ is 1.2.
+    pub(crate) const PEAK: f64 = 1000.0;
+    pub(crate) const GAMMA: f64 = 1.2;
+    pub(crate) const ROOT_END: f64 = 1.0 / 12.0;
+    pub(crate) const A: f64 = 0.178_832_77;
+    /// 1 − 4a
+    pub(crate) const B: f64 = 1.0 - 4.0 * A;
+    /// ½ − a ln 4a
+    pub(crate) const C: f64 = 0.559_910_729_529_562;
+    /// Of R, G and B in Y, as table 5 rounds them.
+    pub(crate) const LUMINANCE: [f64; 3] = [0.2627, 0.6780, 0.0593];
 }
 
 #[cfg(test)]
@@ -71,5 +100,13 @@ mod tests {
         // As far as the standard's constants do.
         let step = 1.055 * LINEAR_END.powf(1.0 / 2.4) - 0.055 - 12.92 * LINEAR_END;
         assert!(step.abs() < 3e-8, "{step}");
+    }
+
+    #[test]
+    fn the_pieces_of_hybrid_log_gamma_meet() {
+        let c = 0.5 - hlg::A * (4.0 * hlg::A).ln();
+        assert!((c - hlg::C).abs() < 1e-15);
+        let above = hlg::A * (12.0 * hlg::ROOT_END - hlg::B).ln() + hlg::C;
+        assert!((above - 0.5).abs() < 1e-15);
     }
 }

@@ -1,12 +1,15 @@
 //! One pixel after the other from radiance to the samples of a PNG, and what is noticed on the way.
 
 use super::dither::threshold;
-use super::lanes::{PIECE, Planes, transform};
+use super::gamut::Compression;
+use super::lanes::{Matrix, PIECE, Planes, transform};
 use super::screen::Transfer;
 use super::view::Rendering;
-use super::{Bits, Dither, Settings, exposure};
+use super::{Bits, Dither, Gamut, Settings, exposure};
 use crate::color::Primaries;
+use crate::color::adaptation::cat16;
 use crate::simd::SimdLevel;
+use glam::DVec3;
 
 /// A channel above this is brighter than the screen: it would have a code of 256 or more.
 const CLIPS: f64 = 1.009;
@@ -20,8 +23,15 @@ pub(super) struct Develop {
     scale: f64,
     /// A channel above this clips.
     clips: f64,
+    /// What makes white of another color.
+    balance: Option<Matrix>,
+    /// Before the view where it works on the screen's primaries, else after it.
+    to_screen: Option<Matrix>,
+    is_per_channel: bool,
+    compression: Option<Compression>,
     view: Rendering,
     transfer: Transfer,
+    shows_invalid: bool,
     bits: Bits,
     dither: Dither,
     has_alpha: bool,
@@ -53,16 +63,26 @@ impl Develop {
     /// With an exposure of `ev`, whatever the settings say, for a picture whose top left is at `origin` in
     /// the display window.
     pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
+        let screen = settings.screen;
+        let white = settings.white_luminance.unwrap_or(screen.white());
         Self {
             level: SimdLevel::default(),
             scale: exposure::scale(ev),
             clips: if settings.view.clips() {
-                CLIPS
+                CLIPS * screen.peak().map_or(1.0, |peak| peak / white)
             } else {
                 f64::INFINITY
             },
+            balance: settings.white.map(balance),
+            to_screen: Matrix::between(&Primaries::REC709, &screen.primaries()),
+            is_per_channel: settings.view.is_per_channel(),
+            compression: match settings.gamut {
+                Gamut::Clip => None,
+                Gamut::Compress => Compression::new(&screen.primaries()),
+            },
             view: Rendering::new(settings.view),
-            transfer: Transfer::Srgb,
+            transfer: screen.transfer(white),
+            shows_invalid: settings.shows_invalid,
             bits: settings.bits,
             dither: settings.dither,
             has_alpha,
@@ -104,11 +124,34 @@ impl Develop {
         let pieces = pixels.chunks(PIECE).zip(samples.chunks_mut(PIECE * bytes));
         for ((pixels, samples), x) in pieces.zip((left..).step_by(PIECE)) {
             self.expose(pixels, &mut planes, &mut seen);
-            self.view.apply(self.level, &mut planes, pixels.len());
-            transform(self.level, &self.transfer, &mut planes, pixels.len());
+            self.show(&mut planes, pixels.len());
+            if self.shows_invalid {
+                mark_invalid(pixels, &mut planes);
+            }
             self.quantize([x, y], pixels, &planes, samples);
         }
         seen
+    }
+
+    /// From exposed radiance in Rec.709 to the screen's code values, of the first `count` colors.
+    fn show(&self, planes: &mut Planes, count: usize) {
+        let level = self.level;
+        if let Some(balance) = &self.balance {
+            transform(level, balance, planes, count);
+        }
+        if !self.is_per_channel {
+            self.view.apply(level, planes, count);
+        }
+        if let Some(to_screen) = &self.to_screen {
+            transform(level, to_screen, planes, count);
+        }
+        if let Some(compression) = &self.compression {
+            transform(level, compression, planes, count);
+        }
+        if self.is_per_channel {
+            self.view.apply(level, planes, count);
+        }
+        transform(level, &self.transfer, planes, count);
     }
 
     /// Exposed radiance by which no coverage is multiplied.
@@ -170,5 +213,26 @@ impl Develop {
                 }
             }
         }
+    }
+}
+
+/// In Rec.709, what makes the screen's white of light of a chromaticity, by CAT16.
+fn balance([x, y]: [f64; 2]) -> Matrix {
+    let space = Primaries::REC709;
+    let from = DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
+    Matrix::new(space.from_xyz() * cat16(from, space.white_xyz()) * space.to_xyz())
+}
+
+/// Magenta where a value is not a number, cyan where one is infinite.
+fn mark_invalid(pixels: &[[f32; 4]], [red, green, blue]: &mut Planes) {
+    for (place, pixel) in pixels.iter().enumerate() {
+        let color = if pixel.iter().any(|value| value.is_nan()) {
+            [1.0, 0.0, 1.0]
+        } else if pixel.iter().any(|value| value.is_infinite()) {
+            [0.0, 1.0, 1.0]
+        } else {
+            continue;
+        };
+        [red[place], green[place], blue[place]] = color;
     }
 }

@@ -1,7 +1,10 @@
 //! Colors side by side: what happens to sixteen of them at once.
 
 use fearless_simd::Simd;
+use glam::DMat3;
 
+use crate::color::Primaries;
+use crate::color::adaptation::conversion;
 use crate::simd::{F64x16, Kernel, LANES, SimdLevel};
 
 /// Red, green and blue of sixteen colors.
@@ -80,9 +83,26 @@ pub(super) fn product<S: Simd>(rows: &[[f64; 3]; 3], [r, g, b]: Rgb<S>) -> Rgb<S
     ]
 }
 
-/// The rows of a matrix.
-pub(super) fn rows(matrix: glam::DMat3) -> [[f64; 3]; 3] {
-    matrix.transpose().to_cols_array_2d()
+/// A matrix, by its rows.
+#[derive(Debug)]
+pub(super) struct Matrix([[f64; 3]; 3]);
+
+impl Matrix {
+    pub(super) fn new(matrix: DMat3) -> Self {
+        Self(matrix.transpose().to_cols_array_2d())
+    }
+
+    /// From linear RGB of one space to that of another; `None` where they are the same.
+    pub(super) fn between(from: &Primaries, to: &Primaries) -> Option<Self> {
+        (from != to).then(|| Self::new(conversion(from, to)))
+    }
+}
+
+impl Transform for Matrix {
+    #[inline(always)]
+    fn apply<S: Simd>(&self, _: S, rgb: Rgb<S>) -> Rgb<S> {
+        product(&self.0, rgb)
+    }
 }
 
 /// A transform of one color.

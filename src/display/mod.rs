@@ -17,6 +17,7 @@ mod develop;
 mod dither;
 #[doc(hidden)]
 pub mod exposure;
+mod gamut;
 mod lanes;
 mod picture;
 mod png;
@@ -30,8 +31,10 @@ use rayon::prelude::*;
 use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
+pub use gamut::Gamut;
 #[doc(hidden)]
 pub use picture::Picture;
+pub use screen::Screen;
 pub use stream::convert;
 #[doc(hidden)]
 pub use stream::{convert_image, convert_reader};
@@ -39,11 +42,12 @@ pub use stream::{convert_image, convert_reader};
 pub use view::UnknownView;
 pub use view::View;
 
+use crate::color::Primaries;
 use crate::exr::ExrError;
 use crate::output::OutputError;
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// What the radiance is multiplied by.
     pub exposure: Exposure,
@@ -57,6 +61,45 @@ pub struct Settings {
     pub dither: Dither,
     /// What of a file's windows is shown; pictures in memory are their display window.
     pub frame: Frame,
+    /// What the picture is shown on.
+    pub screen: Screen,
+    /// The luminance of a light of 1 on the screen in cd/m², where it is not [`Screen::white`]. Range: above 0, at
+    /// most 10 000.
+    pub white_luminance: Option<f64>,
+    /// The chromaticity (x, y) of what is to look white; `None` leaves colors as they are.
+    pub white: Option<[f64; 2]>,
+    /// What becomes of colors that the screen cannot mix.
+    pub gamut: Gamut,
+    /// The primaries of the file's numbers, instead of those that the file names.
+    pub input: Option<Primaries>,
+    /// Whether pixels with values that are not a number are shown in magenta, and those with infinities in cyan.
+    pub shows_invalid: bool,
+}
+
+impl Settings {
+    /// The default, for constants.
+    pub const fn new() -> Self {
+        Self {
+            exposure: Exposure::Ev(0.0),
+            view: View::Srgb,
+            bits: Bits::Eight,
+            alpha: Alpha::Auto,
+            dither: Dither::Blue,
+            frame: Frame::Display,
+            screen: Screen::Srgb,
+            white_luminance: None,
+            white: None,
+            gamut: Gamut::Clip,
+            input: None,
+            shows_invalid: false,
+        }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 /// What of an EXR's windows is shown.
@@ -200,6 +243,8 @@ pub struct Report {
     pub clipped: f64,
     /// What the user should know about the file, a sentence each.
     pub warnings: Vec<String>,
+    /// What was taken for granted, a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Exposed luminance below this is coded below 39 of 255: where nothing is brighter, there is nothing
@@ -352,12 +397,8 @@ mod tests {
 
     /// Without dither: every value becomes the nearest code.
     const NEAREST: Settings = Settings {
-        exposure: Exposure::Ev(0.0),
-        view: View::Srgb,
-        bits: Bits::Eight,
-        alpha: Alpha::Auto,
         dither: Dither::None,
-        frame: Frame::Display,
+        ..Settings::new()
     };
 
     /// A picture whose data window is the whole display window, one row.

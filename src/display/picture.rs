@@ -31,7 +31,7 @@ impl Picture<'static> {
     /// not a number becomes 0, and its pixel counts in [`Picture::warnings`].
     pub fn new(mut image: ExrImage) -> Self {
         let meaning = image.color.meaning();
-        let prepare = Prepare::from(&meaning.primaries);
+        let prepare = Prepare::from(&meaning.primaries, false);
         let pieces = image.pixels.par_chunks_mut(PIECE);
         let repaired = pieces
             .map(|pixels| prepare.apply(pixels))
@@ -53,7 +53,7 @@ impl<'a> Picture<'a> {
         let mut pixels = Cow::Borrowed(film.pixels());
         let primaries = film.metadata().color_space.primaries();
         if primaries != Primaries::REC709 {
-            let prepare = Prepare::from(&primaries);
+            let prepare = Prepare::from(&primaries, false);
             let pieces = pixels.to_mut().par_chunks_mut(PIECE);
             pieces.for_each(|pixels| {
                 prepare.apply(pixels);
@@ -111,7 +111,7 @@ impl<'a> Picture<'a> {
     /// What the user should know about the picture, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let odd_color = self.odd_color.iter().cloned();
-        odd_color.chain(self.repaired.warnings()).collect()
+        odd_color.chain(self.repaired.warnings(false)).collect()
     }
 }
 
@@ -120,6 +120,8 @@ impl<'a> Picture<'a> {
 pub(super) struct Prepare {
     /// To Rec.709, from another space.
     matrix: Option<DMat3>,
+    /// Whether what is not a number stays so.
+    keeps_invalid: bool,
 }
 
 /// Values in a file that are no light.
@@ -133,16 +135,18 @@ pub(super) struct Repaired {
 
 impl Prepare {
     /// From a space with these primaries.
-    pub(super) fn from(primaries: &Primaries) -> Self {
+    pub(super) fn from(primaries: &Primaries, keeps_invalid: bool) -> Self {
         Self {
             matrix: (*primaries != Primaries::REC709)
                 .then(|| conversion(primaries, &Primaries::REC709)),
+            keeps_invalid,
         }
     }
 
-    /// Makes what is not a number 0, and linear Rec.709 of the rest. Infinite values stay as they are.
+    /// Makes what is not a number 0, unless it is kept, and linear Rec.709 of the rest. Infinite values stay as they
+    /// are.
     pub(super) fn apply(self, pixels: &mut [[f32; 4]]) -> Repaired {
-        let repaired = repair(pixels);
+        let repaired = repair(pixels, self.keeps_invalid);
         if let Some(matrix) = self.matrix {
             for [r, g, b, _] in pixels {
                 let rgb = DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b));
@@ -166,7 +170,7 @@ impl Repaired {
     }
 
     /// What the user should know about it, a sentence each.
-    pub(super) fn warnings(self) -> Vec<String> {
+    pub(super) fn warnings(self, shows_invalid: bool) -> Vec<String> {
         let pixels = |count: u64| match count {
             1 => "1 pixel has".to_string(),
             count => format!("{count} pixels have"),
@@ -174,14 +178,20 @@ impl Repaired {
         let mut warnings = Vec::new();
         if self.nan > 0 {
             warnings.push(format!(
-                "{} values that are not a number; these are shown as 0",
-                pixels(self.nan)
+                "{} values that are not a number; these are shown {}",
+                pixels(self.nan),
+                if shows_invalid { "in magenta" } else { "as 0" }
             ));
         }
         if self.infinite > 0 {
             warnings.push(format!(
-                "{} infinite values; these are shown as white, or black below 0",
-                pixels(self.infinite)
+                "{} infinite values; these are shown {}",
+                pixels(self.infinite),
+                if shows_invalid {
+                    "in cyan"
+                } else {
+                    "as white, or black below 0"
+                }
             ));
         }
         warnings
@@ -194,8 +204,8 @@ pub(super) fn has_uncovered_light(pixels: &[[f32; 4]]) -> bool {
     pixels.iter().any(is_uncovered)
 }
 
-/// Makes what is not a number 0; how many pixels had that, and how many have infinities.
-fn repair(pixels: &mut [[f32; 4]]) -> Repaired {
+/// Makes what is not a number 0, unless it is kept; how many pixels had that, and how many have infinities.
+fn repair(pixels: &mut [[f32; 4]], keeps_invalid: bool) -> Repaired {
     let (mut nan, mut infinite) = (0, 0);
     for pixel in pixels {
         if pixel.iter().all(|value| value.is_finite()) {
@@ -203,7 +213,9 @@ fn repair(pixels: &mut [[f32; 4]]) -> Repaired {
         }
         nan += u64::from(pixel.iter().any(|value| value.is_nan()));
         infinite += u64::from(pixel.iter().any(|value| value.is_infinite()));
-        *pixel = pixel.map(|value| if value.is_nan() { 0.0 } else { value });
+        if !keeps_invalid {
+            *pixel = pixel.map(|value| if value.is_nan() { 0.0 } else { value });
+        }
     }
     Repaired { nan, infinite }
 }
@@ -215,7 +227,7 @@ mod tests {
     #[test]
     fn white_stays_white_and_red_is_red() {
         let mut pixels = [[1.0, 1.0, 1.0, 0.5], [1.0, 0.0, 0.0, 1.0]];
-        Prepare::from(&Primaries::AP1).apply(&mut pixels);
+        Prepare::from(&Primaries::AP1, false).apply(&mut pixels);
         for channel in &pixels[0][..3] {
             assert!((channel - 1.0).abs() < 1e-6);
         }
@@ -225,7 +237,7 @@ mod tests {
             assert!((actual - expected).abs() < 2e-6, "{actual}");
         }
         let mut infinite = [[f32::INFINITY, 1.0, 2.0, 1.0]];
-        Prepare::from(&Primaries::AP1).apply(&mut infinite);
+        Prepare::from(&Primaries::AP1, false).apply(&mut infinite);
         assert_eq!(infinite, [[f32::INFINITY, 1.0, 2.0, 1.0]]);
     }
 }

@@ -10,11 +10,11 @@ use png::StreamWriter;
 use rayon::prelude::*;
 
 use super::develop::{Develop, Seen};
-use super::exposure::LogSum;
+use super::exposure::{LogSum, Meter};
 use super::picture::{Prepare, Repaired, has_uncovered_light};
 use super::png::{encoder, into_io, pixel_dimensions};
 use super::source::Source;
-use super::{Alpha, DisplayError, Exposure, Frame, Report, Settings};
+use super::{Alpha, DisplayError, Frame, Report, Settings};
 use crate::exr::{ExrError, ExrImage, ExrReader};
 use crate::image::Window;
 use crate::memory;
@@ -78,11 +78,12 @@ fn convert_source(
         exr.check_resolution()?;
     }
     let color = exr.color().meaning();
-    let prepare = Prepare::from(&color.primaries);
+    let primaries = settings.input.unwrap_or(color.primaries);
+    let prepare = Prepare::from(&primaries, settings.shows_invalid);
     let may_have_alpha = exr.has_alpha() && settings.alpha != Alpha::Opaque;
-    let (ev, mut is_uncovered) = match settings.exposure {
-        Exposure::Ev(ev) => (ev, false),
-        Exposure::Auto => measured(exr, prepare)?,
+    let (ev, mut is_uncovered) = match Meter::new(settings.exposure) {
+        Err(ev) => (ev, false),
+        Ok(meter) => measured(exr, Prepare::from(&primaries, false), &meter)?,
     };
     let shown = Shown::new(exr, settings.frame);
     let conversion = |has_alpha| Conversion {
@@ -109,8 +110,17 @@ fn convert_source(
     };
 
     let mut warnings = exr.warnings();
-    warnings.extend(color.warning);
-    warnings.extend(noticed.repaired.warnings());
+    let mut notes = Vec::new();
+    if settings.input.is_none() {
+        warnings.extend(color.warning);
+        if color.is_assumed {
+            notes.push(
+                "the file names no color space and is taken for linear Rec.709; --input-space says another"
+                    .to_owned(),
+            );
+        }
+    }
+    warnings.extend(noticed.repaired.warnings(settings.shows_invalid));
     if is_auto && is_uncovered {
         warnings.push(
             "there is light where coverage is 0, such as a background, a glow, or traces of a \
@@ -128,16 +138,17 @@ fn convert_source(
     let [width, height] = shown.resolution.map(f64::from);
     Ok(Report {
         ev,
-        is_auto: settings.exposure == Exposure::Auto,
+        is_auto: settings.exposure.is_auto(),
         resolution: shown.resolution,
         brightest: noticed.seen.brightest,
         clipped: noticed.seen.clipped as f64 / (width * height),
         warnings,
+        notes,
     })
 }
 
-/// The exposure for the log-average luminance of a file, and whether there is light without coverage.
-fn measured(exr: &Source<'_>, prepare: Prepare) -> Result<(f64, bool), ExrError> {
+/// The exposure of a file by a meter, and whether there is light without coverage.
+fn measured(exr: &Source<'_>, prepare: Prepare, meter: &Meter) -> Result<(f64, bool), ExrError> {
     let mut sum = LogSum::default();
     let mut is_uncovered = false;
     let width = exr.window().map_or(1, |window| window.width as usize);
@@ -145,14 +156,14 @@ fn measured(exr: &Source<'_>, prepare: Prepare) -> Result<(f64, bool), ExrError>
         let mut pixels = exr.rows(band)?;
         let rows = pixels.par_chunks_mut(width).map(|row| {
             prepare.apply(row);
-            (LogSum::of_row(row), has_uncovered_light(row))
+            (meter.of_row(row), has_uncovered_light(row))
         });
         for (row, uncovered) in rows.collect::<Vec<_>>() {
             sum = sum.and(row);
             is_uncovered |= uncovered;
         }
     }
-    Ok((sum.ev(), is_uncovered && exr.has_alpha()))
+    Ok((meter.ev(sum), is_uncovered && exr.has_alpha()))
 }
 
 /// Why a conversion came to no end.

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::sink::{RenderedTile, Sink};
+
 /// A render that other threads may watch and cancel.
 ///
 /// ```
@@ -29,6 +31,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Job<'j> {
     is_canceled: AtomicBool,
     watcher: Option<Box<dyn Fn(u64) + Sync + 'j>>,
+    viewer: Option<&'j dyn Sink>,
 }
 
 impl<'j> Job<'j> {
@@ -42,6 +45,16 @@ impl<'j> Job<'j> {
         Self {
             is_canceled: AtomicBool::new(false),
             watcher: Some(Box::new(watcher)),
+            viewer: None,
+        }
+    }
+
+    /// The same job, whose tiles are also shown to `viewer` as they come. Whether it breaks or not, rendering goes on.
+    #[must_use]
+    pub fn shown_to(self, viewer: &'j dyn Sink) -> Self {
+        Self {
+            viewer: Some(viewer),
+            ..self
         }
     }
 
@@ -55,10 +68,14 @@ impl<'j> Job<'j> {
         self.is_canceled.load(Ordering::Relaxed)
     }
 
-    /// So many pixels more are rendered.
-    pub(super) fn advance(&self, pixels: u64) {
+    /// A tile more is rendered.
+    pub(super) fn advance(&self, tile: &RenderedTile) {
+        if let Some(viewer) = self.viewer {
+            // Nothing depends on what is looked at.
+            let _ = viewer.take(tile);
+        }
         if let Some(watcher) = &self.watcher {
-            watcher(pixels);
+            watcher(tile.window().count());
         }
     }
 }

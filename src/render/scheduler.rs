@@ -25,7 +25,7 @@ pub(super) fn render_tiles<'w>(
             return ControlFlow::Break(());
         }
         worker.render(setup, tile(window, number));
-        job.advance(worker.rendered.window().count());
+        job.advance(&worker.rendered);
         sink.take(&worker.rendered)
     };
     let workers = in_turn(

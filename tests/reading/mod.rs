@@ -13,20 +13,14 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use candela::display::{
-    Alpha, Bits, Dither, Exposure, Frame, Report, Settings, View, convert_reader,
-};
+use candela::display::{Dither, Report, Settings, convert_reader};
 use candela::exr::ExrReader;
 use candela::output::Unfinished;
 
 /// Without dither: every value becomes the nearest code.
 const NEAREST: Settings = Settings {
-    exposure: Exposure::Ev(0.0),
-    view: View::Srgb,
-    bits: Bits::Eight,
-    alpha: Alpha::Auto,
     dither: Dither::None,
-    frame: Frame::Display,
+    ..Settings::new()
 };
 
 /// A PNG of 8 bits: its pixels as they are stored.

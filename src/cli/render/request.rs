@@ -1,13 +1,16 @@
 //! What is to be rendered, and how it is stored.
 
+use std::path::Path;
+
 use candela::Camera;
 use candela::exr::{ExrOptions, Precision, Preserve};
 use candela::image::{Channels, Window};
-use candela::internal::Size;
+use candela::internal::{Size, printable_path};
 use candela::render::{self, Layers, Options};
 use candela::world::{Bands, World};
 
 use super::Arguments;
+use crate::cli::display_server::DisplayServer;
 use crate::cli::{Failure, failure};
 
 /// Options of the library, made from those of the command line.
@@ -54,6 +57,26 @@ impl Request {
                 None => Preserve::Nothing,
             },
         })
+    }
+
+    /// A viewer's image for what is rendered.
+    pub(super) fn show(
+        &self,
+        world: &World,
+        camera: &Camera,
+        address: &str,
+        output: &Path,
+    ) -> Result<DisplayServer, Failure> {
+        let own = ["R", "G", "B", "A"].map(str::to_owned);
+        let further = self.options.layers.channels(world).list;
+        let further = further.into_iter().map(|channel| channel.name);
+        let name = if output == Path::new("-") {
+            "candela".to_owned()
+        } else {
+            printable_path(output)
+        };
+        let channels = own.into_iter().chain(further).collect();
+        DisplayServer::connect(address, &name, camera.resolution(), channels)
     }
 
     /// Whether the file can hold what is asked for, and the memory what it takes on the way.

@@ -32,6 +32,8 @@ pub(super) struct Summary<'a> {
     pub(super) exr: ExrReport,
     /// Of the preview, where there is one.
     pub(super) developed: Option<display::Report>,
+    /// What a viewer missed.
+    pub(super) unseen: Option<String>,
     /// From the first camera ray to the last pixel.
     pub(super) seconds: f64,
 }
@@ -42,6 +44,7 @@ impl Summary<'_> {
         let files = self.files();
         let warnings = self.checked().into_iter().chain(self.of_view());
         let warnings = warnings.chain(self.of_values()).chain(self.of_preview());
+        let warnings = warnings.chain(self.unseen.clone());
         let warnings = warnings.map(|warning| format!("warning: {warning}"));
         let lines: Vec<String> = files.into_iter().chain(warnings).collect();
         writeln!(stream, "{}", lines.join("\n"))
@@ -69,7 +72,9 @@ impl Summary<'_> {
         if let (Some(preview), Some(developed)) = (&self.arguments.preview, &self.developed) {
             // What is chosen may be repeated with `tonemap`.
             let exposure = match self.arguments.development.exposure() {
-                Exposure::Auto => format!(", exposure {}", developed.exposure()),
+                Exposure::Auto | Exposure::Percentile(_) => {
+                    format!(", exposure {}", developed.exposure())
+                }
                 Exposure::Ev(_) => String::new(),
             };
             lines.push(format!("{}: its preview{exposure}", name(preview)));

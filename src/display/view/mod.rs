@@ -34,6 +34,13 @@ impl View {
         }
     }
 
+    /// Whether it works on each channel by itself, of the screen's own primaries.
+    pub(super) const fn is_per_channel(self) -> bool {
+        match self {
+            Self::Srgb | Self::Reinhard => true,
+        }
+    }
+
     /// Whether light that is brighter than the screen is cut off.
     pub const fn clips(self) -> bool {
         match self {

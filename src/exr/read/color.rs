@@ -21,6 +21,8 @@ pub struct ColorMeaning {
     pub primaries: Primaries,
     /// What is odd about the tag, as a sentence.
     pub warning: Option<String>,
+    /// Whether the file says nothing of it.
+    pub is_assumed: bool,
 }
 
 impl ColorMeaning {
@@ -98,7 +100,11 @@ impl ColorTag {
         } else {
             primaries
         };
-        ColorMeaning { primaries, warning }
+        ColorMeaning {
+            primaries,
+            warning,
+            is_assumed: id.is_none() && self.chromaticities.is_none(),
+        }
     }
 }
 
