@@ -67,7 +67,6 @@ fn numbers_of_frames_are_refused() {
         "render -o f.%04d.exr",
         "render -o f.$F4.exr",
         "render --preview f.####.png",
-        "tonemap a.exr -o f.####.png",
     ] {
         let text = misuse(arguments, folder.path());
         assert!(

@@ -357,12 +357,9 @@ fn of_argument(argument: &str, words: &[OsString]) -> Option<String> {
     let is_pixel = argument.split(',').all(|part| part.parse::<u32>().is_ok());
     match (command, extension.as_str()) {
         ("probe", _) if is_pixel => Some(format!("the pixel is `--pixel {shown}`")),
-        ("render", "exr") | ("tonemap", "png") => {
-            Some(format!("the file to write is `-o {shown}`"))
-        }
+        ("render", "exr") => Some(format!("the file to write is `-o {shown}`")),
         ("render", "png") => Some(format!("a picture beside the EXR is `--preview {shown}`")),
         ("render" | "check" | "probe", "toml") => Some("one scene is read at a time".to_owned()),
-        ("tonemap", "exr") => Some("one EXR is read at a time".to_owned()),
         _ => None,
     }
 }
@@ -499,10 +496,6 @@ mod tests {
             (
                 "candela render a.toml b.png",
                 "a picture beside the EXR is `--preview b.png`",
-            ),
-            (
-                "candela tonemap a.exr b.png",
-                "the file to write is `-o b.png`",
             ),
             (
                 "candela tonemap a.exr --ev 2",

@@ -33,6 +33,18 @@ pub(super) fn conversions(
     output: Option<&Path>,
     extension: &str,
 ) -> Result<Vec<Conversion>, Failure> {
+    if let ([_, last], None) = (inputs, output)
+        && last
+            .extension()
+            .is_some_and(|found| found.eq_ignore_ascii_case(extension))
+        && last.symlink_metadata().is_err()
+    {
+        return Err(format!(
+            "{0} is not there; a file to write is named by -o {0}",
+            printable_path(last)
+        )
+        .into());
+    }
     let mut found = Vec::new();
     for input in inputs {
         found.extend(files(input)?);
@@ -167,8 +179,9 @@ fn frames(pattern: &Path, part: &str) -> Result<Vec<Found>, Failure> {
         let entry = entry.file_name();
         let Some(digits) = entry.to_str().and_then(|entry| {
             let digits = entry.strip_prefix(before)?.strip_suffix(after)?;
-            let is_padded =
-                digits.len() == least || digits.len() > least && !digits.starts_with('0');
+            let is_padded = least == 1
+                || digits.len() == least
+                || digits.len() > least && !digits.starts_with('0');
             let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
             (is_padded && is_number).then_some(digits)
         }) else {
@@ -273,7 +286,7 @@ mod tests {
         }
         assert_eq!(
             made(&[path("f.%d.exr")], None).map(|made| made.len()),
-            Ok(4),
+            Ok(5),
         );
         let error = made(&[path("h.####.exr")], None).unwrap_err();
         assert!(error.starts_with("no frame has a name like"), "{error}");
@@ -307,6 +320,8 @@ mod tests {
         assert!(error.contains("has no number"), "{error}");
         let error = made(&[path("a*.png")], None).unwrap_err();
         assert!(error.starts_with("no file has a name like"), "{error}");
+        let error = made(&[path("b.exr"), path("c.png")], None).unwrap_err();
+        assert!(error.contains("a file to write is named by -o"), "{error}");
         let error = made(&[path("b.exr"), path("b.exr")], None).unwrap_err();
         assert!(error.contains("would both become b.png"), "{error}");
     }
