@@ -8,7 +8,8 @@ use super::{Bits, Dither, Settings, exposure};
 use crate::color::Primaries;
 use crate::simd::SimdLevel;
 
-/// A channel above this is brighter than the screen: it would have a code of 256 or more.
+/// A channel above this, times the view's white, is brighter than the screen: as it is, it would have a code of
+/// 256 or more.
 const CLIPS: f64 = 1.009;
 
 /// What is brighter, infinities among it, is taken for this: of a size that views can square and multiply.
@@ -53,15 +54,12 @@ impl Develop {
     /// With an exposure of `ev`, whatever the settings say, for a picture whose top left is at `origin` in
     /// the display window.
     pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
+        let view = Rendering::new(settings.view);
         Self {
             level: SimdLevel::default(),
             scale: exposure::scale(ev),
-            clips: if settings.view.clips() {
-                CLIPS
-            } else {
-                f64::INFINITY
-            },
-            view: Rendering::new(settings.view),
+            clips: CLIPS * view.white(),
+            view,
             transfer: Transfer::Srgb,
             bits: settings.bits,
             dither: settings.dither,
