@@ -31,6 +31,7 @@ mod limits;
 mod measured;
 mod memory;
 mod meshes;
+mod opencolorio;
 mod openimageio;
 mod oracle;
 mod package;

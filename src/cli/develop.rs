@@ -62,7 +62,12 @@ pub(super) struct DevelopArguments {
 
     /// How radiance beyond the screen's range is shown
     ///
-    /// srgb: it clips, all below is as it is; reinhard: x / (1 + x) in each channel, nothing clips.
+    /// srgb: it clips, all below is as it is; reinhard: x / (1 + x) in each channel, nothing clips;
+    /// reinhard-extended: the same, but 4 becomes white; hable: the filmic curve of Uncharted 2;
+    /// aces-fit: Narkowicz's fit of ACES, in each channel; aces-fit-hill: Hill's fit of ACES, whose
+    /// strong colors bleach; pbr-neutral: Khronos's, base colors as they are, highlights compressed;
+    /// agx: Sobotka's AgX; aces1: ACES 1.0 SDR Video, as in OpenColorIO; raw: the numbers are code
+    /// values, for data; absolute: 1 in the file is 1 cd/m² on a screen whose white is 80 cd/m².
     #[arg(
         long,
         value_name = "NAME",

@@ -11,7 +11,8 @@ use crate::color::adaptation::cat16;
 use crate::simd::SimdLevel;
 use glam::DVec3;
 
-/// A channel above this is brighter than the screen: it would have a code of 256 or more.
+/// A channel above this, times the view's white, is brighter than the screen: as it is, it would have a code of
+/// 256 or more.
 const CLIPS: f64 = 1.009;
 
 /// What is brighter, infinities among it, is taken for this: of a size that views can square and multiply.
@@ -65,23 +66,30 @@ impl Develop {
     pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
         let screen = settings.screen;
         let white = settings.white_luminance.unwrap_or(screen.white());
+        let headroom = screen.peak().map_or(1.0, |peak| peak / white);
+        let view = Rendering::new(settings.view, white);
+        let is_coded = settings.view.is_coded();
         Self {
             level: SimdLevel::default(),
             scale: exposure::scale(ev),
-            clips: if settings.view.clips() {
-                CLIPS * screen.peak().map_or(1.0, |peak| peak / white)
-            } else {
-                f64::INFINITY
-            },
+            clips: CLIPS * view.white() * if view.is_linear() { headroom } else { 1.0 },
             balance: settings.white.map(balance),
-            to_screen: Matrix::between(&Primaries::REC709, &screen.primaries()),
+            to_screen: if is_coded {
+                None
+            } else {
+                Matrix::between(&Primaries::REC709, &screen.primaries())
+            },
             is_per_channel: settings.view.is_per_channel(),
             compression: match settings.gamut {
-                Gamut::Clip => None,
-                Gamut::Compress => Compression::new(&screen.primaries()),
+                Gamut::Compress if !is_coded => Compression::new(&screen.primaries()),
+                Gamut::Clip | Gamut::Compress => None,
             },
-            view: Rendering::new(settings.view),
-            transfer: screen.transfer(white),
+            view,
+            transfer: if is_coded {
+                Transfer::Linear
+            } else {
+                screen.transfer(white)
+            },
             shows_invalid: settings.shows_invalid,
             bits: settings.bits,
             dither: settings.dither,

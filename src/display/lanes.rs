@@ -83,13 +83,18 @@ pub(super) fn product<S: Simd>(rows: &[[f64; 3]; 3], [r, g, b]: Rgb<S>) -> Rgb<S
     ]
 }
 
+/// The rows of a matrix.
+pub(super) fn rows(matrix: DMat3) -> [[f64; 3]; 3] {
+    matrix.transpose().to_cols_array_2d()
+}
+
 /// A matrix, by its rows.
 #[derive(Debug)]
 pub(super) struct Matrix([[f64; 3]; 3]);
 
 impl Matrix {
     pub(super) fn new(matrix: DMat3) -> Self {
-        Self(matrix.transpose().to_cols_array_2d())
+        Self(rows(matrix))
     }
 
     /// From linear RGB of one space to that of another; `None` where they are the same.

@@ -13,6 +13,7 @@
 //! All of it is computed in f64, each pixel by itself, sixteen side by side: the same picture gives the
 //! same PNG, to the byte, for any number of threads and instruction set.
 
+mod coded;
 mod develop;
 mod dither;
 #[doc(hidden)]

@@ -2,7 +2,16 @@
 //!
 //! A view is a file with its transform, an entry in [`View`], and an arm of [`Rendering`].
 
+mod absolute;
+mod aces1;
+mod aces_fit;
+mod aces_fit_hill;
+mod agx;
+mod hable;
+mod pbr_neutral;
+mod raw;
 mod reinhard;
+mod reinhard_extended;
 mod srgb;
 
 use std::fmt;
@@ -20,32 +29,91 @@ pub enum View {
     Srgb,
     /// x / (1 + x) per channel; nothing clips.
     Reinhard,
+    /// x (1 + x/16) / (1 + x) per channel; 4 becomes white.
+    ReinhardExtended,
+    /// Hable's filmic curve of Uncharted 2, per channel; 5.6 becomes white.
+    Hable,
+    /// Narkowicz's fit of ACES's curve, per channel; 7.2 becomes white.
+    AcesFit,
+    /// Hill's fit of ACES with its matrices; a gray of 26 becomes white.
+    AcesFitHill,
+    /// Khronos PBR Neutral: base colors as they are, highlights compressed; nothing clips.
+    PbrNeutral,
+    /// Sobotka's AgX; a gray of 16 becomes white.
+    Agx,
+    /// ACES 1.0 SDR Video, as OpenColorIO has it; a gray of 16 becomes white.
+    Aces1,
+    /// The numbers are code values: no curve, on any screen.
+    Raw,
+    /// cd/m² in the file are cd/m² on a screen of which the white is known.
+    Absolute,
 }
 
 impl View {
     /// Every view, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::Srgb, Self::Reinhard];
+    pub const ALL: [Self; 11] = [
+        Self::Srgb,
+        Self::Reinhard,
+        Self::ReinhardExtended,
+        Self::Hable,
+        Self::AcesFit,
+        Self::AcesFitHill,
+        Self::PbrNeutral,
+        Self::Agx,
+        Self::Aces1,
+        Self::Raw,
+        Self::Absolute,
+    ];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Srgb => "srgb",
             Self::Reinhard => "reinhard",
+            Self::ReinhardExtended => "reinhard-extended",
+            Self::Hable => "hable",
+            Self::AcesFit => "aces-fit",
+            Self::AcesFitHill => "aces-fit-hill",
+            Self::PbrNeutral => "pbr-neutral",
+            Self::Agx => "agx",
+            Self::Aces1 => "aces1",
+            Self::Raw => "raw",
+            Self::Absolute => "absolute",
         }
     }
 
-    /// Whether it works on each channel by itself, of the screen's own primaries.
+    /// Whether it works on each channel by itself, of the screen's own primaries; the others on those of Rec.709.
     pub(super) const fn is_per_channel(self) -> bool {
         match self {
-            Self::Srgb | Self::Reinhard => true,
+            Self::Srgb
+            | Self::Reinhard
+            | Self::ReinhardExtended
+            | Self::Hable
+            | Self::AcesFit
+            | Self::Raw
+            | Self::Absolute => true,
+            Self::AcesFitHill | Self::PbrNeutral | Self::Agx | Self::Aces1 => false,
         }
     }
 
-    /// Whether light that is brighter than the screen is cut off.
+    /// Whether what it yields is code values, whatever the screen.
+    pub(super) const fn is_coded(self) -> bool {
+        matches!(self, Self::Raw)
+    }
+
+    /// Whether there is light so bright that it is cut off: all above is the screen's white.
     pub const fn clips(self) -> bool {
         match self {
-            Self::Srgb => true,
-            Self::Reinhard => false,
+            Self::Reinhard | Self::PbrNeutral => false,
+            Self::Srgb
+            | Self::ReinhardExtended
+            | Self::Hable
+            | Self::AcesFit
+            | Self::AcesFitHill
+            | Self::Agx
+            | Self::Aces1
+            | Self::Raw
+            | Self::Absolute => true,
         }
     }
 }
@@ -55,13 +123,53 @@ impl View {
 pub(super) enum Rendering {
     Srgb(srgb::Clip),
     Reinhard(reinhard::Reinhard),
+    ReinhardExtended(reinhard_extended::ReinhardExtended),
+    Hable(hable::Hable),
+    AcesFit(aces_fit::AcesFit),
+    AcesFitHill(aces_fit_hill::AcesFitHill),
+    PbrNeutral(pbr_neutral::PbrNeutral),
+    Agx(agx::Agx),
+    Aces1(Box<aces1::Aces1>),
+    Raw(raw::Raw),
+    Absolute(absolute::Absolute),
 }
 
 impl Rendering {
-    pub(super) fn new(view: View) -> Self {
+    /// For a screen on which a light of 1 has the luminance `white` in cd/m².
+    pub(super) fn new(view: View, white: f64) -> Self {
         match view {
             View::Srgb => Self::Srgb(srgb::Clip),
             View::Reinhard => Self::Reinhard(reinhard::Reinhard),
+            View::ReinhardExtended => Self::ReinhardExtended(Default::default()),
+            View::Hable => Self::Hable(hable::Hable),
+            View::AcesFit => Self::AcesFit(aces_fit::AcesFit),
+            View::AcesFitHill => Self::AcesFitHill(aces_fit_hill::AcesFitHill),
+            View::PbrNeutral => Self::PbrNeutral(pbr_neutral::PbrNeutral),
+            View::Agx => Self::Agx(agx::Agx::new()),
+            View::Aces1 => Self::Aces1(Box::new(aces1::Aces1::new())),
+            View::Raw => Self::Raw(raw::Raw),
+            View::Absolute => Self::Absolute(absolute::Absolute { white }),
+        }
+    }
+
+    /// Whether light becomes brighter as radiance does, for as long as the screen can.
+    pub(super) const fn is_linear(&self) -> bool {
+        matches!(self, Self::Srgb(_) | Self::Absolute(_))
+    }
+
+    /// The exposed radiance that becomes the screen's white, where all above is cut off: of each channel, or of
+    /// grays under views that mix the channels. Infinite where nothing is.
+    pub(super) const fn white(&self) -> f64 {
+        match self {
+            Self::Srgb(_) | Self::Raw(_) => 1.0,
+            Self::Reinhard(_) | Self::PbrNeutral(_) => f64::INFINITY,
+            Self::ReinhardExtended(view) => view.white,
+            Self::Hable(_) => hable::Hable::WHITE,
+            Self::AcesFit(_) => aces_fit::AcesFit::WHITE,
+            Self::AcesFitHill(_) => aces_fit_hill::AcesFitHill::WHITE,
+            Self::Agx(_) => agx::Agx::WHITE,
+            Self::Aces1(_) => aces1::Aces1::WHITE,
+            Self::Absolute(view) => view.white,
         }
     }
 
@@ -70,6 +178,15 @@ impl Rendering {
         match self {
             Self::Srgb(view) => transform(level, view, planes, count),
             Self::Reinhard(view) => transform(level, view, planes, count),
+            Self::ReinhardExtended(view) => transform(level, view, planes, count),
+            Self::Hable(view) => transform(level, view, planes, count),
+            Self::AcesFit(view) => transform(level, view, planes, count),
+            Self::AcesFitHill(view) => transform(level, view, planes, count),
+            Self::PbrNeutral(view) => transform(level, view, planes, count),
+            Self::Agx(view) => transform(level, view, planes, count),
+            Self::Aces1(view) => transform(level, &**view, planes, count),
+            Self::Raw(view) => transform(level, view, planes, count),
+            Self::Absolute(view) => transform(level, view, planes, count),
         }
     }
 }
@@ -100,6 +217,7 @@ impl FromStr for View {
 mod tests {
     use super::*;
     use crate::display::lanes::PIECE;
+    use crate::display::screen::Screen;
 
     #[test]
     fn views_have_names() {
@@ -108,7 +226,8 @@ mod tests {
         }
         assert_eq!(
             "film".parse::<View>().unwrap_err().to_string(),
-            "unknown view `film`, expected srgb, reinhard"
+            "unknown view `film`, expected srgb, reinhard, reinhard-extended, hable, aces-fit, \
+             aces-fit-hill, pbr-neutral, agx, aces1, raw, absolute"
         );
     }
 
@@ -117,9 +236,69 @@ mod tests {
         for view in View::ALL {
             let grays = std::array::from_fn(|i| (i as f64 / 4.0 - 32.0).exp2());
             let mut planes: Planes = [grays; 3];
-            Rendering::new(view).apply(SimdLevel::default(), &mut planes, PIECE);
+            Rendering::new(view, Screen::Srgb.white()).apply(
+                SimdLevel::default(),
+                &mut planes,
+                PIECE,
+            );
             assert!(planes.iter().all(|plane| plane.is_sorted()), "{view}");
             assert!(planes[0][0] >= 0.0, "{view}");
+        }
+    }
+
+    #[test]
+    fn all_above_the_white_is_cut_off() {
+        for view in View::ALL {
+            let rendering = Rendering::new(view, Screen::Srgb.white());
+            let white = rendering.white();
+            assert_eq!(view.clips(), white.is_finite(), "{view}");
+            let mut planes = [[0.0; PIECE]; 3];
+            for plane in &mut planes {
+                plane[0] = white.min(1e3) * 0.99;
+                plane[1] = white.min(1e3) * 1.01;
+            }
+            rendering.apply(SimdLevel::default(), &mut planes, 2);
+            for [below, above, ..] in planes {
+                assert!(below < 1.0, "{view}: {below}");
+                // A matrix of five decimals, and decoded code values.
+                assert_eq!(above > 1.0 - 2e-5, view.clips(), "{view}: {above}");
+            }
+        }
+    }
+
+    /// Colors of all kinds: dark, bright, saturated, negative, as large as there are.
+    fn colors() -> Planes {
+        std::array::from_fn(|channel| {
+            std::array::from_fn(|i| match i {
+                0 => 0.0,
+                1 => 1e30,
+                2 => -1e30,
+                3 => [1e30, -1e30, 0.0][channel],
+                4 => [-1e30, 0.0, 1e-30][channel],
+                _ => {
+                    let place = [0.37, 0.71, 0.53][channel] * i as f64;
+                    (place * 17.0).sin() * (place.cos() * 12.0).exp2()
+                }
+            })
+        })
+    }
+
+    #[test]
+    fn every_instruction_set_shows_the_same() {
+        for view in View::ALL {
+            let bits = |level| {
+                let mut planes = colors();
+                Rendering::new(view, Screen::Srgb.white()).apply(level, &mut planes, PIECE);
+                assert!(
+                    planes.iter().flatten().all(|light| light.is_finite()),
+                    "{view}"
+                );
+                planes.map(|plane| plane.map(f64::to_bits))
+            };
+            let expected = bits(SimdLevel::default());
+            for (name, level) in SimdLevel::available() {
+                assert_eq!(bits(level), expected, "{view} by {name}");
+            }
         }
     }
 }
