@@ -2,6 +2,7 @@
 //!
 //! A view is a file with its transform, an entry in [`View`], and an arm of [`Rendering`].
 
+mod aces2;
 mod reinhard;
 mod srgb;
 
@@ -9,6 +10,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::lanes::{Planes, transform};
+use crate::color::Primaries;
 use crate::simd::SimdLevel;
 
 /// The views by name.
@@ -20,17 +22,22 @@ pub enum View {
     Srgb,
     /// x / (1 + x) per channel; nothing clips.
     Reinhard,
+    /// The output transform of ACES 2.0 (Academy, 2025) for a screen with a peak of 100 cd/m² and the primaries
+    /// of Rec.709: "ACES 2.0 - SDR 100 nits (Rec.709)" of OpenColorIO, to 5e-5 of the range of codes. Hues stay;
+    /// bright colors fade to white, and saturated ones come inside of the screen's range. Nothing clips.
+    Aces2,
 }
 
 impl View {
     /// Every view, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::Srgb, Self::Reinhard];
+    pub const ALL: [Self; 3] = [Self::Srgb, Self::Reinhard, Self::Aces2];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Srgb => "srgb",
             Self::Reinhard => "reinhard",
+            Self::Aces2 => "aces2",
         }
     }
 
@@ -38,7 +45,7 @@ impl View {
     pub const fn clips(self) -> bool {
         match self {
             Self::Srgb => true,
-            Self::Reinhard => false,
+            Self::Reinhard | Self::Aces2 => false,
         }
     }
 }
@@ -48,13 +55,22 @@ impl View {
 pub(super) enum Rendering {
     Srgb(srgb::Clip),
     Reinhard(reinhard::Reinhard),
+    /// For a peak and primaries.
+    Aces2(Box<aces2::Aces2>),
 }
+
+/// The peak of a screen of standard dynamic range, cd/m² (ACES 2.0, "SDR 100 nits").
+const SDR_PEAK: f64 = 100.0;
 
 impl Rendering {
     pub(super) fn new(view: View) -> Self {
         match view {
             View::Srgb => Self::Srgb(srgb::Clip),
             View::Reinhard => Self::Reinhard(reinhard::Reinhard),
+            View::Aces2 => {
+                let view = aces2::Aces2::new(SDR_PEAK, &Primaries::REC709);
+                Self::Aces2(Box::new(view))
+            }
         }
     }
 
@@ -63,6 +79,7 @@ impl Rendering {
         match self {
             Self::Srgb(view) => transform(level, view, planes, count),
             Self::Reinhard(view) => transform(level, view, planes, count),
+            Self::Aces2(view) => transform(level, view.as_ref(), planes, count),
         }
     }
 }
@@ -101,7 +118,7 @@ mod tests {
         }
         assert_eq!(
             "film".parse::<View>().unwrap_err().to_string(),
-            "unknown view `film`, expected srgb, reinhard"
+            "unknown view `film`, expected srgb, reinhard, aces2"
         );
     }
 
