@@ -22,7 +22,8 @@ pub(super) struct DevelopArguments {
 
     /// How radiance beyond the screen's range is shown
     ///
-    /// srgb: it clips, all below is as it is; reinhard: x / (1 + x) in each channel, nothing clips.
+    /// srgb: it clips, all below is as it is; reinhard: x / (1 + x) in each channel, nothing clips;
+    /// aces2: the output transform of ACES 2.0 for a screen of 100 cd/m², nothing clips.
     #[arg(
         long,
         value_name = "NAME",
