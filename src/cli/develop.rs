@@ -66,8 +66,8 @@ pub(super) struct DevelopArguments {
     /// reinhard-extended: the same, but 4 becomes white; hable: the filmic curve of Uncharted 2;
     /// aces-fit: Narkowicz's fit of ACES, in each channel; aces-fit-hill: Hill's fit of ACES, whose
     /// strong colors bleach; pbr-neutral: Khronos's, base colors as they are, highlights compressed;
-    /// agx: Sobotka's AgX; aces1: ACES 1.0 SDR Video, as in OpenColorIO; raw: the numbers are code
-    /// values, for data; absolute: 1 in the file is 1 cd/m² on a screen whose white is 80 cd/m².
+    /// agx: Sobotka's AgX; aces1, aces2: ACES 1.0 and 2.0, as in OpenColorIO; raw: the numbers are code
+    /// values, for data; absolute: 1 in the file is 1 cd/m² on the screen.
     #[arg(
         long,
         value_name = "NAME",

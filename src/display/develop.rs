@@ -65,9 +65,11 @@ impl Develop {
     /// the display window.
     pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
         let screen = settings.screen;
-        let white = settings.white_luminance.unwrap_or(screen.white());
+        let of_view = settings.view.luminance().filter(|_| screen.is_hdr());
+        let white = settings.white_luminance.or(of_view);
+        let white = white.unwrap_or(screen.white());
         let headroom = screen.peak().map_or(1.0, |peak| peak / white);
-        let view = Rendering::new(settings.view, white);
+        let view = Rendering::new(settings.view, screen, white);
         let is_coded = settings.view.is_coded();
         Self {
             level: SimdLevel::default(),

@@ -519,7 +519,13 @@ mod tests {
         let pixels = [[f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.0]];
         for view in View::ALL {
             let settings = Settings { view, ..NEAREST };
-            assert_eq!(samples(&pixels, false, settings), [0, 255, 0], "{view:?}");
+            if view.is_per_channel() {
+                assert_eq!(samples(&pixels, false, settings), [0, 255, 0], "{view:?}");
+            }
+            let white = [[f32::INFINITY, f32::INFINITY, f32::INFINITY, 1.0]];
+            assert_eq!(samples(&white, false, settings), [255; 3], "{view:?}");
+            let black = [[f32::NEG_INFINITY, f32::NAN, f32::NEG_INFINITY, 1.0]];
+            assert_eq!(samples(&black, false, settings), [0; 3], "{view:?}");
         }
         let infinite_alpha = [[f32::INFINITY, 1.0, f32::NAN, f32::INFINITY]];
         assert_eq!(samples(&infinite_alpha, true, NEAREST), [255, 255, 0, 255]);

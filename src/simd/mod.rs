@@ -19,7 +19,7 @@ use fearless_simd::{Simd, f64x8, mask64x8, u64x8};
 pub(crate) use level::Kernel;
 pub use level::{SimdLevel, UnknownInstructions};
 pub(crate) use single::{F32x16, Mask32x16, U32x16, side_by_side, smallest_of_each};
-pub(crate) use transcendental::{atan2, exp2, log2, power};
+pub(crate) use transcendental::{angle, exp2, log2, power, powers};
 
 use crate::math::DVec3;
 

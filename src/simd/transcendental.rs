@@ -1,7 +1,7 @@
-//! Logarithms, powers and angles in every lane, in plain f64 arithmetic: the same bits on every machine, unlike the
+//! Logarithms and powers in every lane, in plain f64 arithmetic: the same bits on every machine, unlike the
 //! platform's own.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, LN_2, LOG2_E, PI, SQRT_2};
+use std::f64::consts::{LN_2, LOG2_E, PI, SQRT_2};
 
 use fearless_simd::Simd;
 
@@ -19,6 +19,19 @@ const ARTANH: [f64; 7] = {
     coefficients
 };
 
+/// (−1)ᵏ/(2k + 1), the coefficients of arctan(t)/t in t². t² is at most (√2 − 1)² ≈ 0.1716, so the first term
+/// left out of arctan(t) is below 0.4143 · 0.1716¹² / 25 ≈ 1.1e-11.
+const ARCTANGENT: [f64; 12] = {
+    let mut coefficients = [0.0; 12];
+    let mut k = 0;
+    while k < coefficients.len() {
+        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+        coefficients[k] = sign / (2 * k + 1) as f64;
+        k += 1;
+    }
+    coefficients
+};
+
 /// 1/k!, the coefficients of eˣ. |x| is at most ½ ln 2 ≈ 0.3466, so the first term left out is
 /// below 0.3466¹⁰ / 10! ≈ 7e-12.
 const EXPONENTIAL: [f64; 10] = {
@@ -30,28 +43,6 @@ const EXPONENTIAL: [f64; 10] = {
     }
     coefficients
 };
-
-/// (−1)ᵏ/(2k + 1), the coefficients of arctan(q)/q in q². |q| is at most tan π/16 ≈ 0.1989, so the first
-/// term left out is below 0.1989¹⁶ / 17 ≈ 3.6e-13 of the sum.
-const ARCTAN: [f64; 8] = {
-    let mut coefficients = [0.0; 8];
-    let mut k = 0;
-    while k < coefficients.len() {
-        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-        coefficients[k] = sign / (2 * k + 1) as f64;
-        k += 1;
-    }
-    coefficients
-};
-
-/// tan π/16 = √(4 + 2√2) − 1 − √2
-const TAN_PI_16: f64 = 0.198_912_367_379_658;
-
-/// tan π/8 = √2 − 1
-const TAN_PI_8: f64 = SQRT_2 - 1.0;
-
-/// tan 3π/16 = √(4 − 2√2) + 1 − √2
-const TAN_3_PI_16: f64 = 0.668_178_637_919_298_9;
 
 /// Below this power of two, exp2 gives 0: the smallest normal f64 is 2⁻¹⁰²².
 const LOWEST_EXPONENT: f64 = -1022.0;
@@ -67,6 +58,12 @@ const MANTISSA: u64 = (1 << 52) - 1;
 /// long as the result is a normal number; 0 below that. n log₂ x is at most 1023.
 #[inline(always)]
 pub(crate) fn power<S: Simd>(simd: S, x: F64x16<S>, exponent: f64) -> F64x16<S> {
+    powers(simd, x, F64x16::splat(simd, exponent))
+}
+
+/// [`power`] with an exponent for each lane.
+#[inline(always)]
+pub(crate) fn powers<S: Simd>(simd: S, x: F64x16<S>, exponent: F64x16<S>) -> F64x16<S> {
     let is_above_zero = x.ge(F64x16::splat(simd, f64::MIN_POSITIVE));
     let x = is_above_zero.select(x, F64x16::splat(simd, 1.0));
     let result = exp2(simd, log2(simd, x) * exponent);
@@ -103,29 +100,23 @@ pub(crate) fn exp2<S: Simd>(simd: S, x: F64x16<S>) -> F64x16<S> {
     is_tiny.select(F64x16::splat(simd, 0.0), result)
 }
 
-/// The angle of (x, y) from the x axis towards y, −π to π, to 4e-13: 0 at the origin. The magnitudes are at most
-/// 1e300. 0 has no sign: left of the origin on the axis, the angle is π.
+/// The angle of (x, y) in degrees from the x axis towards the y axis, from 0 to 360, of which `radius` is the
+/// length; 0 where that is 0. It is within 2e-9 of a degree.
+///
+/// With the larger and the smaller of |x| and |y|, half of the angle between the larger's axis and the vector has
+/// the tangent t = smaller/(radius + larger), which is at most √2 − 1.
 #[inline(always)]
-pub(crate) fn atan2<S: Simd>(simd: S, y: F64x16<S>, x: F64x16<S>) -> F64x16<S> {
+pub(crate) fn angle<S: Simd>(simd: S, [x, y]: [F64x16<S>; 2], radius: F64x16<S>) -> F64x16<S> {
     let zero = F64x16::splat(simd, 0.0);
-    let (side, up) = (x.abs(), y.abs());
-    let is_steep = up.gt(side);
-    let (large, small) = (up.max(side), up.min(side));
-    // arctan(small/large) is 0, π/8 or π/4 and arctan(q), q = (small − large t)/(large + small t),
-    // where t is the tangent of that angle.
-    let is_above_first = small.gt(large * TAN_PI_16);
-    let is_above_second = small.gt(large * TAN_3_PI_16);
-    let zero_or_first = is_above_first.select(F64x16::splat(simd, TAN_PI_8), zero);
-    let tangent = is_above_second.select(F64x16::splat(simd, 1.0), zero_or_first);
-    let zero_or_first = is_above_first.select(F64x16::splat(simd, FRAC_PI_8), zero);
-    let base = is_above_second.select(F64x16::splat(simd, FRAC_PI_4), zero_or_first);
-    let divisor = large + small * tangent;
-    let divisor = divisor.gt(zero).select(divisor, F64x16::splat(simd, 1.0));
-    let q = (small - large * tangent) / divisor;
-    let angle = base + q * polynomial(simd, &ARCTAN, q * q);
-    let angle = is_steep.select(F64x16::splat(simd, FRAC_PI_2) - angle, angle);
-    let angle = x.lt(zero).select(F64x16::splat(simd, PI) - angle, angle);
-    y.lt(zero).select(-angle, angle)
+    let (width, height) = (x.abs(), y.abs());
+    let is_steep = height.gt(width);
+    let smaller = is_steep.select(width, height);
+    let larger = is_steep.select(height, width);
+    let t = smaller / (radius + larger).max(F64x16::splat(simd, f64::MIN_POSITIVE));
+    let from_axis = t * polynomial(simd, &ARCTANGENT, t * t) * (2.0 * 180.0 / PI);
+    let in_quadrant = is_steep.select(-from_axis + 90.0, from_axis);
+    let above = x.lt(zero).select(-in_quadrant + 180.0, in_quadrant);
+    y.lt(zero).select(-above + 360.0, above)
 }
 
 /// Σ c_k xᵏ, even and odd powers apart: two chains of dependent sums in place of one.
@@ -149,54 +140,6 @@ mod tests {
     use super::*;
     use crate::simd::{Kernel, LANES, SimdLevel};
 
-    struct Angle(f64, f64);
-
-    impl Kernel for Angle {
-        type Output = [f64; LANES];
-
-        #[inline(always)]
-        fn run<S: Simd>(self, simd: S) -> Self::Output {
-            let [y, x] = [self.0, self.1].map(|number| F64x16::splat(simd, number));
-            atan2(simd, y, x).to_array()
-        }
-    }
-
-    #[test]
-    fn angles_agree_with_libm() {
-        for step in 0..10_000 {
-            let (y, x) = libm::sincos(f64::from(step) * (2.0 * PI / 10_000.0) - 3.14);
-            for radius in [1.0, 1e-30, 1e290] {
-                let (y, x) = (y * radius, x * radius);
-                for (name, level) in SimdLevel::available() {
-                    let [angle, ..] = level.run(Angle(y, x));
-                    let error = (angle - libm::atan2(y, x)).abs();
-                    assert!(error <= 2e-13, "{y}, {x} by {name}: {error}");
-                }
-            }
-        }
-        for (y, x) in [
-            (0.0, 0.0),
-            (0.0, 1.0),
-            (1.0, 0.0),
-            (0.0, -1.0),
-            (-1.0, 0.0),
-            (-1.0, 1.0),
-        ] {
-            let [angle, ..] = SimdLevel::default().run(Angle(y, x));
-            assert!(
-                (angle - libm::atan2(y, x)).abs() < 1e-15,
-                "{y}, {x}: {angle}"
-            );
-        }
-    }
-
-    #[test]
-    fn tangents_are_those_of_the_angles() {
-        assert!((TAN_PI_16 - libm::tan(PI / 16.0)).abs() < 1e-15);
-        assert!((TAN_PI_8 - libm::tan(PI / 8.0)).abs() < 1e-15);
-        assert!((TAN_3_PI_16 - libm::tan(3.0 * PI / 16.0)).abs() < 1e-15);
-    }
-
     struct Power(f64, f64);
 
     impl Kernel for Power {
@@ -205,6 +148,54 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
             power(simd, F64x16::splat(simd, self.0), self.1).to_array()
+        }
+    }
+
+    struct Angle([f64; 2]);
+
+    impl Kernel for Angle {
+        type Output = f64;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> f64 {
+            let [x, y] = [
+                F64x16::splat(simd, self.0[0]),
+                F64x16::splat(simd, self.0[1]),
+            ];
+            angle(simd, [x, y], (x * x + y * y).sqrt()).to_array()[0]
+        }
+    }
+
+    #[test]
+    fn angles_agree_with_libm() {
+        for step in 0..=7200 {
+            let degrees = f64::from(step) / 20.0;
+            let (sine, cosine) = libm::sincos(degrees.to_radians());
+            for size in [1e-100, 1e-3, 1.0, 1e100] {
+                let [x, y] = [cosine * size, sine * size];
+                let expected = libm::atan2(y, x).to_degrees();
+                let expected = if expected < 0.0 {
+                    expected + 360.0
+                } else {
+                    expected
+                };
+                for (name, level) in SimdLevel::available() {
+                    let found = level.run(Angle([x, y]));
+                    let error = (found - expected).abs();
+                    assert!(error < 2e-9, "{degrees}, {size} by {name}: {error}");
+                    assert!((0.0..=360.0).contains(&found));
+                }
+            }
+        }
+        // On the axes it is exact, and what has no direction lies on the first of them.
+        for (x, y, expected) in [
+            (0.0, 0.0, 0.0),
+            (2.0, 0.0, 0.0),
+            (0.0, 2.0, 90.0),
+            (-2.0, 0.0, 180.0),
+            (0.0, -2.0, 270.0),
+        ] {
+            assert_eq!(SimdLevel::default().run(Angle([x, y])), expected);
         }
     }
 

@@ -18,7 +18,7 @@
 //! As in OpenColorIO, nothing is cut after step 4: the result is negative where a color is outside of Rec.709, and
 //! above 1 for grays above 0.18 · 2^6.5 ≈ 16.3, up to 1.1. The CTL cuts at 0 and 1 in the end, and so does a screen.
 
-use std::f64::consts::{FRAC_PI_2, LOG2_10, LOG10_2};
+use std::f64::consts::{LOG2_10, LOG10_2};
 
 use fearless_simd::Simd;
 use glam::DMat3;
@@ -26,7 +26,7 @@ use glam::DMat3;
 use crate::color::Primaries;
 use crate::color::adaptation::conversion;
 use crate::display::lanes::{Rgb, Transform, each, product, rows};
-use crate::simd::{F64x16, atan2, exp2, log2, power};
+use crate::simd::{F64x16, angle, exp2, log2, power};
 
 /// `ACESlib.RRT_Common`: how much brighter dark colors become at most, and the luma of half of that.
 const GLOW_GAIN: f64 = 0.05;
@@ -35,10 +35,10 @@ const GLOW_MIDDLE: f64 = 0.08;
 /// `ACESlib.Utilities_Color`, `rgb_2_yc`: the share of the chroma in the luma.
 const CHROMA_WEIGHT: f64 = 1.75;
 
-/// `ACESlib.RRT_Common`: scale and pivot of red, and the hues for which they are, 135° around red.
+/// `ACESlib.RRT_Common`: scale and pivot of red, and the hues for which they are, so many degrees around red.
 const RED_SCALE: f64 = 0.82;
 const RED_PIVOT: f64 = 0.03;
-const RED_WIDTH: f64 = 1.5 * FRAC_PI_2;
+const RED_WIDTH: f64 = 135.0;
 
 /// `ACESlib.RRT_Common` and `ACESlib.ODT_Common`: what is kept of the distance from gray.
 const RRT_SATURATION: f64 = 0.96;
@@ -225,9 +225,10 @@ fn glowing<S: Simd>(simd: S, rgb: Rgb<S>) -> Rgb<S> {
 fn redder<S: Simd>(simd: S, rgb: Rgb<S>) -> Rgb<S> {
     let zero = F64x16::splat(simd, 0.0);
     let [r, g, b] = rgb;
-    let hue = atan2(simd, (g - b) * 3.0_f64.sqrt(), r * 2.0 - g - b);
+    let (x, y) = (r * 2.0 - g - b, (g - b) * 3.0_f64.sqrt());
+    let hue = angle(simd, [x, y], (x * x + y * y).sqrt());
     // A cubic B-spline of five knots over the width, 1 in the middle, as two truncated cubes.
-    let from_red = hue.abs() * (4.0 / RED_WIDTH);
+    let from_red = hue.min(-hue + 360.0) * (4.0 / RED_WIDTH);
     let outer = (-from_red + 2.0).max(zero);
     let inner = (-from_red + 1.0).max(zero);
     let weight = (outer * outer * outer - inner * inner * inner * 4.0) * 0.25;

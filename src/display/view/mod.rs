@@ -4,6 +4,7 @@
 
 mod absolute;
 mod aces1;
+mod aces2;
 mod aces_fit;
 mod aces_fit_hill;
 mod agx;
@@ -18,6 +19,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::lanes::{Planes, transform};
+use super::screen::Screen;
+use crate::color::Primaries;
 use crate::simd::SimdLevel;
 
 /// The views by name.
@@ -43,6 +46,10 @@ pub enum View {
     Agx,
     /// ACES 1.0 SDR Video, as OpenColorIO has it; a gray of 16 becomes white.
     Aces1,
+    /// The output transform of ACES 2.0 (Academy, 2025), as OpenColorIO has it, to 5e-5 of the range of codes: for a peak
+    /// of 100 cd/m² and the primaries of Rec.709 or P3 and, on HDR screens, of 1000 cd/m² and P3. Hues stay; bright
+    /// colors fade to white, and saturated ones come inside of the screen's range.
+    Aces2,
     /// The numbers are code values: no curve, on any screen.
     Raw,
     /// cd/m² in the file are cd/m² on a screen of which the white is known.
@@ -51,7 +58,7 @@ pub enum View {
 
 impl View {
     /// Every view, in the order of the documentation.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Srgb,
         Self::Reinhard,
         Self::ReinhardExtended,
@@ -61,6 +68,7 @@ impl View {
         Self::PbrNeutral,
         Self::Agx,
         Self::Aces1,
+        Self::Aces2,
         Self::Raw,
         Self::Absolute,
     ];
@@ -77,6 +85,7 @@ impl View {
             Self::PbrNeutral => "pbr-neutral",
             Self::Agx => "agx",
             Self::Aces1 => "aces1",
+            Self::Aces2 => "aces2",
             Self::Raw => "raw",
             Self::Absolute => "absolute",
         }
@@ -92,13 +101,31 @@ impl View {
             | Self::AcesFit
             | Self::Raw
             | Self::Absolute => true,
-            Self::AcesFitHill | Self::PbrNeutral | Self::Agx | Self::Aces1 => false,
+            Self::AcesFitHill | Self::PbrNeutral | Self::Agx | Self::Aces1 | Self::Aces2 => false,
         }
     }
 
     /// Whether what it yields is code values, whatever the screen.
     pub(super) const fn is_coded(self) -> bool {
         matches!(self, Self::Raw)
+    }
+
+    /// The luminance of a light of 1 on HDR screens in cd/m², where the view says one: that of a diffuse white otherwise.
+    pub(super) const fn luminance(self) -> Option<f64> {
+        match self {
+            Self::Aces2 => Some(SDR_PEAK),
+            Self::Srgb
+            | Self::Reinhard
+            | Self::ReinhardExtended
+            | Self::Hable
+            | Self::AcesFit
+            | Self::AcesFitHill
+            | Self::PbrNeutral
+            | Self::Agx
+            | Self::Aces1
+            | Self::Raw
+            | Self::Absolute => None,
+        }
     }
 
     /// Whether there is light so bright that it is cut off: all above is the screen's white.
@@ -112,6 +139,7 @@ impl View {
             | Self::AcesFitHill
             | Self::Agx
             | Self::Aces1
+            | Self::Aces2
             | Self::Raw
             | Self::Absolute => true,
         }
@@ -130,13 +158,20 @@ pub(super) enum Rendering {
     PbrNeutral(pbr_neutral::PbrNeutral),
     Agx(agx::Agx),
     Aces1(Box<aces1::Aces1>),
+    /// For a peak and primaries.
+    Aces2(Box<aces2::Aces2>),
     Raw(raw::Raw),
     Absolute(absolute::Absolute),
 }
 
+/// The peaks of screens of standard and of high dynamic range in cd/m², of the transforms of ACES 2.0 that OpenColorIO names
+/// first for them: "SDR 100 nits", and "HDR 1000 nits (P3 D65)".
+const SDR_PEAK: f64 = 100.0;
+const HDR_PEAK: f64 = 1000.0;
+
 impl Rendering {
     /// For a screen on which a light of 1 has the luminance `white` in cd/m².
-    pub(super) fn new(view: View, white: f64) -> Self {
+    pub(super) fn new(view: View, screen: Screen, white: f64) -> Self {
         match view {
             View::Srgb => Self::Srgb(srgb::Clip),
             View::Reinhard => Self::Reinhard(reinhard::Reinhard),
@@ -147,6 +182,14 @@ impl Rendering {
             View::PbrNeutral => Self::PbrNeutral(pbr_neutral::PbrNeutral),
             View::Agx => Self::Agx(agx::Agx::new()),
             View::Aces1 => Self::Aces1(Box::new(aces1::Aces1::new())),
+            View::Aces2 => {
+                let (peak, limiting) = if screen.is_hdr() {
+                    (HDR_PEAK, Primaries::P3_D65)
+                } else {
+                    (SDR_PEAK, screen.primaries())
+                };
+                Self::Aces2(Box::new(aces2::Aces2::new(peak, &limiting)))
+            }
             View::Raw => Self::Raw(raw::Raw),
             View::Absolute => Self::Absolute(absolute::Absolute { white }),
         }
@@ -169,6 +212,7 @@ impl Rendering {
             Self::AcesFitHill(_) => aces_fit_hill::AcesFitHill::WHITE,
             Self::Agx(_) => agx::Agx::WHITE,
             Self::Aces1(_) => aces1::Aces1::WHITE,
+            Self::Aces2(view) => view.white(),
             Self::Absolute(view) => view.white,
         }
     }
@@ -185,6 +229,7 @@ impl Rendering {
             Self::PbrNeutral(view) => transform(level, view, planes, count),
             Self::Agx(view) => transform(level, view, planes, count),
             Self::Aces1(view) => transform(level, &**view, planes, count),
+            Self::Aces2(view) => transform(level, &**view, planes, count),
             Self::Raw(view) => transform(level, view, planes, count),
             Self::Absolute(view) => transform(level, view, planes, count),
         }
@@ -217,7 +262,6 @@ impl FromStr for View {
 mod tests {
     use super::*;
     use crate::display::lanes::PIECE;
-    use crate::display::screen::Screen;
 
     #[test]
     fn views_have_names() {
@@ -227,7 +271,7 @@ mod tests {
         assert_eq!(
             "film".parse::<View>().unwrap_err().to_string(),
             "unknown view `film`, expected srgb, reinhard, reinhard-extended, hable, aces-fit, \
-             aces-fit-hill, pbr-neutral, agx, aces1, raw, absolute"
+             aces-fit-hill, pbr-neutral, agx, aces1, aces2, raw, absolute"
         );
     }
 
@@ -236,7 +280,7 @@ mod tests {
         for view in View::ALL {
             let grays = std::array::from_fn(|i| (i as f64 / 4.0 - 32.0).exp2());
             let mut planes: Planes = [grays; 3];
-            Rendering::new(view, Screen::Srgb.white()).apply(
+            Rendering::new(view, Screen::Srgb, Screen::Srgb.white()).apply(
                 SimdLevel::default(),
                 &mut planes,
                 PIECE,
@@ -249,7 +293,7 @@ mod tests {
     #[test]
     fn all_above_the_white_is_cut_off() {
         for view in View::ALL {
-            let rendering = Rendering::new(view, Screen::Srgb.white());
+            let rendering = Rendering::new(view, Screen::Srgb, Screen::Srgb.white());
             let white = rendering.white();
             assert_eq!(view.clips(), white.is_finite(), "{view}");
             let mut planes = [[0.0; PIECE]; 3];
@@ -288,7 +332,11 @@ mod tests {
         for view in View::ALL {
             let bits = |level| {
                 let mut planes = colors();
-                Rendering::new(view, Screen::Srgb.white()).apply(level, &mut planes, PIECE);
+                Rendering::new(view, Screen::Srgb, Screen::Srgb.white()).apply(
+                    level,
+                    &mut planes,
+                    PIECE,
+                );
                 assert!(
                     planes.iter().flatten().all(|light| light.is_finite()),
                     "{view}"
