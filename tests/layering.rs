@@ -80,7 +80,19 @@ const MAY_USE: [(&str, &[&str]); 24] = [
         ],
     ),
     ("compare", &["color", "memory"]),
-    ("display", &["image", "exr", "color", "simd", "memory", "output"]),
+    (
+        "display",
+        &[
+            "image",
+            "exr",
+            "input",
+            "color",
+            "simd",
+            "memory",
+            "output",
+            "printable",
+        ],
+    ),
     ("bench", &["world", "visibility", "math", "simd"]),
     ("oracle", &["scene", "mesh", "spectrum"]),
 ];

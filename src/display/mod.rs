@@ -37,7 +37,7 @@ pub use stream::convert;
 pub use stream::{convert_image, convert_reader};
 #[doc(hidden)]
 pub use view::UnknownView;
-pub use view::View;
+pub use view::{Cube, CubeError, CubeFault, CubeProblem, View};
 
 use crate::exr::ExrError;
 use crate::output::OutputError;

@@ -2,11 +2,15 @@
 //!
 //! A view is a file with its transform, an entry in [`View`], and an arm of [`Rendering`].
 
+mod coded;
+mod cube;
 mod reinhard;
 mod srgb;
 
 use std::fmt;
 use std::str::FromStr;
+
+pub use cube::{Cube, CubeError, CubeFault, CubeProblem};
 
 use super::lanes::{Planes, transform};
 use crate::simd::SimdLevel;
@@ -48,6 +52,9 @@ impl View {
 pub(super) enum Rendering {
     Srgb(srgb::Clip),
     Reinhard(reinhard::Reinhard),
+    /// A look-up table of the user's.
+    #[expect(dead_code, reason = "no view of the command line makes it yet")]
+    Cube(Cube),
 }
 
 impl Rendering {
@@ -63,6 +70,7 @@ impl Rendering {
         match self {
             Self::Srgb(view) => transform(level, view, planes, count),
             Self::Reinhard(view) => transform(level, view, planes, count),
+            Self::Cube(view) => transform(level, view, planes, count),
         }
     }
 }
