@@ -6,6 +6,7 @@ mod completions;
 mod crop;
 mod develop;
 mod diff;
+mod drawing;
 mod failure;
 mod man;
 mod new;

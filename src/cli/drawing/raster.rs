@@ -4,12 +4,10 @@
 use candela::display::Image;
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
-use super::drawing::{
-    Drawing, Item, MARK_RADIUS, Mark, Segment, UNITS, Xy, glyph, placed, segments,
-};
+use super::{Drawing, Item, MARK_RADIUS, Mark, Segment, UNITS, Xy, glyph, placed, segments};
 
 /// The drawing with so many pixels to a unit; `None` where that is no picture.
-pub(super) fn raster(drawing: &Drawing, scale: f64) -> Option<Image> {
+pub(in crate::cli) fn raster(drawing: &Drawing, scale: f64) -> Option<Image> {
     let [width, height] = drawing.size.map(|side| (side * scale).round() as u32);
     let mut pixels = Pixmap::new(width, height)?;
     pixels.fill(Color::WHITE);
@@ -92,7 +90,7 @@ fn draw(pixels: &mut Pixmap, item: &Item, whole: Transform) {
     }
 }
 
-fn paint([r, g, b]: super::drawing::Color) -> Paint<'static> {
+fn paint([r, g, b]: super::Color) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color_rgba8(r, g, b, 255);
     paint.anti_alias = true;

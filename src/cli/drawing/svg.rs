@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::drawing::{Anchor, Color, Drawing, Item, MARK_RADIUS, Mark, UNITS, Xy, glyph, placed};
+use super::{Anchor, Color, Drawing, Item, MARK_RADIUS, Mark, UNITS, Xy, glyph, placed};
 
 /// The drawing as a file of its own: no font, no style and no other file is asked for.
-pub(super) fn svg(drawing: &Drawing, title: &str) -> String {
+pub(in crate::cli) fn svg(drawing: &Drawing, title: &str) -> String {
     let [width, height] = drawing.size;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -154,7 +154,7 @@ fn list(points: &[Xy]) -> String {
 }
 
 /// A text as XML and HTML have it, between tags and in quotes.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::cli) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -2,11 +2,17 @@
 //!
 //! Text is outlines, not characters of whatever font a viewer has: it looks the same everywhere.
 
+mod raster;
+mod svg;
+
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
+pub(super) use raster::raster;
+pub(super) use svg::{escaped, svg};
+
 /// The outlines, and where they are from.
-const GLYPHS: &str = include_str!("glyphs.txt");
+const GLYPHS: &str = include_str!("drawing/glyphs.txt");
 
 /// Units of the outlines in the font size.
 pub(super) const UNITS: f64 = 2048.0;
