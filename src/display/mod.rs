@@ -23,6 +23,7 @@ mod png;
 mod screen;
 mod source;
 mod stream;
+mod thumbnail;
 mod view;
 
 use rayon::prelude::*;
@@ -36,10 +37,13 @@ pub use stream::convert;
 #[doc(hidden)]
 pub use stream::{convert_image, convert_reader};
 #[doc(hidden)]
+pub use thumbnail::Thumbnail;
+#[doc(hidden)]
 pub use view::UnknownView;
 pub use view::{Cube, CubeError, CubeFault, CubeProblem, View};
 
 use crate::exr::ExrError;
+use crate::memory::OutOfMemory;
 use crate::output::OutputError;
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
@@ -157,6 +161,49 @@ impl Image {
             has_alpha: false,
             bits: Bits::Eight,
             samples: pixels.into_flattened(),
+        }
+    }
+
+    /// Lays sRGB-coded pixels R, G, B, A over the picture, with their top left at `corner`, as many in a row as `width`
+    /// says; RGB is not multiplied by A. What is outside of the picture is left out.
+    ///
+    /// # Panics
+    /// If `width` is 0.
+    pub fn lay(&mut self, corner: [u32; 2], width: u32, pixels: &[[u8; 4]]) {
+        let most = f64::from(u8::MAX);
+        let (bytes, alpha) = (self.bits.bytes(), usize::from(self.has_alpha));
+        let pixel_bytes = (3 + alpha) * bytes;
+        let largest = f64::from(self.bits.largest());
+        for (y, row) in (corner[1]..self.resolution[1]).zip(pixels.chunks(width as usize)) {
+            for (x, over) in (corner[0]..self.resolution[0]).zip(row) {
+                let place = y as usize * self.resolution[0] as usize + x as usize;
+                let samples = &mut self.samples[place * pixel_bytes..][..pixel_bytes];
+                let [r, g, b, a] = over.map(|sample| f64::from(sample) / most);
+                let read = |sample: &[u8]| {
+                    let code = sample
+                        .iter()
+                        .fold(0, |code, &byte| code << 8 | u16::from(byte));
+                    f64::from(code) / largest
+                };
+                let mut under = [0.0, 0.0, 0.0, 1.0];
+                for (under, sample) in under.iter_mut().zip(samples.chunks_exact(bytes)) {
+                    *under = read(sample);
+                }
+                // Porter and Duff's "over", with colors that are not multiplied by coverage.
+                let coverage = a + under[3] * (1.0 - a);
+                let share = if coverage > 0.0 { a / coverage } else { 0.0 };
+                let mixed = |over: f64, under: f64| under + (over - under) * share;
+                let out = [
+                    mixed(r, under[0]),
+                    mixed(g, under[1]),
+                    mixed(b, under[2]),
+                    coverage,
+                ];
+                for (sample, value) in samples.chunks_exact_mut(bytes).zip(out) {
+                    let code = self.bits.quantize(value).to_be_bytes();
+                    sample.copy_from_slice(&code[2 - bytes..]);
+                }
+            }
         }
     }
 
@@ -296,6 +343,9 @@ pub enum DisplayError {
     /// The PNG could not be written.
     #[error(transparent)]
     Write(#[from] OutputError),
+    /// There is no memory for the picture.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
 }
 
 impl DisplayError {
@@ -305,6 +355,7 @@ impl DisplayError {
         match self {
             Self::Read(error) => error.is_transient(),
             Self::Write(error) => error.is_transient(),
+            Self::Memory(_) => true,
         }
     }
 }
