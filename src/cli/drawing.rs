@@ -8,7 +8,7 @@ mod svg;
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-pub(super) use raster::raster;
+pub(super) use raster::{raster, raster_on};
 pub(super) use svg::{escaped, svg};
 
 /// The outlines, and where they are from.
@@ -26,7 +26,7 @@ pub(super) type Color = [u8; 3];
 /// A place or a size, x to the right and y down.
 pub(super) type Xy = [f64; 2];
 
-/// What is drawn, the first things below the others, on white.
+/// What is drawn, the first things below the others, on white unless another ground is given.
 pub(super) struct Drawing {
     pub(super) size: Xy,
     pub(super) items: Vec<Item>,
@@ -39,6 +39,13 @@ pub(super) enum Item {
         color: Color,
         width: f64,
         is_dashed: bool,
+    },
+    /// A rectangle.
+    Fill {
+        /// Its top left.
+        at: Xy,
+        size: Xy,
+        color: Color,
     },
     Mark {
         at: Xy,

@@ -8,6 +8,11 @@ mod develop;
 mod diff;
 mod drawing;
 mod failure;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "no view of the command line has a legend yet")
+)]
+mod legend;
 mod man;
 mod new;
 mod numbers;

@@ -40,7 +40,7 @@ pub use stream::{convert_image, convert_reader};
 pub use thumbnail::Thumbnail;
 #[doc(hidden)]
 pub use view::UnknownView;
-pub use view::{Cube, CubeError, CubeFault, CubeProblem, View};
+pub use view::{BadRange, Cube, CubeError, CubeFault, CubeProblem, FalseColor, Measure, View};
 
 use crate::exr::ExrError;
 use crate::memory::OutOfMemory;

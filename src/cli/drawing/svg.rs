@@ -66,6 +66,15 @@ fn write(svg: &mut String, item: &Item) {
                 code(*color),
             )
         }
+        Item::Fill {
+            at: [x, y],
+            size: [width, height],
+            color,
+        } => writeln!(
+            svg,
+            "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{}\"/>",
+            code(*color),
+        ),
         Item::Mark {
             at,
             mark,

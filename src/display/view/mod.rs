@@ -4,13 +4,16 @@
 
 mod coded;
 mod cube;
+mod false_color;
 mod reinhard;
 mod srgb;
+mod viridis;
 
 use std::fmt;
 use std::str::FromStr;
 
 pub use cube::{Cube, CubeError, CubeFault, CubeProblem};
+pub use false_color::{BadRange, FalseColor, Measure};
 
 use super::lanes::{Planes, transform};
 use crate::simd::SimdLevel;
@@ -55,6 +58,9 @@ pub(super) enum Rendering {
     /// A look-up table of the user's.
     #[expect(dead_code, reason = "no view of the command line makes it yet")]
     Cube(Cube),
+    /// Luminance as colors.
+    #[expect(dead_code, reason = "no view of the command line makes it yet")]
+    FalseColor(false_color::Map),
 }
 
 impl Rendering {
@@ -71,6 +77,7 @@ impl Rendering {
             Self::Srgb(view) => transform(level, view, planes, count),
             Self::Reinhard(view) => transform(level, view, planes, count),
             Self::Cube(view) => transform(level, view, planes, count),
+            Self::FalseColor(view) => transform(level, view, planes, count),
         }
     }
 }
