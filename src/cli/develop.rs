@@ -6,19 +6,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 /// From radiance to the screen's range.
 #[derive(Debug, clap::Args)]
 pub(super) struct DevelopArguments {
-    /// Multiply the radiance by 2^EV; may be negative or a fraction
-    #[arg(
-        long,
-        value_name = "EV",
-        default_value_t = 0.0,
-        value_parser = finite,
-        allow_negative_numbers = true
-    )]
-    exposure: f64,
-
-    /// Choose the EV that brings the log-average luminance of what is lit to 18 % gray
-    #[arg(long, conflicts_with = "exposure")]
-    auto_exposure: bool,
+    #[command(flatten)]
+    exposure: ExposureArguments,
 
     /// How radiance beyond the screen's range is shown
     ///
@@ -47,7 +36,31 @@ pub(super) struct DevelopArguments {
     pub(super) dither: Dither,
 }
 
+/// What radiance is multiplied by.
+#[derive(Debug, clap::Args)]
+pub(super) struct ExposureArguments {
+    /// Multiply the radiance by 2^EV; may be negative or a fraction
+    #[arg(
+        long,
+        value_name = "EV",
+        default_value_t = 0.0,
+        value_parser = finite,
+        allow_negative_numbers = true
+    )]
+    exposure: f64,
+
+    /// Choose the EV that brings the log-average luminance of what is lit to 18 % gray
+    #[arg(long, conflicts_with = "exposure")]
+    auto_exposure: bool,
+}
+
 impl DevelopArguments {
+    pub(super) const fn exposure(&self) -> Exposure {
+        self.exposure.exposure()
+    }
+}
+
+impl ExposureArguments {
     pub(super) const fn exposure(&self) -> Exposure {
         if self.auto_exposure {
             Exposure::Auto
