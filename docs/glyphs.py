@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the outlines of the characters that plots use: src/cli/report/glyphs.txt, from DejaVu Sans.
+"""Writes the outlines of the characters that drawings use: src/cli/drawing/glyphs.txt, from DejaVu Sans.
 
     docs/glyphs.py DejaVuSans.ttf      (with a Python that has `fonttools`)
 
@@ -13,7 +13,7 @@ from fontTools.pens.svgPathPen import SVGPathPen
 from fontTools.ttLib import TTFont
 
 HERE = Path(__file__).resolve().parent
-OUT = HERE.parent / "src/cli/report/glyphs.txt"
+OUT = HERE.parent / "src/cli/drawing/glyphs.txt"
 CHARACTERS = [chr(code) for code in range(32, 127)] + list("²³·×°±µεΔ−–—…≤≥≈√∝→□äöüéÄÖÜ")
 
 font = TTFont(sys.argv[1])

@@ -17,7 +17,7 @@ use crate::measured::Measured;
 use crate::openimageio::{Decoded, decode, oiiotool};
 
 /// Without dither: every value becomes the nearest code.
-const NEAREST: Settings = Settings {
+const NEAREST: Settings<'static> = Settings {
     dither: Dither::None,
     ..Settings::new()
 };
@@ -63,7 +63,7 @@ fn decode_png(path: &Path) -> Png {
 const EXPOSURE: f64 = 8.07e-6;
 
 /// Converts `name`.exr in a folder.
-fn shown(folder: &Path, name: &str, settings: &Settings) -> Png {
+fn shown(folder: &Path, name: &str, settings: &Settings<'_>) -> Png {
     let (exr, png) = (folder.join(name), folder.join("shown.png"));
     convert(&exr, &png, settings, &Unfinished::new()).unwrap();
     decode_png(&png)

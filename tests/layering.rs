@@ -82,7 +82,16 @@ const MAY_USE: [(&str, &[&str]); 24] = [
     ("compare", &["color", "memory"]),
     (
         "display",
-        &["image", "exr", "color", "simd", "memory", "output"],
+        &[
+            "image",
+            "exr",
+            "input",
+            "color",
+            "simd",
+            "memory",
+            "output",
+            "printable",
+        ],
     ),
     ("bench", &["world", "visibility", "math", "simd"]),
     ("oracle", &["scene", "mesh", "spectrum"]),

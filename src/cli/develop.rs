@@ -2,57 +2,21 @@
 
 mod quantities;
 
-use candela::display::{Dither, Exposure, Gamut, Screen, Settings, View};
+use std::path::PathBuf;
+
+use candela::display::{
+    Cube, Dither, Exposure, FalseColor, Gamut, Overlay, Screen, Settings, View,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use super::Failure;
+use super::legend::legend;
 
 /// From radiance to the screen's range.
 #[derive(Debug, clap::Args)]
 pub(super) struct DevelopArguments {
-    /// Multiply the radiance by 2^EV; may be negative or a fraction
-    #[arg(
-        long,
-        value_name = "EV",
-        default_value_t = 0.0,
-        value_parser = quantities::ev,
-        allow_negative_numbers = true
-    )]
-    exposure: f64,
-
-    /// Choose the EV from the picture
-    ///
-    /// log-average, or no value: the log-average luminance of what is lit becomes 18 % gray;
-    /// percentile:99: the luminance that 99 % of what is lit does not exceed becomes the screen's white.
-    #[arg(
-        long,
-        value_name = "RULE",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "log-average",
-        value_parser = quantities::rule,
-        conflicts_with = "exposure"
-    )]
-    auto_exposure: Option<Exposure>,
-
-    /// Expose as a camera does whose sensor has this speed; with --shutter and --aperture
-    ///
-    /// Pixels are luminances in cd/m², as candela writes them. What saturates the sensor becomes the screen's white:
-    /// L = 1.2 · 2^EV100, EV100 = log2(N²/t · 100/S). --exposure adds to it.
-    #[arg(
-        long,
-        value_name = "S",
-        value_parser = quantities::positive,
-        requires_all = ["shutter", "aperture"],
-        conflicts_with = "auto_exposure"
-    )]
-    iso: Option<f64>,
-
-    /// How long the camera's shutter is open, in seconds, such as 1/60 or 0.5
-    #[arg(long, value_name = "T", value_parser = quantities::shutter, requires = "iso")]
-    shutter: Option<f64>,
-
-    /// The f-number of the camera's lens, such as 8 or f/8
-    #[arg(long, value_name = "N", value_parser = quantities::aperture, requires = "iso")]
-    aperture: Option<f64>,
+    #[command(flatten)]
+    exposure: ExposureArguments,
 
     /// What is to look white: a light such as D65 or A, a temperature in K, or a chromaticity x,y
     ///
@@ -67,15 +31,16 @@ pub(super) struct DevelopArguments {
     /// aces-fit: Narkowicz's fit of ACES, in each channel; aces-fit-hill: Hill's fit of ACES, whose
     /// strong colors bleach; pbr-neutral: Khronos's, base colors as they are, highlights compressed;
     /// agx: Sobotka's AgX; aces1, aces2: ACES 1.0 and 2.0, as in OpenColorIO; raw: the numbers are code
-    /// values, for data; absolute: 1 in the file is 1 cd/m² on the screen.
+    /// values, for data; absolute: 1 in the file is 1 cd/m² on the screen;
+    /// false-color: luminance as colors with their legend, in stops from middle gray, or in cd/m² by
+    /// false-color=0.1:1000; lut=FILE.cube: a look-up table from linear Rec.709 to sRGB codes.
     #[arg(
         long,
         value_name = "NAME",
         default_value = View::default().name(),
-        value_parser = PossibleValuesParser::new(View::ALL.map(View::name))
-            .try_map(|name| name.parse::<View>())
+        value_parser = choice
     )]
-    pub(super) view: View,
+    view: Choice,
 
     /// The screen that the picture is made for
     ///
@@ -122,7 +87,157 @@ pub(super) struct DevelopArguments {
     dither: Dither,
 }
 
+/// What radiance is multiplied by.
+#[derive(Debug, clap::Args)]
+pub(super) struct ExposureArguments {
+    /// Multiply the radiance by 2^EV; may be negative or a fraction
+    #[arg(
+        long,
+        value_name = "EV",
+        default_value_t = 0.0,
+        value_parser = quantities::ev,
+        allow_negative_numbers = true
+    )]
+    exposure: f64,
+
+    /// Choose the EV from the picture
+    ///
+    /// log-average, or no value: the log-average luminance of what is lit becomes 18 % gray;
+    /// percentile:99: the luminance that 99 % of what is lit does not exceed becomes the screen's white.
+    #[arg(
+        long,
+        value_name = "RULE",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "log-average",
+        value_parser = quantities::rule,
+        conflicts_with = "exposure"
+    )]
+    auto_exposure: Option<Exposure>,
+
+    /// Expose as a camera does whose sensor has this speed; with --shutter and --aperture
+    ///
+    /// Pixels are luminances in cd/m², as candela writes them. What saturates the sensor becomes the screen's white:
+    /// L = 1.2 · 2^EV100, EV100 = log2(N²/t · 100/S). --exposure adds to it.
+    #[arg(
+        long,
+        value_name = "S",
+        value_parser = quantities::positive,
+        requires_all = ["shutter", "aperture"],
+        conflicts_with = "auto_exposure"
+    )]
+    iso: Option<f64>,
+
+    /// How long the camera's shutter is open, in seconds, such as 1/60 or 0.5
+    #[arg(long, value_name = "T", value_parser = quantities::shutter, requires = "iso")]
+    shutter: Option<f64>,
+
+    /// The f-number of the camera's lens, such as 8 or f/8
+    #[arg(long, value_name = "N", value_parser = quantities::aperture, requires = "iso")]
+    aperture: Option<f64>,
+}
+
 impl DevelopArguments {
+    pub(super) fn exposure(&self) -> Exposure {
+        self.exposure.exposure()
+    }
+
+    /// What is read from files for a picture of this resolution.
+    pub(super) fn look(&self, resolution: [u32; 2]) -> Result<Look, Failure> {
+        Ok(match &self.view {
+            Choice::Named(_) => Look::default(),
+            Choice::FalseColor(colors) => Look {
+                overlay: legend(resolution, colors),
+                ..Look::default()
+            },
+            Choice::Cube(path) => Look {
+                cube: Some(Cube::read(path)?),
+                ..Look::default()
+            },
+        })
+    }
+
+    /// What is said here; the rest as it is by default.
+    pub(super) fn settings<'l>(&self, look: &'l Look) -> Settings<'l> {
+        let default = Settings::default();
+        Settings {
+            exposure: self.exposure(),
+            view: self.view.view(),
+            dither: self.dither,
+            screen: self.display,
+            white_luminance: self.white_nits,
+            white: self.white_balance.and_then(|white| white.chromaticity),
+            gamut: self.gamut,
+            false_color: match &self.view {
+                Choice::FalseColor(colors) => *colors,
+                Choice::Named(_) | Choice::Cube(_) => default.false_color,
+            },
+            cube: look.cube.as_ref(),
+            overlay: look.overlay.as_ref(),
+            ..default
+        }
+    }
+}
+
+/// What a view needs beside its name.
+#[derive(Debug, Default)]
+pub(super) struct Look {
+    cube: Option<Cube>,
+    overlay: Option<Overlay>,
+}
+
+/// A view as it is chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Choice {
+    Named(View),
+    FalseColor(FalseColor),
+    /// The file of a look-up table.
+    Cube(PathBuf),
+}
+
+impl Choice {
+    const fn view(&self) -> View {
+        match self {
+            Self::Named(view) => *view,
+            Self::FalseColor(_) => View::FalseColor,
+            Self::Cube(_) => View::Cube,
+        }
+    }
+}
+
+/// A view's name, `false-color=0.1:1000` or `lut=FILE.cube`.
+fn choice(text: &str) -> Result<Choice, String> {
+    let expected = || {
+        let names = View::ALL.map(View::name).join(", ");
+        format!("expected {names}, false-color=LEAST:MOST in cd/m², or lut=FILE.cube")
+    };
+    match text.split_once('=') {
+        Some(("lut", "")) | None if text.starts_with("lut") => {
+            Err("a look-up table is a file: lut=FILE.cube".to_owned())
+        }
+        Some(("lut", path)) => Ok(Choice::Cube(PathBuf::from(path))),
+        Some(("false-color", "stops")) => Ok(Choice::FalseColor(FalseColor::STOPS)),
+        Some(("false-color", range)) => {
+            let ends = range
+                .split_once(':')
+                .and_then(|(least, most)| least.parse::<f64>().ok().zip(most.parse::<f64>().ok()));
+            let (least, most) = ends.ok_or_else(|| {
+                "expected the range of false colors in cd/m², such as false-color=0.1:1000"
+                    .to_owned()
+            })?;
+            let colors = FalseColor::luminance(least, most).map_err(|error| error.to_string())?;
+            Ok(Choice::FalseColor(colors))
+        }
+        Some(_) => Err(expected()),
+        None => match text.parse() {
+            Ok(View::FalseColor) => Ok(Choice::FalseColor(FalseColor::STOPS)),
+            Ok(view) => Ok(Choice::Named(view)),
+            Err(_) => Err(expected()),
+        },
+    }
+}
+
+impl ExposureArguments {
     pub(super) fn exposure(&self) -> Exposure {
         if let Some(chosen) = self.auto_exposure {
             return chosen;
@@ -135,20 +250,6 @@ impl DevelopArguments {
                 }
             }
             _ => Exposure::Ev(self.exposure),
-        }
-    }
-
-    /// What is said here; the rest as it is by default.
-    pub(super) fn settings(&self) -> Settings {
-        Settings {
-            exposure: self.exposure(),
-            view: self.view,
-            dither: self.dither,
-            screen: self.display,
-            white_luminance: self.white_nits,
-            white: self.white_balance.and_then(|white| white.chromaticity),
-            gamut: self.gamut,
-            ..Settings::default()
         }
     }
 }

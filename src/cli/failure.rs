@@ -117,6 +117,7 @@ fn cause<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a (dyn Error + 'stati
         return match error {
             DisplayError::Read(cause) => Some(cause),
             DisplayError::Write(cause) => Some(cause),
+            DisplayError::Memory(cause) => Some(cause),
             _ => error.source(),
         };
     }

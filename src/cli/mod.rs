@@ -3,11 +3,14 @@
 mod advice;
 mod check;
 mod completions;
+mod contact_sheet;
 mod crop;
 mod develop;
 mod diff;
 mod display_server;
+mod drawing;
 mod failure;
+mod legend;
 mod man;
 mod new;
 mod numbers;
@@ -54,6 +57,8 @@ Examples:
       Write a first scene, scene.toml, to start from
   candela render scene.toml --preview scene.png
       Render a scene, and make a picture of it
+  candela contact-sheet scene.exr --layers
+      All layers of an image on one sheet
   candela check scene.toml
       Is it legal, what will be computed, what will it cost
   candela probe scene.toml --pixel 640,360
@@ -82,6 +87,7 @@ struct Arguments {
 enum Command {
     Render(render::Arguments),
     Tonemap(tonemap::Arguments),
+    ContactSheet(contact_sheet::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
     Verify(verify::Arguments),
@@ -118,6 +124,9 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         Command::Render(arguments) => render::run(arguments, unfinished),
         Command::Tonemap(arguments) => with_threads(None, || {
             tonemap::run(arguments, unfinished, &mut io::stderr())
+        }),
+        Command::ContactSheet(arguments) => with_threads(None, || {
+            contact_sheet::run(arguments, unfinished, &mut io::stderr())
         }),
         Command::Check(arguments) => with_threads(None, || check::run(arguments, &mut output)),
         Command::Probe(arguments) => with_threads(None, || probe(arguments, &mut output)),

@@ -270,6 +270,10 @@ fn develop(
     };
     // A PNG with alpha cannot hold light where nothing covers a pixel.
     let has_background = world.background().0.0 != [0.0; 3];
+    let resolution = image
+        .window
+        .map_or(image.resolution, |part| [part.width, part.height]);
+    let look = arguments.development.look(resolution)?;
     let settings = display::Settings {
         // Where there is none, what light is there is of the compression.
         alpha: if has_background {
@@ -279,7 +283,7 @@ fn develop(
         },
         // Of a part, the part; of the whole that is the whole.
         frame: Frame::Data,
-        ..arguments.development.settings()
+        ..arguments.development.settings(&look)
     };
     let report = display::convert_image(image, preview, &settings, unfinished)?;
     Ok(Some(report))

@@ -1,6 +1,5 @@
 //! `candela report`: speed against error, as tables, a plot, and a page.
 
-mod drawing;
 mod fit;
 mod metrics;
 mod page;
@@ -8,9 +7,7 @@ mod peers;
 mod pictures;
 mod plot;
 mod progress;
-mod raster;
 mod setting;
-mod svg;
 mod sweep;
 mod table;
 
@@ -25,6 +22,7 @@ use candela::render::MAX_SAMPLES;
 use candela::scene::{Scene, Transport};
 use candela::world::Loaded;
 
+use super::drawing::{raster, svg};
 use super::render::{count, transports};
 use super::source::SceneArguments;
 use super::{Failure, MAX_THREADS};
@@ -176,8 +174,8 @@ fn report(
     };
     let samples = measured.swept.swap_remove(0).samples;
     let drawing = plot::plot(&report);
-    let plot = svg::svg(&drawing, &format!("Error over time: {}", report.scene));
-    let raster = raster::raster(&drawing, PLOT_SCALE).ok_or("the plot is too large")?;
+    let plot = svg(&drawing, &format!("Error over time: {}", report.scene));
+    let raster = raster(&drawing, PLOT_SCALE).ok_or("the plot is too large")?;
     let pictures = Pictures {
         render: &render,
         plot: &plot,

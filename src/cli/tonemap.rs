@@ -169,14 +169,6 @@ fn convert(
     Conversion { input, output }: &Conversion,
     unfinished: &Unfinished,
 ) -> Result<String, Failure> {
-    let settings = Settings {
-        bits: arguments.bits(),
-        alpha: arguments.alpha,
-        frame: Frame::Display,
-        input: arguments.input_space,
-        shows_invalid: arguments.show_invalid,
-        ..arguments.development.settings()
-    };
     super::refuse_terminal(output)?;
     // What is no EXR, such as the PNG itself, is told first: another name would not help there.
     let reader = ExrReader::open(input, arguments.layer.as_deref())?;
@@ -185,6 +177,15 @@ fn convert(
     if let Some(address) = &arguments.display_server {
         lines.extend(show(address, &reader, input)?);
     }
+    let look = arguments.development.look(reader.resolution())?;
+    let settings = Settings {
+        bits: arguments.bits(),
+        alpha: arguments.alpha,
+        frame: Frame::Display,
+        input: arguments.input_space,
+        shows_invalid: arguments.show_invalid,
+        ..arguments.development.settings(&look)
+    };
     let report = display::convert_reader(&reader, output, &settings, unfinished)?;
 
     let remarks = if reader.window().is_some() {
@@ -260,6 +261,7 @@ fn png_path() -> impl TypedValueParser<Value = PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::develop::Look;
     use candela::display::{Dither, Exposure, View};
     use clap::Parser;
 
@@ -280,7 +282,7 @@ mod tests {
         assert_eq!(arguments.development.exposure(), Exposure::Ev(0.0));
         assert_eq!(
             (
-                arguments.development.view,
+                arguments.development.settings(&Look::default()).view,
                 arguments.bits(),
                 arguments.alpha
             ),
@@ -298,7 +300,7 @@ mod tests {
         assert_eq!(arguments.development.exposure(), Exposure::Ev(-1.5));
         assert_eq!(
             (
-                arguments.development.view,
+                arguments.development.settings(&Look::default()).view,
                 arguments.bits(),
                 arguments.alpha
             ),
@@ -307,7 +309,10 @@ mod tests {
         let piped = parse("- -o - --layer light_key --dither none").unwrap();
         assert_eq!(piped.output.as_deref(), Some(Path::new("-")));
         assert_eq!(piped.layer.as_deref(), Some("light_key"));
-        assert_eq!(piped.development.settings().dither, Dither::None);
+        assert_eq!(
+            piped.development.settings(&Look::default()).dither,
+            Dither::None
+        );
         let chosen = parse("a.exr --auto-exposure").unwrap();
         assert_eq!(chosen.development.exposure(), Exposure::Auto);
     }

@@ -17,7 +17,7 @@ pub(crate) const CONTRAST: f64 = 2.4;
 pub(crate) const OFFSET: f64 = 0.055;
 
 /// Where the linear piece ends, in code values.
-const CODED_END: f64 = 0.040_45;
+pub(crate) const CODED_END: f64 = 0.040_45;
 
 /// Linear light to code value, both 0 to 1: what lanes are held against.
 #[cfg(test)]

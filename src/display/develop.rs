@@ -5,7 +5,7 @@ use super::gamut::Compression;
 use super::lanes::{Matrix, PIECE, Planes, transform};
 use super::screen::Transfer;
 use super::view::Rendering;
-use super::{Bits, Dither, Gamut, Settings, exposure};
+use super::{Bits, Dither, Gamut, Overlay, Settings, exposure};
 use crate::color::Primaries;
 use crate::color::adaptation::cat16;
 use crate::simd::SimdLevel;
@@ -19,7 +19,7 @@ const CLIPS: f64 = 1.009;
 const INFINITE: f64 = 1e30;
 
 /// The settings, as far as pixels need them.
-pub(super) struct Develop {
+pub(super) struct Develop<'a> {
     level: SimdLevel,
     scale: f64,
     /// A channel above this clips.
@@ -30,9 +30,10 @@ pub(super) struct Develop {
     to_screen: Option<Matrix>,
     is_per_channel: bool,
     compression: Option<Compression>,
-    view: Rendering,
+    view: Rendering<'a>,
     transfer: Transfer,
     shows_invalid: bool,
+    overlay: Option<&'a Overlay>,
     bits: Bits,
     dither: Dither,
     has_alpha: bool,
@@ -60,16 +61,16 @@ impl Seen {
     }
 }
 
-impl Develop {
+impl<'a> Develop<'a> {
     /// With an exposure of `ev`, whatever the settings say, for a picture whose top left is at `origin` in
     /// the display window.
-    pub(super) fn new(settings: &Settings, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
+    pub(super) fn new(settings: &Settings<'a>, ev: f64, has_alpha: bool, origin: [u32; 2]) -> Self {
         let screen = settings.screen;
         let of_view = settings.view.luminance().filter(|_| screen.is_hdr());
         let white = settings.white_luminance.or(of_view);
         let white = white.unwrap_or(screen.white());
         let headroom = screen.peak().map_or(1.0, |peak| peak / white);
-        let view = Rendering::new(settings.view, screen, white);
+        let view = Rendering::new(settings, white, ev);
         let is_coded = settings.view.is_coded();
         Self {
             level: SimdLevel::default(),
@@ -93,6 +94,7 @@ impl Develop {
                 screen.transfer(white)
             },
             shows_invalid: settings.shows_invalid,
+            overlay: settings.overlay,
             bits: settings.bits,
             dither: settings.dither,
             has_alpha,
@@ -139,6 +141,9 @@ impl Develop {
                 mark_invalid(pixels, &mut planes);
             }
             self.quantize([x, y], pixels, &planes, samples);
+        }
+        if let Some(overlay) = self.overlay {
+            overlay.lay_on_row(y, row, self.bits, self.has_alpha);
         }
         seen
     }

@@ -20,11 +20,13 @@ mod dither;
 pub mod exposure;
 mod gamut;
 mod lanes;
+mod overlay;
 mod picture;
 mod png;
 mod screen;
 mod source;
 mod stream;
+mod thumbnail;
 mod view;
 
 use rayon::prelude::*;
@@ -33,6 +35,7 @@ use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
 pub use gamut::Gamut;
+pub use overlay::Overlay;
 #[doc(hidden)]
 pub use picture::Picture;
 pub use screen::Screen;
@@ -40,16 +43,19 @@ pub use stream::convert;
 #[doc(hidden)]
 pub use stream::{convert_image, convert_reader};
 #[doc(hidden)]
+pub use thumbnail::Thumbnail;
+#[doc(hidden)]
 pub use view::UnknownView;
-pub use view::View;
+pub use view::{BadRange, Cube, CubeError, CubeFault, CubeProblem, FalseColor, Measure, View};
 
 use crate::color::Primaries;
 use crate::exr::ExrError;
+use crate::memory::OutOfMemory;
 use crate::output::OutputError;
 
 /// How a picture is shown. The default: as it is, sRGB, 8 bits, with its alpha.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct Settings<'a> {
     /// What the radiance is multiplied by.
     pub exposure: Exposure,
     /// How radiance becomes light on the screen.
@@ -75,9 +81,15 @@ pub struct Settings {
     pub input: Option<Primaries>,
     /// Whether pixels with values that are not a number are shown in magenta, and those with infinities in cyan.
     pub shows_invalid: bool,
+    /// What [`View::FalseColor`] shows.
+    pub false_color: FalseColor,
+    /// The table of [`View::Cube`], which shows the picture as it is where there is none.
+    pub cube: Option<&'a Cube>,
+    /// What is laid over the picture.
+    pub overlay: Option<&'a Overlay>,
 }
 
-impl Settings {
+impl Settings<'_> {
     /// The default, for constants.
     pub const fn new() -> Self {
         Self {
@@ -93,11 +105,14 @@ impl Settings {
             gamut: Gamut::Clip,
             input: None,
             shows_invalid: false,
+            false_color: FalseColor::STOPS,
+            cube: None,
+            overlay: None,
         }
     }
 }
 
-impl Default for Settings {
+impl Default for Settings<'_> {
     fn default() -> Self {
         Self::new()
     }
@@ -202,6 +217,18 @@ impl Image {
             bits: Bits::Eight,
             samples: pixels.into_flattened(),
         }
+    }
+
+    /// Lays something over the picture.
+    pub fn lay(&mut self, overlay: &Overlay) {
+        let row_bytes = self.resolution[0] as usize * self.pixel_bytes();
+        for (y, row) in (0..).zip(self.samples.chunks_exact_mut(row_bytes.max(1))) {
+            overlay.lay_on_row(y, row, self.bits, self.has_alpha);
+        }
+    }
+
+    fn pixel_bytes(&self) -> usize {
+        (3 + usize::from(self.has_alpha)) * self.bits.bytes()
     }
 
     /// Width and height.
@@ -342,6 +369,9 @@ pub enum DisplayError {
     /// The PNG could not be written.
     #[error(transparent)]
     Write(#[from] OutputError),
+    /// There is no memory for the picture.
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
 }
 
 impl DisplayError {
@@ -351,18 +381,19 @@ impl DisplayError {
         match self {
             Self::Read(error) => error.is_transient(),
             Self::Write(error) => error.is_transient(),
+            Self::Memory(_) => true,
         }
     }
 }
 
 /// Exposes, views, encodes and quantizes a picture.
 #[doc(hidden)]
-pub fn tonemap(picture: &Picture<'_>, settings: &Settings) -> Image {
+pub fn tonemap(picture: &Picture<'_>, settings: &Settings<'_>) -> Image {
     let ev = settings.exposure.ev(picture);
     developed(picture, &develop(picture, settings, ev))
 }
 
-fn develop(picture: &Picture<'_>, settings: &Settings, ev: f64) -> Develop {
+fn develop<'a>(picture: &Picture<'_>, settings: &Settings<'a>, ev: f64) -> Develop<'a> {
     let has_alpha = picture.has_alpha()
         && match settings.alpha {
             Alpha::Auto => !picture.has_uncovered_light(),
@@ -397,7 +428,7 @@ mod tests {
     use crate::image::Window;
 
     /// Without dither: every value becomes the nearest code.
-    const NEAREST: Settings = Settings {
+    const NEAREST: Settings<'static> = Settings {
         dither: Dither::None,
         ..Settings::new()
     };
@@ -419,7 +450,7 @@ mod tests {
         })
     }
 
-    fn samples(pixels: &[[f32; 4]], has_alpha: bool, settings: Settings) -> Vec<u8> {
+    fn samples(pixels: &[[f32; 4]], has_alpha: bool, settings: Settings<'_>) -> Vec<u8> {
         tonemap(&row(pixels, has_alpha), &settings).samples
     }
 

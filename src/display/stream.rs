@@ -34,7 +34,7 @@ const ROWS: usize = 10;
 pub fn convert(
     exr: &Path,
     png: &Path,
-    settings: &Settings,
+    settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
     convert_reader(&ExrReader::open(exr, None)?, png, settings, unfinished)
@@ -48,7 +48,7 @@ pub fn convert(
 pub fn convert_image(
     exr: &ExrImage,
     png: &Path,
-    settings: &Settings,
+    settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
     convert_source(&Source::Image(exr), png, settings, unfinished)
@@ -61,7 +61,7 @@ pub fn convert_image(
 pub fn convert_reader(
     exr: &ExrReader,
     png: &Path,
-    settings: &Settings,
+    settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
     convert_source(&Source::File(exr), png, settings, unfinished)
@@ -70,7 +70,7 @@ pub fn convert_reader(
 fn convert_source(
     exr: &Source<'_>,
     png: &Path,
-    settings: &Settings,
+    settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
     // Of the data alone, the display window is no matter.
@@ -224,7 +224,7 @@ struct Conversion<'a> {
     exr: &'a Source<'a>,
     shown: Shown,
     prepare: Prepare,
-    develop: Develop,
+    develop: Develop<'a>,
     /// Whether light without coverage is not to be written.
     stops_at_uncovered: bool,
 }
@@ -264,13 +264,13 @@ impl Conversion<'_> {
         let mut rows = writer.stream_writer().map_err(into_io)?;
         let noticed = match self.shown.window {
             None => {
-                self.blank(&mut rows, height)?;
+                self.blank(&mut rows, 0..height)?;
                 Noticed::default()
             }
             Some(window) => {
-                self.blank(&mut rows, window.y)?;
+                self.blank(&mut rows, 0..window.y)?;
                 let noticed = self.window(&mut rows, window)?;
-                self.blank(&mut rows, height - window.y - window.height)?;
+                self.blank(&mut rows, window.y + window.height..height)?;
                 noticed
             }
         };
@@ -284,10 +284,14 @@ impl Conversion<'_> {
     }
 
     /// Rows that no data covers.
-    fn blank(&self, rows: &mut StreamWriter<'_, &mut dyn Sink>, count: u32) -> Result<(), Halt> {
+    fn blank(
+        &self,
+        rows: &mut StreamWriter<'_, &mut dyn Sink>,
+        blank: Range<u32>,
+    ) -> Result<(), Halt> {
         let mut row = vec![0; self.row_bytes()];
-        self.develop.row(0, 0, &[], &mut row);
-        for _ in 0..count {
+        for y in blank {
+            self.develop.row(y, 0, &[], &mut row);
             rows.write_all(&row)?;
         }
         Ok(())

@@ -16,7 +16,9 @@ pub(crate) use file::{ExrFile, Packer};
 #[doc(hidden)]
 pub use planes::write_planes;
 #[doc(hidden)]
-pub use read::{ChannelName, ColorMeaning, ColorTag, DataWindow, ExrChannels, ExrReader};
+pub use read::{
+    ChannelName, ColorMeaning, ColorTag, Content, DataWindow, ExrChannels, ExrLayers, ExrReader,
+};
 pub use read::{ExrError, ExrImage, ExrProblem, read};
 
 use crate::image::{ChannelKind, Channels, Window};

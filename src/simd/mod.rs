@@ -121,6 +121,12 @@ impl<S: Simd> F64x16<S> {
         Self([self.0[0].abs(), self.0[1].abs()])
     }
 
+    /// The largest whole number that is not above.
+    #[inline(always)]
+    pub(crate) fn floor(self) -> Self {
+        Self([self.0[0].floor(), self.0[1].floor()])
+    }
+
     /// The smaller of two numbers; `other` where one of them is not a number.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {

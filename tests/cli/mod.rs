@@ -1,6 +1,7 @@
 //! The program as a user or a script meets it: exit codes, messages, files.
 
 mod accuracy;
+mod contact_sheet;
 mod diff;
 mod exit_codes;
 mod files;
@@ -26,9 +27,10 @@ use tempfile::TempDir;
 
 use crate::openimageio::{decode, oiiotool};
 
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 11] = [
     "render",
     "tonemap",
+    "contact-sheet",
     "check",
     "probe",
     "verify",

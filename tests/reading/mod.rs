@@ -18,7 +18,7 @@ use candela::exr::ExrReader;
 use candela::output::Unfinished;
 
 /// Without dither: every value becomes the nearest code.
-const NEAREST: Settings = Settings {
+const NEAREST: Settings<'static> = Settings {
     dither: Dither::None,
     ..Settings::new()
 };
@@ -32,7 +32,7 @@ struct Shown {
 }
 
 /// What `candela tonemap` makes of a file, or of a layer of it; the message where it makes nothing.
-fn shown(exr: &Path, layer: Option<&str>, settings: &Settings) -> Result<Shown, String> {
+fn shown(exr: &Path, layer: Option<&str>, settings: &Settings<'_>) -> Result<Shown, String> {
     let png = exr.with_extension("png");
     let reader = ExrReader::open(exr, layer).map_err(|error| error.to_string())?;
     let report = convert_reader(&reader, &png, settings, &Unfinished::new());

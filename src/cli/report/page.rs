@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use candela::compare::FalseColor;
 
 use super::pictures::{COUNTS, png, scale_bar};
-use super::svg::escaped;
 use super::table::{Report, Row, percent, said, short};
 use crate::cli::Failure;
+use crate::cli::drawing::escaped;
 
 const STYLE: &str = "\
 body { font: 15px/1.5 system-ui, sans-serif; color: #222226; max-width: 1040px; margin: 2em auto; padding: 0 1em; }

@@ -1,7 +1,7 @@
 //! Error over time, both logarithmic, a curve for each program and way of asking.
 
-use super::drawing::{Anchor, Color, Drawing, Item, MARK_RADIUS, Mark, Xy, width};
 use super::table::{Curve, Report, Row, curves, digits, exponent, spoken};
+use crate::cli::drawing::{Anchor, Color, Drawing, Item, MARK_RADIUS, Mark, Xy, width};
 
 const SIZE: Xy = [960.0, 540.0];
 
@@ -429,11 +429,10 @@ fn fitting(name: &str, size: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::raster::raster;
-    use super::super::svg::svg;
     use super::super::table::slopes;
     use super::super::table::tests::row;
     use super::*;
+    use crate::cli::drawing::{raster, svg};
 
     fn report(rows: Vec<Row>) -> Report {
         Report {
@@ -503,7 +502,7 @@ mod tests {
         let [blue, ..] = COLORS;
         let marks = drawing.items.iter().filter_map(|item| match item {
             Item::Mark { at, .. } => Some(*at),
-            Item::Line { .. } | Item::Text { .. } => None,
+            Item::Line { .. } | Item::Text { .. } | Item::Fill { .. } => None,
         });
         for [x, y] in marks {
             let place = (2.0 * y) as usize * 1920 + (2.0 * x) as usize;

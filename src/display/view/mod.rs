@@ -8,18 +8,24 @@ mod aces2;
 mod aces_fit;
 mod aces_fit_hill;
 mod agx;
+mod cube;
+mod false_color;
 mod hable;
 mod pbr_neutral;
 mod raw;
 mod reinhard;
 mod reinhard_extended;
 mod srgb;
+mod viridis;
 
 use std::fmt;
 use std::str::FromStr;
 
+pub use cube::{Cube, CubeError, CubeFault, CubeProblem};
+pub use false_color::{BadRange, FalseColor, Measure};
+
+use super::Settings;
 use super::lanes::{Planes, transform};
-use super::screen::Screen;
 use crate::color::Primaries;
 use crate::simd::SimdLevel;
 
@@ -54,11 +60,15 @@ pub enum View {
     Raw,
     /// cd/m² in the file are cd/m² on a screen of which the white is known.
     Absolute,
+    /// Luminance as colors: [`Settings::false_color`].
+    FalseColor,
+    /// A look-up table of the user's: [`Settings::cube`].
+    Cube,
 }
 
 impl View {
-    /// Every view, in the order of the documentation.
-    pub const ALL: [Self; 12] = [
+    /// Every view that needs no file, in the order of the documentation.
+    pub const ALL: [Self; 13] = [
         Self::Srgb,
         Self::Reinhard,
         Self::ReinhardExtended,
@@ -71,6 +81,7 @@ impl View {
         Self::Aces2,
         Self::Raw,
         Self::Absolute,
+        Self::FalseColor,
     ];
 
     /// The name on the command line.
@@ -88,6 +99,8 @@ impl View {
             Self::Aces2 => "aces2",
             Self::Raw => "raw",
             Self::Absolute => "absolute",
+            Self::FalseColor => "false-color",
+            Self::Cube => "lut",
         }
     }
 
@@ -101,7 +114,13 @@ impl View {
             | Self::AcesFit
             | Self::Raw
             | Self::Absolute => true,
-            Self::AcesFitHill | Self::PbrNeutral | Self::Agx | Self::Aces1 | Self::Aces2 => false,
+            Self::AcesFitHill
+            | Self::PbrNeutral
+            | Self::Agx
+            | Self::Aces1
+            | Self::Aces2
+            | Self::FalseColor
+            | Self::Cube => false,
         }
     }
 
@@ -124,14 +143,16 @@ impl View {
             | Self::Agx
             | Self::Aces1
             | Self::Raw
-            | Self::Absolute => None,
+            | Self::Absolute
+            | Self::FalseColor
+            | Self::Cube => None,
         }
     }
 
     /// Whether there is light so bright that it is cut off: all above is the screen's white.
     pub const fn clips(self) -> bool {
         match self {
-            Self::Reinhard | Self::PbrNeutral => false,
+            Self::Reinhard | Self::PbrNeutral | Self::FalseColor | Self::Cube => false,
             Self::Srgb
             | Self::ReinhardExtended
             | Self::Hable
@@ -148,7 +169,7 @@ impl View {
 
 /// A view with what it computes once: from exposed linear Rec.709, R, G, B without a coverage multiplied, to
 /// linear Rec.709 light, of which 1 is the screen's white. What is outside of the screen's range clips later.
-pub(super) enum Rendering {
+pub(super) enum Rendering<'a> {
     Srgb(srgb::Clip),
     Reinhard(reinhard::Reinhard),
     ReinhardExtended(reinhard_extended::ReinhardExtended),
@@ -162,6 +183,10 @@ pub(super) enum Rendering {
     Aces2(Box<aces2::Aces2>),
     Raw(raw::Raw),
     Absolute(absolute::Absolute),
+    /// A look-up table of the user's.
+    Cube(&'a Cube),
+    /// Luminance as colors.
+    FalseColor(false_color::Map),
 }
 
 /// The peaks of screens of standard and of high dynamic range in cd/m², of the transforms of ACES 2.0 that OpenColorIO names
@@ -169,10 +194,11 @@ pub(super) enum Rendering {
 const SDR_PEAK: f64 = 100.0;
 const HDR_PEAK: f64 = 1000.0;
 
-impl Rendering {
-    /// For a screen on which a light of 1 has the luminance `white` in cd/m².
-    pub(super) fn new(view: View, screen: Screen, white: f64) -> Self {
-        match view {
+impl<'a> Rendering<'a> {
+    /// For a screen on which a light of 1 has the luminance `white` in cd/m², and a picture that is exposed by 2^`ev`.
+    pub(super) fn new(settings: &Settings<'a>, white: f64, ev: f64) -> Self {
+        let screen = settings.screen;
+        match settings.view {
             View::Srgb => Self::Srgb(srgb::Clip),
             View::Reinhard => Self::Reinhard(reinhard::Reinhard),
             View::ReinhardExtended => Self::ReinhardExtended(Default::default()),
@@ -192,6 +218,11 @@ impl Rendering {
             }
             View::Raw => Self::Raw(raw::Raw),
             View::Absolute => Self::Absolute(absolute::Absolute { white }),
+            View::FalseColor => Self::FalseColor(settings.false_color.map(ev)),
+            View::Cube => match settings.cube {
+                Some(cube) => Self::Cube(cube),
+                None => Self::Srgb(srgb::Clip),
+            },
         }
     }
 
@@ -205,7 +236,9 @@ impl Rendering {
     pub(super) const fn white(&self) -> f64 {
         match self {
             Self::Srgb(_) | Self::Raw(_) => 1.0,
-            Self::Reinhard(_) | Self::PbrNeutral(_) => f64::INFINITY,
+            Self::Reinhard(_) | Self::PbrNeutral(_) | Self::FalseColor(_) | Self::Cube(_) => {
+                f64::INFINITY
+            }
             Self::ReinhardExtended(view) => view.white,
             Self::Hable(_) => hable::Hable::WHITE,
             Self::AcesFit(_) => aces_fit::AcesFit::WHITE,
@@ -232,6 +265,8 @@ impl Rendering {
             Self::Aces2(view) => transform(level, &**view, planes, count),
             Self::Raw(view) => transform(level, view, planes, count),
             Self::Absolute(view) => transform(level, view, planes, count),
+            Self::Cube(view) => transform(level, *view, planes, count),
+            Self::FalseColor(view) => transform(level, view, planes, count),
         }
     }
 }
@@ -261,7 +296,16 @@ impl FromStr for View {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::display::Screen;
     use crate::display::lanes::PIECE;
+
+    fn shown(view: View) -> Rendering<'static> {
+        let settings = Settings {
+            view,
+            ..Settings::new()
+        };
+        Rendering::new(&settings, Screen::Srgb.white(), 0.0)
+    }
 
     #[test]
     fn views_have_names() {
@@ -271,7 +315,7 @@ mod tests {
         assert_eq!(
             "film".parse::<View>().unwrap_err().to_string(),
             "unknown view `film`, expected srgb, reinhard, reinhard-extended, hable, aces-fit, \
-             aces-fit-hill, pbr-neutral, agx, aces1, aces2, raw, absolute"
+             aces-fit-hill, pbr-neutral, agx, aces1, aces2, raw, absolute, false-color"
         );
     }
 
@@ -280,11 +324,7 @@ mod tests {
         for view in View::ALL {
             let grays = std::array::from_fn(|i| (i as f64 / 4.0 - 32.0).exp2());
             let mut planes: Planes = [grays; 3];
-            Rendering::new(view, Screen::Srgb, Screen::Srgb.white()).apply(
-                SimdLevel::default(),
-                &mut planes,
-                PIECE,
-            );
+            shown(view).apply(SimdLevel::default(), &mut planes, PIECE);
             assert!(planes.iter().all(|plane| plane.is_sorted()), "{view}");
             assert!(planes[0][0] >= 0.0, "{view}");
         }
@@ -293,7 +333,7 @@ mod tests {
     #[test]
     fn all_above_the_white_is_cut_off() {
         for view in View::ALL {
-            let rendering = Rendering::new(view, Screen::Srgb, Screen::Srgb.white());
+            let rendering = shown(view);
             let white = rendering.white();
             assert_eq!(view.clips(), white.is_finite(), "{view}");
             let mut planes = [[0.0; PIECE]; 3];
@@ -332,11 +372,7 @@ mod tests {
         for view in View::ALL {
             let bits = |level| {
                 let mut planes = colors();
-                Rendering::new(view, Screen::Srgb, Screen::Srgb.white()).apply(
-                    level,
-                    &mut planes,
-                    PIECE,
-                );
+                shown(view).apply(level, &mut planes, PIECE);
                 assert!(
                     planes.iter().flatten().all(|light| light.is_finite()),
                     "{view}"

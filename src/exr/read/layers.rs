@@ -18,6 +18,14 @@ pub(super) struct Shown {
     pub(super) alpha: Option<usize>,
 }
 
+/// A layer that can be shown.
+#[derive(Clone, Debug)]
+pub(super) struct Layer {
+    /// Empty for what a file of one part has outside of layers.
+    pub(super) name: String,
+    pub(super) shown: Shown,
+}
+
 /// What channels show together, and their alpha.
 type Together = (Shape, Option<usize>);
 
@@ -190,32 +198,49 @@ fn only(part: &Part) -> Option<Together> {
         .or_else(|| (places.len() == 1).then_some((Shape::Single(0), None)))
 }
 
-/// What can be named: layers that show together, then channels that belong to none.
+/// What can be named, for messages.
 fn names(headers: &Headers) -> Vec<String> {
+    let names = list(headers).into_iter().map(|layer| layer.name);
+    names
+        .filter(|name| !name.is_empty())
+        .map(|name| printable(&name))
+        .collect()
+}
+
+/// What can be shown: layers that show together, then channels that belong to none.
+pub(super) fn list(headers: &Headers) -> Vec<Layer> {
     let (mut together, mut single) = (Vec::new(), Vec::new());
     let mut seen = BTreeSet::new();
-    for part in &headers.parts {
+    for (number, part) in headers.parts.iter().enumerate() {
         let mut shown = layers(part);
         shown.retain(|layer, places| shape_of(part, layer, places).is_some());
-        let mut add = |list: &mut Vec<String>, name: &[u8]| {
+        let mut add = |list: &mut Vec<Layer>, name: &[u8], (channels, alpha): Together| {
             let mut name = String::from_utf8_lossy(name).into_owned();
             if !seen.insert(name.clone()) && !part.name.is_empty() {
                 name = format!("{}.{name}", String::from_utf8_lossy(&part.name));
                 seen.insert(name.clone());
             }
-            list.push(printable(&name));
+            let shown = Shown {
+                part: number,
+                channels,
+                alpha,
+            };
+            list.push(Layer { name, shown });
         };
-        for layer in shown.keys() {
+        for (layer, places) in &shown {
+            let Some(shape) = shape_of(part, layer, places) else {
+                continue;
+            };
             match layer {
-                [] if part.name.is_empty() => {}
-                [] => add(&mut together, &part.name),
-                layer => add(&mut together, layer),
+                [] => add(&mut together, &part.name, shape),
+                layer => add(&mut together, layer, shape),
             }
         }
-        for channel in &part.channels {
+        for (place, channel) in part.channels.iter().enumerate() {
             let layer = split(&channel.name).0;
             if !shown.contains_key(layer) || layer.is_empty() && !is_of_color(&channel.name) {
-                add(&mut single, &channel.name);
+                let shape = (Shape::Single(place), None);
+                add(&mut single, &channel.name, shape);
             }
         }
     }

@@ -30,6 +30,7 @@ mod color;
 mod geometry;
 mod header;
 mod layers;
+mod listing;
 mod source;
 
 use std::io::{self, Read};
@@ -41,6 +42,8 @@ use blocks::Blocks;
 pub use channels::{ChannelName, DataWindow, ExrChannels};
 pub use color::{ColorMeaning, ColorTag};
 use header::Headers;
+use layers::{Shape, Shown};
+pub use listing::ExrLayers;
 use source::Source;
 
 use crate::image::Window;
@@ -195,7 +198,19 @@ pub struct ExrReader {
     display_window: [i32; 4],
     pixel_aspect: f32,
     has_alpha: bool,
+    content: Content,
     color: ColorTag,
+}
+
+/// What R, G and B are of what is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Light, a gray among it.
+    Light,
+    /// X, Y and Z of vectors.
+    Vectors,
+    /// A channel by itself, three times.
+    Numbers,
 }
 
 impl ExrReader {
@@ -233,19 +248,26 @@ impl ExrReader {
         source: Result<Source, ExrProblem>,
         layer: Option<&str>,
     ) -> Result<Self, ExrError> {
-        let opened = source.and_then(|source| Self::new(path, source, layer));
+        let opened = source.and_then(|source| {
+            let headers = Headers::read(&source)?;
+            let shown = match layer {
+                None => layers::unnamed(&headers)?,
+                Some(layer) => layers::named(&headers, layer)?,
+            };
+            Self::new(path, Arc::new(source), &headers, shown)
+        });
         opened.map_err(|problem| ExrError {
             path: path.to_path_buf(),
             problem,
         })
     }
 
-    fn new(path: &Path, source: Source, layer: Option<&str>) -> Result<Self, ExrProblem> {
-        let headers = Headers::read(&source)?;
-        let shown = match layer {
-            None => layers::unnamed(&headers)?,
-            Some(layer) => layers::named(&headers, layer)?,
-        };
+    fn new(
+        path: &Path,
+        source: Arc<Source>,
+        headers: &Headers,
+        shown: Shown,
+    ) -> Result<Self, ExrProblem> {
         let part = &headers.parts[shown.part];
         if part.is_deep {
             return Err(deep());
@@ -262,8 +284,13 @@ impl ExrReader {
             display_window: part.display_window,
             pixel_aspect: part.pixel_aspect,
             has_alpha: shown.alpha.is_some(),
+            content: match shown.channels {
+                Shape::Rgb(_) | Shape::Gray(_) | Shape::LumaChroma(_) => Content::Light,
+                Shape::Vector(_) => Content::Vectors,
+                Shape::Single(_) => Content::Numbers,
+            },
             color,
-            blocks: Blocks::new(Arc::new(source), &headers, shown, weights)?,
+            blocks: Blocks::new(source, headers, shown, weights)?,
         })
     }
 
@@ -290,6 +317,11 @@ impl ExrReader {
     /// Whether there is a channel A.
     pub const fn has_alpha(&self) -> bool {
         self.has_alpha
+    }
+
+    /// What it is that is shown.
+    pub const fn content(&self) -> Content {
+        self.content
     }
 
     /// What the file says about the color space; nothing for a layer that holds no colors.

@@ -2,24 +2,45 @@
 //! no font and no SVG has to be read.
 
 use candela::display::Image;
-use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
-
-use super::drawing::{
-    Drawing, Item, MARK_RADIUS, Mark, Segment, UNITS, Xy, glyph, placed, segments,
+use tiny_skia::{
+    Color, FillRule, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
 };
 
-/// The drawing with so many pixels to a unit; `None` where that is no picture.
-pub(super) fn raster(drawing: &Drawing, scale: f64) -> Option<Image> {
+use super::{Drawing, Item, MARK_RADIUS, Mark, Segment, UNITS, Xy, glyph, placed, segments};
+
+/// The drawing on white with so many pixels to a unit; `None` where that is no picture.
+pub(in crate::cli) fn raster(drawing: &Drawing, scale: f64) -> Option<Image> {
+    let pixels = drawn(drawing, scale, Color::WHITE)?;
+    let opaque = pixels.pixels().iter();
+    let opaque = opaque.map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]);
+    let size = [pixels.width(), pixels.height()];
+    Some(Image::opaque(size, opaque.collect()))
+}
+
+/// The drawing on a ground of R, G, B, A, and its width and height in pixels: sRGB-coded, R, G, B not multiplied by A.
+/// `None` where that is no picture.
+pub(in crate::cli) fn raster_on(
+    drawing: &Drawing,
+    scale: f64,
+    [r, g, b, a]: [u8; 4],
+) -> Option<([u32; 2], Vec<[u8; 4]>)> {
+    let pixels = drawn(drawing, scale, Color::from_rgba8(r, g, b, a))?;
+    let plain = pixels.pixels().iter().map(|pixel| {
+        let pixel = pixel.demultiply();
+        [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()]
+    });
+    Some(([pixels.width(), pixels.height()], plain.collect()))
+}
+
+fn drawn(drawing: &Drawing, scale: f64, ground: Color) -> Option<Pixmap> {
     let [width, height] = drawing.size.map(|side| (side * scale).round() as u32);
     let mut pixels = Pixmap::new(width, height)?;
-    pixels.fill(Color::WHITE);
+    pixels.fill(ground);
     let whole = Transform::from_scale(scale as f32, scale as f32);
     for item in &drawing.items {
         draw(&mut pixels, item, whole);
     }
-    let opaque = pixels.pixels().iter();
-    let opaque = opaque.map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]);
-    Some(Image::opaque([width, height], opaque.collect()))
+    Some(pixels)
 }
 
 fn draw(pixels: &mut Pixmap, item: &Item, whole: Transform) {
@@ -39,6 +60,12 @@ fn draw(pixels: &mut Pixmap, item: &Item, whole: Transform) {
             };
             if let Some(path) = polygon(points, false) {
                 pixels.stroke_path(&path, &paint(*color), &stroke, whole, None);
+            }
+        }
+        Item::Fill { at, size, color } => {
+            let ([x, y], [width, height]) = (at.map(|at| at as f32), size.map(|side| side as f32));
+            if let Some(rectangle) = Rect::from_xywh(x, y, width, height) {
+                pixels.fill_rect(rectangle, &paint(*color), whole, None);
             }
         }
         Item::Mark {
@@ -92,7 +119,7 @@ fn draw(pixels: &mut Pixmap, item: &Item, whole: Transform) {
     }
 }
 
-fn paint([r, g, b]: super::drawing::Color) -> Paint<'static> {
+fn paint([r, g, b]: super::Color) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color_rgba8(r, g, b, 255);
     paint.anti_alias = true;

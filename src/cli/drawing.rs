@@ -2,11 +2,17 @@
 //!
 //! Text is outlines, not characters of whatever font a viewer has: it looks the same everywhere.
 
+mod raster;
+mod svg;
+
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
+pub(super) use raster::{raster, raster_on};
+pub(super) use svg::{escaped, svg};
+
 /// The outlines, and where they are from.
-const GLYPHS: &str = include_str!("glyphs.txt");
+const GLYPHS: &str = include_str!("drawing/glyphs.txt");
 
 /// Units of the outlines in the font size.
 pub(super) const UNITS: f64 = 2048.0;
@@ -20,7 +26,7 @@ pub(super) type Color = [u8; 3];
 /// A place or a size, x to the right and y down.
 pub(super) type Xy = [f64; 2];
 
-/// What is drawn, the first things below the others, on white.
+/// What is drawn, the first things below the others, on white unless another ground is given.
 pub(super) struct Drawing {
     pub(super) size: Xy,
     pub(super) items: Vec<Item>,
@@ -33,6 +39,13 @@ pub(super) enum Item {
         color: Color,
         width: f64,
         is_dashed: bool,
+    },
+    /// A rectangle.
+    Fill {
+        /// Its top left.
+        at: Xy,
+        size: Xy,
+        color: Color,
     },
     Mark {
         at: Xy,

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::drawing::{Anchor, Color, Drawing, Item, MARK_RADIUS, Mark, UNITS, Xy, glyph, placed};
+use super::{Anchor, Color, Drawing, Item, MARK_RADIUS, Mark, UNITS, Xy, glyph, placed};
 
 /// The drawing as a file of its own: no font, no style and no other file is asked for.
-pub(super) fn svg(drawing: &Drawing, title: &str) -> String {
+pub(in crate::cli) fn svg(drawing: &Drawing, title: &str) -> String {
     let [width, height] = drawing.size;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
@@ -66,6 +66,15 @@ fn write(svg: &mut String, item: &Item) {
                 code(*color),
             )
         }
+        Item::Fill {
+            at: [x, y],
+            size: [width, height],
+            color,
+        } => writeln!(
+            svg,
+            "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{}\"/>",
+            code(*color),
+        ),
         Item::Mark {
             at,
             mark,
@@ -154,7 +163,7 @@ fn list(points: &[Xy]) -> String {
 }
 
 /// A text as XML and HTML have it, between tags and in quotes.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::cli) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -1,0 +1,371 @@
+//! `candela contact-sheet`: all views of a picture, or all layers of a file, side by side.
+
+mod sheet;
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use candela::display::{Exposure, Image, Report, Settings, Thumbnail, View};
+use candela::exr::{Content, ExrLayers, ExrReader};
+use candela::internal::{counted, printable, printable_path};
+use candela::output::Unfinished;
+use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
+
+use super::Failure;
+use super::develop::ExposureArguments;
+use super::numbers::number;
+use super::render::count;
+use sheet::{Cell, GROUND, Head, Layout, sheet};
+
+/// The most layers on a sheet: more are not looked at, and take their time.
+const MOST: usize = 100;
+
+/// The most columns of a small picture.
+const WIDEST: u32 = 4096;
+
+/// A small picture is at most so many times as high as wide may be.
+const HIGHEST: u32 = 4;
+
+/// What the standard suffix of the sheet's name is.
+const SUFFIX: &str = "contact.png";
+
+/// Make a sheet of small pictures of an EXR: all views of it, or all its layers
+///
+/// Each picture is made small in linear light, from the file itself, and has its name below. All are at the same
+/// exposure. Of layers, those with colors are shown as light; single channels as grays over their range, which is written
+/// beside the name; vectors as colors, 0.5 + 0.5 x.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = "\
+Examples:
+  candela contact-sheet scene.exr
+      Make scene.contact.png here: the picture in each view
+  candela contact-sheet scene.exr --auto-exposure -o views.png
+      At the exposure that brings it into view
+  candela contact-sheet scene.exr --layers
+      Each layer of the file, with its name
+  candela contact-sheet scene.exr --layers --view reinhard --width 240
+      Smaller, and nothing clips
+  candela contact-sheet scene.exr --layer light_key
+      What one light adds, in each view")]
+pub(crate) struct Arguments {
+    /// The EXR file; - is standard input
+    #[arg(value_name = "IN.exr")]
+    input: PathBuf,
+
+    /// The PNG file, or - for standard output [default: IN.contact.png in the current folder]
+    #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
+    output: Option<PathBuf>,
+
+    /// Show all layers in place of all views
+    #[arg(long)]
+    layers: bool,
+
+    /// The layer to show in all views, as in tonemap [default: the channels R, G, B, A outside of layers]
+    #[arg(long, value_name = "NAME", conflicts_with = "layers")]
+    layer: Option<String>,
+
+    /// The view of layers with light [default: srgb]
+    #[arg(
+        long,
+        value_name = "NAME",
+        requires = "layers",
+        value_parser = PossibleValuesParser::new(View::ALL.map(View::name))
+            .try_map(|name| name.parse::<View>())
+    )]
+    view: Option<View>,
+
+    /// Columns of each small picture, 1 to 4096
+    #[arg(long, value_name = "N", default_value_t = 480, value_parser = |text: &str| count(text, WIDEST))]
+    width: u32,
+
+    #[command(flatten)]
+    exposure: ExposureArguments,
+}
+
+/// Makes the sheet; warnings, and the exposure if it was chosen, go to `messages`.
+pub(crate) fn run(
+    arguments: &Arguments,
+    unfinished: &Unfinished,
+    messages: &mut impl Write,
+) -> Result<(), Failure> {
+    let default;
+    let output = match &arguments.output {
+        Some(output) => output.as_path(),
+        None => {
+            default = default_output(&arguments.input)?;
+            &default
+        }
+    };
+    super::refuse_terminal(output)?;
+    let found = if arguments.layers {
+        layers(arguments, output)?
+    } else {
+        views(arguments, output)?
+    };
+    // Nowhere is left to report that the messages themselves cannot be written.
+    for warning in &found.warnings {
+        let _ = writeln!(messages, "warning: {}: {warning}", named(&arguments.input));
+    }
+    if arguments.exposure.exposure().is_auto() {
+        let _ = writeln!(messages, "exposure: {}", shown_exposure(found.ev));
+    }
+    let [width, height] = found.resolution;
+    let mut notes = vec![format!("{width} × {height}"), short_exposure(found.ev)];
+    notes.extend(arguments.view.map(|view| view.name().to_owned()));
+    let head = Head {
+        title: title(&arguments.input, arguments.layer.as_deref()),
+        note: notes.join("  ·  "),
+    };
+    let layout = Layout::new(found.cells.len() as u32, found.picture);
+    let image = sheet(&layout, &head, &found.cells)?;
+    image.write_png(output, unfinished)?;
+    Ok(())
+}
+
+/// What goes on the sheet.
+struct Found {
+    /// Width and height of the file's display window.
+    resolution: [u32; 2],
+    ev: f64,
+    /// Width and height of each picture.
+    picture: [u32; 2],
+    cells: Vec<Cell>,
+    warnings: Vec<String>,
+}
+
+/// One picture in all views.
+fn views(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
+    let reader = ExrReader::open(&arguments.input, arguments.layer.as_deref())?;
+    super::refuse_same_files(&[&arguments.input], &[output])?;
+    let picture = small(arguments.width, &reader);
+    let thumbnail = Thumbnail::new(&reader, picture, arguments.exposure.exposure())?;
+    let ev = thumbnail.ev();
+    let cell = |view: View| Cell {
+        name: view.name().to_owned(),
+        note: String::new(),
+        image: developed(&thumbnail, view, ev),
+    };
+    Ok(Found {
+        resolution: reader.resolution(),
+        ev,
+        picture,
+        cells: View::ALL.into_iter().map(cell).collect(),
+        warnings: thumbnail.warnings().to_vec(),
+    })
+}
+
+/// All layers of a file.
+fn layers(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
+    let file = ExrLayers::open(&arguments.input)?;
+    super::refuse_same_files(&[&arguments.input], &[output])?;
+    let view = arguments.view.unwrap_or_default();
+    let mut warnings = Vec::new();
+    let names: Vec<&str> = file.names().collect();
+    let shown = &names[..names.len().min(MOST)];
+    if shown.len() < names.len() {
+        warnings.push(format!(
+            "{} are left out; show one of them with `candela tonemap --layer NAME`: {}, …",
+            counted(names.len() - MOST, "layer", "layers"),
+            printable(names[MOST]),
+        ));
+    }
+    let Some((&first, rest)) = shown.split_first() else {
+        let file = named(&arguments.input);
+        return Err(format!("{file} has no channels, so that there is nothing to show").into());
+    };
+
+    // The first one says how large the pictures are, and at which exposure.
+    let reader = file.reader(0)?;
+    let (resolution, picture) = (reader.resolution(), small(arguments.width, &reader));
+    let thumbnail = Thumbnail::new(&reader, picture, arguments.exposure.exposure())?;
+    let ev = thumbnail.ev();
+    let mut cells = vec![cell(first, &thumbnail, view, ev)];
+    add_warnings(&mut warnings, &thumbnail);
+    for (number, name) in (1..).zip(rest) {
+        let thumbnail = Thumbnail::new(&file.reader(number)?, picture, Exposure::Ev(ev))?;
+        cells.push(cell(name, &thumbnail, view, ev));
+        add_warnings(&mut warnings, &thumbnail);
+    }
+    Ok(Found {
+        resolution,
+        ev,
+        picture,
+        cells,
+        warnings,
+    })
+}
+
+/// Adds warnings that are not there yet: many are of the file, and not of a layer.
+fn add_warnings(warnings: &mut Vec<String>, thumbnail: &Thumbnail) {
+    for warning in thumbnail.warnings() {
+        if !warnings.contains(warning) {
+            warnings.push(warning.clone());
+        }
+    }
+}
+
+/// A layer as it is shown.
+fn cell(name: &str, thumbnail: &Thumbnail, view: View, ev: f64) -> Cell {
+    let name = if name.is_empty() {
+        "R, G, B".to_owned()
+    } else {
+        printable(name)
+    };
+    match thumbnail.content() {
+        Content::Light => Cell {
+            name,
+            note: String::new(),
+            image: developed(thumbnail, view, ev),
+        },
+        Content::Vectors | Content::Numbers => Cell {
+            name,
+            note: range(thumbnail),
+            image: thumbnail.scaled(GROUND),
+        },
+    }
+}
+
+fn developed(thumbnail: &Thumbnail, view: View, ev: f64) -> Image {
+    thumbnail.developed(&Settings {
+        exposure: Exposure::Ev(ev),
+        view,
+        ..Settings::default()
+    })
+}
+
+/// From what to what a layer goes.
+fn range(thumbnail: &Thumbnail) -> String {
+    let Some(range) = thumbnail.range() else {
+        return "no numbers".to_owned();
+    };
+    let [least, most] = [range.least, range.most].map(digits);
+    if least == most {
+        return least;
+    }
+    let scale = if range.is_logarithmic { ", log" } else { "" };
+    format!("{least} … {most}{scale}")
+}
+
+/// Three significant digits.
+fn digits(value: f64) -> String {
+    let rounded = format!("{value:.2e}").parse().unwrap_or(value);
+    number(rounded).replace('-', "−")
+}
+
+/// Width and height of a small picture: as wide as asked, unless that makes it too high. Pictures that are smaller are made
+/// larger by a whole factor, so that their pixels stay sharp.
+fn small(width: u32, reader: &ExrReader) -> [u32; 2] {
+    let aspect = f64::from(reader.pixel_aspect());
+    // As a range, which holds no NaN.
+    let aspect = if (0.1..=10.0).contains(&aspect) {
+        aspect
+    } else {
+        1.0
+    };
+    small_size(width, reader.resolution(), aspect)
+}
+
+fn small_size(width: u32, resolution: [u32; 2], aspect: f64) -> [u32; 2] {
+    let [columns, rows] = resolution.map(f64::from);
+    let most = f64::from(width);
+    let mut factor = (most / columns).min(most * f64::from(HIGHEST) * aspect / rows);
+    if factor > 1.0 {
+        factor = factor.floor();
+    }
+    [columns * factor, rows * factor / aspect].map(|side| (side.round() as u32).max(1))
+}
+
+/// The file's name without its folder, and the layer.
+fn title(input: &Path, layer: Option<&str>) -> String {
+    let name = Path::new(input.file_name().unwrap_or(input.as_os_str()));
+    let name = named(name);
+    match layer {
+        Some(layer) => format!("{name}  {}", printable(layer)),
+        None => name,
+    }
+}
+
+/// As `tonemap` says it.
+fn shown_exposure(ev: f64) -> String {
+    let report = Report {
+        ev,
+        is_auto: true,
+        resolution: [1, 1],
+        brightest: 0.0,
+        clipped: 0.0,
+        warnings: Vec::new(),
+        notes: Vec::new(),
+    };
+    report.exposure()
+}
+
+/// With two decimals at most.
+fn short_exposure(ev: f64) -> String {
+    let rounded = (ev * 100.0).round() / 100.0;
+    let sign = if rounded > 0.0 { "+" } else { "" };
+    format!("{sign}{} EV", number(rounded).replace('-', "−"))
+}
+
+/// How a message names an input.
+fn named(input: &Path) -> String {
+    if input == Path::new("-") {
+        "standard input".to_owned()
+    } else {
+        printable_path(input)
+    }
+}
+
+/// IN.contact.png in the current folder. An input without a name cannot be read, which is found later.
+fn default_output(input: &Path) -> Result<PathBuf, Failure> {
+    if input == Path::new("-") || input.starts_with("/dev") || input.starts_with("/proc") {
+        let input = named(input);
+        return Err(format!("{input} gives the PNG no name; give it one with -o OUT.png").into());
+    }
+    Ok(Path::new(input.file_name().unwrap_or_default()).with_extension(SUFFIX))
+}
+
+/// A path whose name does not promise another format, such as the input's.
+fn png_path() -> impl TypedValueParser<Value = PathBuf> {
+    OsStringValueParser::new().try_map(|path| {
+        let path = PathBuf::from(path);
+        super::advice::no_frames(&path)?;
+        match path.extension() {
+            Some(extension) if !extension.eq_ignore_ascii_case(OsStr::new("png")) => Err(format!(
+                "candela contact-sheet writes PNG; name the file {}",
+                printable_path(&path.with_extension("png"))
+            )),
+            _ => Ok(path),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_pictures_keep_their_shape() {
+        assert_eq!(small_size(480, [1280, 720], 1.0), [480, 270]);
+        assert_eq!(small_size(480, [60, 40], 1.0), [480, 320]);
+        assert_eq!(small_size(480, [300, 200], 1.0), [300, 200]);
+        assert_eq!(small_size(480, [1280, 720], 2.0), [480, 135]);
+        assert_eq!(small_size(480, [4000, 10], 1.0), [480, 1]);
+        assert_eq!(small_size(480, [10, 40_000], 1.0), [1, 1920]);
+        assert_eq!(small_size(1, [7, 7], 1.0), [1, 1]);
+    }
+
+    #[test]
+    fn what_is_written() {
+        assert_eq!(short_exposure(0.0), "0 EV");
+        assert_eq!(short_exposure(1.456), "+1.46 EV");
+        assert_eq!(short_exposure(-2.0), "−2 EV");
+        assert_eq!(short_exposure(-0.001), "0 EV");
+        assert_eq!(digits(-1234.5), "−1230");
+        assert_eq!(digits(0.000_012_34), "1.23e−5");
+        assert_eq!(title(Path::new("a/b.exr"), None), "b.exr");
+        let default = |input| default_output(Path::new(input)).ok();
+        assert_eq!(default("a/b.c.exr"), Some(PathBuf::from("b.c.contact.png")));
+        assert_eq!(default("-"), None);
+    }
+}

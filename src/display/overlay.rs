@@ -1,0 +1,59 @@
+//! What is laid over a picture: legends, labels.
+
+use super::Bits;
+
+/// Coded pixels that are laid over a picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Overlay {
+    /// Where its top left is in the picture. What is outside of the picture is left out.
+    pub corner: [u32; 2],
+    /// Pixels in a row. Range: above 0.
+    pub width: u32,
+    /// R, G, B, A row by row, by the screen's codes; RGB is not multiplied by A.
+    pub pixels: Vec<[u8; 4]>,
+}
+
+impl Overlay {
+    /// Over row `y` of a picture.
+    pub(super) fn lay_on_row(&self, y: u32, row: &mut [u8], bits: Bits, has_alpha: bool) {
+        let Some(own) = y.checked_sub(self.corner[1]) else {
+            return;
+        };
+        let width = self.width as usize;
+        let Some(over) = self.pixels.chunks(width.max(1)).nth(own as usize) else {
+            return;
+        };
+        let bytes = bits.bytes();
+        let samples = row.chunks_exact_mut((3 + usize::from(has_alpha)) * bytes);
+        for (samples, over) in samples.skip(self.corner[0] as usize).zip(over) {
+            lay(samples, over, bits);
+        }
+    }
+}
+
+/// A pixel over another: Porter and Duff's "over", with colors that are not multiplied by coverage.
+fn lay(samples: &mut [u8], over: &[u8; 4], bits: Bits) {
+    let bytes = bits.bytes();
+    let largest = f64::from(bits.largest());
+    let [r, g, b, a] = over.map(|sample| f64::from(sample) / f64::from(u8::MAX));
+    let mut under = [0.0, 0.0, 0.0, 1.0];
+    for (under, sample) in under.iter_mut().zip(samples.chunks_exact(bytes)) {
+        let code = sample
+            .iter()
+            .fold(0, |code, &byte| code << 8 | u16::from(byte));
+        *under = f64::from(code) / largest;
+    }
+    let coverage = a + under[3] * (1.0 - a);
+    let share = if coverage > 0.0 { a / coverage } else { 0.0 };
+    let mixed = |over: f64, under: f64| under + (over - under) * share;
+    let out = [
+        mixed(r, under[0]),
+        mixed(g, under[1]),
+        mixed(b, under[2]),
+        coverage,
+    ];
+    for (sample, value) in samples.chunks_exact_mut(bytes).zip(out) {
+        let code = bits.quantize(value).to_be_bytes();
+        sample.copy_from_slice(&code[2 - bytes..]);
+    }
+}
