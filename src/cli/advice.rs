@@ -61,7 +61,7 @@ const OPTIONS: [Advice; 20] = [
         "threads are `--threads N`",
     ),
     (
-        &["render", "tonemap"],
+        &["render", "tonemap", "contact-sheet"],
         &[
             "--out",
             "--outfile",
@@ -74,7 +74,7 @@ const OPTIONS: [Advice; 20] = [
         "the file to write is `-o FILE`",
     ),
     (
-        &["render", "tonemap"],
+        &["render", "tonemap", "contact-sheet"],
         &[
             "--ev",
             "--exposure-value",
@@ -357,9 +357,12 @@ fn of_argument(argument: &str, words: &[OsString]) -> Option<String> {
     let is_pixel = argument.split(',').all(|part| part.parse::<u32>().is_ok());
     match (command, extension.as_str()) {
         ("probe", _) if is_pixel => Some(format!("the pixel is `--pixel {shown}`")),
-        ("render", "exr") => Some(format!("the file to write is `-o {shown}`")),
+        ("render", "exr") | ("contact-sheet", "png") => {
+            Some(format!("the file to write is `-o {shown}`"))
+        }
         ("render", "png") => Some(format!("a picture beside the EXR is `--preview {shown}`")),
         ("render" | "check" | "probe", "toml") => Some("one scene is read at a time".to_owned()),
+        ("contact-sheet", "exr") => Some("one EXR is read at a time".to_owned()),
         _ => None,
     }
 }

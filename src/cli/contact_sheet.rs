@@ -27,14 +27,14 @@ const WIDEST: u32 = 4096;
 /// A small picture is at most so many times as high as wide may be.
 const HIGHEST: u32 = 4;
 
-/// What the standard suffix of the sheet's name is.
+/// What the sheet's name has in place of the file's `exr`.
 const SUFFIX: &str = "contact.png";
 
 /// Make a sheet of small pictures of an EXR: all views of it, or all its layers
 ///
 /// Each picture is made small in linear light, from the file itself, and has its name below. All are at the same
-/// exposure. Of layers, those with colors are shown as light; single channels as grays over their range, which is written
-/// beside the name; vectors as colors, 0.5 + 0.5 x.
+/// exposure. Of layers, those with colors are shown as light; single channels as grays over their range, which is
+/// written beside the name; vectors as colors, 0.5 + 0.5 x.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -253,8 +253,8 @@ fn digits(value: f64) -> String {
     number(rounded).replace('-', "−")
 }
 
-/// Width and height of a small picture: as wide as asked, unless that makes it too high. Pictures that are smaller are made
-/// larger by a whole factor, so that their pixels stay sharp.
+/// Width and height of a small picture: as wide as asked, unless that makes it too high. Pictures that are smaller are
+/// made larger by a whole factor, so that their pixels stay sharp.
 fn small(width: u32, reader: &ExrReader) -> [u32; 2] {
     let aspect = f64::from(reader.pixel_aspect());
     // As a range, which holds no NaN.

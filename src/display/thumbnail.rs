@@ -224,8 +224,8 @@ impl Range {
     }
 }
 
-/// Leaves of a row what is a number, with an A of 1, and nothing of the rest; from what to what the numbers go. What has
-/// a depth of nothing is no number.
+/// Leaves of a row what is a number, with an A of 1, and nothing of the rest; from what to what the numbers go.
+/// The depth of nothing is no number.
 fn keep_numbers(row: &mut [[f32; 4]]) -> Option<[f32; 2]> {
     let mut ends = None;
     for pixel in row {
@@ -268,8 +268,8 @@ impl Axis {
         Self { from, to }
     }
 
-    /// The places that pixel `number` of the picture is in, and which share of each it covers. In whole numbers: shares of
-    /// a place have the sum 1, but for rounding.
+    /// The places that pixel `number` of the picture is in, and which share of each it covers. In whole numbers:
+    /// shares of a place have the sum 1, but for rounding.
     fn shares(self, number: u32) -> impl Iterator<Item = (usize, f64)> {
         // In units in which a pixel is `to` wide, and a place `from`.
         let (from, to) = (u64::from(self.from), u64::from(self.to));
@@ -328,23 +328,17 @@ mod tests {
     #[test]
     fn means_are_by_area() {
         let row: Vec<[f32; 4]> = [3.0, 6.0, 9.0].iter().map(|&value| [value; 4]).collect();
-        let means = |to| Axis::new(3, to).means(0, &row);
-        assert_eq!(means(1), [[6.0; 4]]);
+        let assert_means = |to, expected: &[f64]| {
+            let means = Axis::new(3, to).means(0, &row);
+            assert_eq!(means.len(), expected.len());
+            for (mean, expected) in means.into_iter().zip(expected) {
+                assert!((mean[0] - expected).abs() < 1e-14);
+            }
+        };
+        assert_means(1, &[6.0]);
         // The middle one is half in each.
-        for (mean, expected) in means(2).into_iter().zip([4.0, 8.0]) {
-            assert!((mean[0] - expected).abs() < 1e-14);
-        }
-        assert_eq!(means(6).map_each(), [3.0, 3.0, 6.0, 6.0, 9.0, 9.0]);
-    }
-
-    trait MapEach {
-        fn map_each(&self) -> Vec<f64>;
-    }
-
-    impl MapEach for Vec<[f64; 4]> {
-        fn map_each(&self) -> Vec<f64> {
-            self.iter().map(|mean| mean[0]).collect()
-        }
+        assert_means(2, &[4.0, 8.0]);
+        assert_means(6, &[3.0, 3.0, 6.0, 6.0, 9.0, 9.0]);
     }
 
     fn small(content: Content, ends: [f32; 2], pixels: &[[f32; 4]]) -> Thumbnail {
@@ -370,9 +364,10 @@ mod tests {
             depth.scaled([10, 20, 30]).samples(),
             expected.as_flattened()
         );
-        let decades = small(Content::Numbers, [0.1, 1000.0], &[gray(10.0)]);
-        assert!(decades.range().unwrap().is_logarithmic);
-        assert_eq!(decades.scaled([0; 3]).samples(), [128; 3]);
+        // A quarter of eight stops.
+        let stops = small(Content::Numbers, [0.25, 64.0], &[gray(1.0)]);
+        assert!(stops.range().unwrap().is_logarithmic);
+        assert_eq!(stops.scaled([0; 3]).samples(), [64; 3]);
         let flat = small(Content::Numbers, [2.0, 2.0], &[gray(2.0)]);
         assert_eq!(flat.scaled([0; 3]).samples(), [128; 3]);
     }

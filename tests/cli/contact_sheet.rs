@@ -28,7 +28,7 @@ fn views_and_layers() {
         files(folder),
         ["ball.contact.png", "ball.exr", "ball.toml", "layers.png"]
     );
-    // Two pictures in one row, and six in two: R, G, B; N; two lights; Z.
+    // Two pictures in one row, and five in two: R, G, B; N; two lights; Z.
     let views = decode(&folder.join("ball.contact.png"));
     let layers = decode(&folder.join("layers.png"));
     assert_eq!(views.channels, ["R", "G", "B"]);
@@ -77,8 +77,8 @@ fn means_and_exposure() {
         "contact-sheet board.exr --width 1 -o small.png --exposure -2",
     );
     let small = decode(&folder.join("small.png"));
-    // 18 of 35 pixels are lit: 0.7406 / 4, coded as 0.4674, and dithered by less than a code. It is one pixel, after a margin
-    // of 36 units of 0.75 pixels, below a title of 44 more.
+    // 18 of 35 pixels are lit: 0.7406 / 4, coded as 0.4674, and dithered by less than a code. It is one pixel, after a
+    // margin of 36 units of 0.75 pixels, below a title of 44 more.
     let code = small.pixel(27, 27 + 33)[0];
     assert!((code - 0.4674).abs() < 0.004, "{code}");
 

@@ -138,8 +138,8 @@ impl Table {
         before * (-part + 1.0) + after * part
     }
 
-    /// The corners of a cell from its first to its last, by way of the axis on which a color is farthest on, then the next:
-    /// these four, each weighted by what it adds.
+    /// The corners of a cell from its first to its last, by way of the axis on which a color is farthest on, then the
+    /// next: these four, each weighted by what it adds.
     #[inline(always)]
     fn tetrahedral<S: Simd>(&self, simd: S, [r, g, b]: Rgb<S>) -> Rgb<S> {
         let size = self.size as f64;
@@ -282,8 +282,8 @@ mod tests {
         }
     }
 
-    /// Each corner of a cell is red, green or blue, or nothing, so that the sums of weights show themselves: of a color whose
-    /// parts are r > g > b, the corners are 000, 100, 110, 111, with the weights 1 − r, r − g, g − b, b.
+    /// Of a color whose parts are r > g > b the corners are 000, 100, 110, 111, with the weights 1 − r, r − g, g − b, b; and so
+    /// in the other five orders. A table that is 1 in one corner alone shows the weight of that.
     #[test]
     fn six_tetrahedra() {
         let unit = Domain::default();

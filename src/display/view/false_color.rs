@@ -1,7 +1,8 @@
 //! Luminance as colors, to read exposure from a picture.
 //!
-//! The luminance Y of the exposed radiance, by the weights of Rec.709, goes to a place on the map viridis by its logarithm: equal
-//! ratios of light look equally far apart. Below the range a color is black, above it white; neither is on the map.
+//! The luminance Y of the exposed radiance, by the weights of Rec.709, goes to a place on the map viridis by its
+//! logarithm: equal ratios of light look equally far apart. Below the range a color is black, above it white; neither is
+//! on the map.
 //! Of stops, a third of a stop around middle gray shows as middle gray itself.
 
 use fearless_simd::Simd;
@@ -39,7 +40,8 @@ pub enum Measure {
 /// A range that false colors cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "false colors go from a luminance above 0 to a larger one, both from 1e-30 to 1e30, such as 0.1 to 1000; found {least} to {most}"
+    "false colors go from a luminance above 0 to a larger one, both from 1e-30 to 1e30, such as 0.1 to 1000; found \
+     {least} to {most}"
 )]
 pub struct BadRange {
     /// Where it starts.
