@@ -28,12 +28,12 @@ fn views_and_layers() {
         files(folder),
         ["ball.contact.png", "ball.exr", "ball.toml", "layers.png"]
     );
-    // Two pictures in one row, and five in two: R, G, B; N; two lights; Z.
+    // All views, four in a row, and five layers: R, G, B; N; two lights; Z.
     let views = decode(&folder.join("ball.contact.png"));
     let layers = decode(&folder.join("layers.png"));
     assert_eq!(views.channels, ["R", "G", "B"]);
     let [_, _, width, height] = views.data_window;
-    assert!(layers.data_window[3] > height);
+    assert!(layers.data_window[3] < height);
     for [x, y] in [[0, 0], [width as usize - 1, height as usize - 1]] {
         let pixel = views.pixel(x, y);
         assert!(
@@ -88,7 +88,7 @@ fn means_and_exposure() {
     );
     let tonemap = output(folder, "tonemap board.exr --auto-exposure -o tonemap.png");
     assert!(text(&sheet.stderr).starts_with("exposure: -3.000 EV"));
-    assert_eq!(text(&sheet.stderr), text(&tonemap.stderr));
+    assert!(text(&tonemap.stderr).ends_with(&text(&sheet.stderr)));
 }
 
 #[test]

@@ -8,6 +8,7 @@
 //! 4 275 413, 1981): what is affine comes out as it is, and grays stay gray where the table's are. With both, the first
 //! is the *shaper*, whose result is looked up in the second.
 
+mod format;
 mod problem;
 mod read;
 
