@@ -263,7 +263,7 @@ fn develop(
         frame: Frame::Data,
         ..display::Settings::default()
     };
-    let report = display::convert_image(image, preview, &settings, unfinished)?;
+    let report = display::convert_image(image, world.scene_hash(), preview, &settings, unfinished)?;
     Ok(Some(report))
 }
 

@@ -1,23 +1,24 @@
-//! `candela tonemap`: a PNG of an EXR.
+//! `candela tonemap`: a PNG or TIFF of an EXR, or of a picture of another format.
 
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::develop::DevelopArguments;
-use candela::display::{self, Alpha, Bits, Exposure, Frame, Settings};
-use candela::exr::ExrReader;
+use candela::display::{self, Alpha, Bits, Exposure, Frame, Input, OutputFormat, Settings};
 use candela::internal::printable_path;
 use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
-/// Make a PNG of an EXR: expose, map to the screen's range, encode as sRGB
+/// Make a PNG or TIFF of an EXR: expose, map to the screen's range, encode as sRGB
 ///
 /// Reads any OpenEXR file, from candela or elsewhere: R, G, B, A, or luminance Y with or without
 /// chroma, or a layer of it, in the linear color space that it names (Rec.709 where it names none), and
 /// shows its display window. 1.0 in the file becomes the screen's white, unless an exposure is given.
 /// Deep pixels and HTJ2K compression are not read; the message says how to convert such a file.
+///
+/// Reads PNG, JPEG, TIFF and Radiance HDR as well, whatever they are called: codes become linear light,
+/// white is 1.0; floats of a TIFF and the numbers of an HDR are light as they are.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -31,15 +32,20 @@ Examples:
       What one light adds, of an EXR with a layer for each light
   candela tonemap scene.exr --bits 16 --alpha opaque
       16 bits, over black, without alpha
+  candela tonemap scene.exr -o scene.tif --bits 32
+      A TIFF of floats: code values that neither clip nor are rounded
+  candela tonemap studio.hdr --exposure 1 -o studio.png
+      A picture of another format
   candela render scene.toml -o - | candela tonemap - -o scene.png
       Through a pipe")]
 pub(crate) struct Arguments {
-    /// The EXR file; - is standard input
+    /// The EXR file, or a PNG, JPEG, TIFF or Radiance HDR; - is standard input
     #[arg(value_name = "IN.exr")]
     input: PathBuf,
 
-    /// The PNG file, or - for standard output [default: IN.png in the current folder]
-    #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
+    /// The PNG file, or a TIFF where the name ends in .tif or .tiff; - is a PNG to standard output
+    /// [default: IN.png in the current folder]
+    #[arg(short, long, value_name = "OUT.png", value_parser = picture_path())]
     output: Option<PathBuf>,
 
     /// The layer, channel or part to show [default: the channels R, G, B, A outside of layers]
@@ -53,18 +59,18 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     development: DevelopArguments,
 
-    /// Bits of each sample
+    /// Bits of each sample; 32, of a TIFF alone, are floats that neither clip nor are rounded
     #[arg(
         long,
         default_value = "8",
-        value_parser = PossibleValuesParser::new(["8", "16"])
-            .map(|bits| if bits == "16" { Bits::Sixteen } else { Bits::Eight })
+        value_parser = PossibleValuesParser::new(["8", "16", "32"])
+            .map(|bits| Bits::ALL.into_iter().find(|found| found.number().to_string() == bits).unwrap_or_default())
     )]
     bits: Bits,
 
     /// What becomes of coverage
     ///
-    /// keep: the PNG has an alpha channel where the EXR has one, RGB divided by it; opaque: no
+    /// keep: the picture has an alpha channel where the EXR has one, RGB divided by it; opaque: no
     /// alpha, the premultiplied light as it is, over black; auto: keep, but opaque where there is
     /// light without coverage (a background), which a PNG with alpha cannot hold.
     #[arg(
@@ -76,7 +82,16 @@ pub(crate) struct Arguments {
     alpha: Alpha,
 }
 
-/// Makes the PNG; warnings, and the exposure if it was chosen, go to `messages`.
+impl Arguments {
+    /// What is wrong with the options as they stand together.
+    pub(crate) fn misuse(&self) -> Option<String> {
+        let output = self.output.as_deref().unwrap_or(Path::new("-"));
+        let holds = OutputFormat::of(output).holds(self.bits);
+        (!holds).then(|| display::DisplayError::NoFloats.to_string())
+    }
+}
+
+/// Makes the picture; warnings, and the exposure if it was chosen, go to `messages`.
 pub(crate) fn run(
     arguments: &Arguments,
     unfinished: &Unfinished,
@@ -99,13 +114,13 @@ pub(crate) fn run(
         }
     };
     super::refuse_terminal(output)?;
-    // What is no EXR, such as the PNG itself, is told first: another name would not help there.
-    let reader = ExrReader::open(&arguments.input, arguments.layer.as_deref())?;
+    // What is no picture is told first: another name would not help there.
+    let input = Input::open(&arguments.input, arguments.layer.as_deref())?;
     super::refuse_same_files(&[&arguments.input], &[output])?;
-    let report = display::convert_reader(&reader, output, &settings, unfinished)?;
+    let report = display::convert_input(&input, output, &settings, unfinished)?;
 
     // Nowhere is left to report that the messages themselves cannot be written.
-    let remarks = if reader.window().is_some() {
+    let remarks = if input.window().is_some() {
         report.remarks()
     } else {
         // That nothing is shown has been said.
@@ -139,16 +154,20 @@ fn default_output(input: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// A path whose name does not promise another format, such as the input's.
-fn png_path() -> impl TypedValueParser<Value = PathBuf> {
+fn picture_path() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(|path| {
         let path = PathBuf::from(path);
         super::advice::no_frames(&path)?;
         match path.extension() {
-            Some(extension) if !extension.eq_ignore_ascii_case(OsStr::new("png")) => Err(format!(
-                "candela tonemap writes PNG; name the file {}",
-                printable_path(&path.with_extension("png"))
-            )),
-            _ => Ok(path),
+            Some(extension)
+                if !["png", "tif", "tiff"].iter().any(|known| extension.eq_ignore_ascii_case(known)) =>
+            {
+                Err(format!(
+                    "candela tonemap writes PNG and TIFF, names in .png, .tif and .tiff; name the file {}",
+                    printable_path(&path.with_extension("png"))
+                ))
+            }
+            Some(_) | None => Ok(path),
         }
     })
 }
@@ -199,6 +218,15 @@ mod tests {
         assert_eq!(piped.output.as_deref(), Some(Path::new("-")));
         assert_eq!(piped.layer.as_deref(), Some("light_key"));
         assert_eq!(piped.development.dither, Dither::None);
+        for (line, is_misuse) in [
+            ("a.exr --bits 32", true),
+            ("a.exr -o - --bits 32", true),
+            ("a.exr -o a.png --bits 32", true),
+            ("a.exr -o a.TIF --bits 32", false),
+            ("a.exr -o a.tiff --bits 16", false),
+        ] {
+            assert_eq!(parse(line).unwrap().misuse().is_some(), is_misuse, "{line}");
+        }
         let chosen = parse("a.exr --auto-exposure").unwrap();
         assert_eq!(chosen.development.exposure(), Exposure::Auto);
     }
@@ -213,6 +241,7 @@ mod tests {
             "a.exr --exposure 1 --auto-exposure",
             "a.exr --view film",
             "a.exr --bits 12",
+            "a.exr -o a.jpg",
             "a.exr --alpha drop",
             "a.exr --dither noise",
             "a.exr -o a.exr",

@@ -1,10 +1,10 @@
-//! One pixel after the other from radiance to the samples of a PNG, and what is noticed on the way.
+//! One pixel after the other from radiance to the samples of a picture, and what is noticed on the way.
 
 use super::dither::threshold;
 use super::lanes::{PIECE, Planes, transform};
 use super::screen::Transfer;
 use super::view::Rendering;
-use super::{Bits, Dither, Settings, exposure};
+use super::{Bits, Dither, Settings, code_of_8, code_of_16, exposure};
 use crate::color::Primaries;
 use crate::simd::SimdLevel;
 
@@ -56,7 +56,7 @@ impl Develop {
         Self {
             level: SimdLevel::default(),
             scale: exposure::scale(ev),
-            clips: if settings.view.clips() {
+            clips: if settings.view.clips() && settings.bits != Bits::ThirtyTwo {
                 CLIPS
             } else {
                 f64::INFINITY
@@ -71,7 +71,7 @@ impl Develop {
         }
     }
 
-    /// Whether the PNG has alpha.
+    /// Whether the picture has alpha.
     pub(super) const fn has_alpha(&self) -> bool {
         self.has_alpha
     }
@@ -154,7 +154,7 @@ impl Develop {
                         Dither::None => 0.5,
                     };
                     let [r, g, b] = rgb.map(|value| (value * f64::from(u8::MAX) + threshold) as u8);
-                    let alpha = self.bits.quantize(alpha) as u8;
+                    let alpha = code_of_8(alpha);
                     for (sample, code) in samples.iter_mut().zip([r, g, b, alpha]) {
                         *sample = code;
                     }
@@ -163,9 +163,18 @@ impl Develop {
             Bits::Sixteen => {
                 for (samples, (rgb, alpha)) in samples.zip(codes) {
                     let [r, g, b] = rgb;
-                    let codes = [r, g, b, alpha].map(|value| self.bits.quantize(value));
+                    let codes = [r, g, b, alpha].map(code_of_16);
                     for (sample, code) in samples.chunks_exact_mut(2).zip(codes) {
                         sample.copy_from_slice(&code.to_be_bytes());
+                    }
+                }
+            }
+            Bits::ThirtyTwo => {
+                for (samples, (rgb, alpha)) in samples.zip(codes) {
+                    let [r, g, b] = rgb;
+                    let values = [r, g, b, alpha].map(|value| value as f32);
+                    for (sample, value) in samples.chunks_exact_mut(4).zip(values) {
+                        sample.copy_from_slice(&value.to_ne_bytes());
                     }
                 }
             }

@@ -6,8 +6,8 @@ use super::lanes::{Rgb, Transform, each};
 use crate::color::transfer::{CONTRAST, LINEAR_END, OFFSET, SLOPE};
 use crate::simd::{F64x16, power};
 
-/// From linear light in the screen's primaries, of which 1 is its white, to code values from 0 to 1: what is
-/// outside clips.
+/// From linear light in the screen's primaries, of which 1 is its white, to code values. What is outside of 0 to 1 stays
+/// so: above 1 on the curve, below 0 on the line that it begins with. Codes clip it, floats keep it.
 pub(super) enum Transfer {
     /// [`crate::color::transfer`]
     Srgb,
@@ -16,14 +16,11 @@ pub(super) enum Transfer {
 impl Transform for Transfer {
     #[inline(always)]
     fn apply<S: Simd>(&self, simd: S, rgb: Rgb<S>) -> Rgb<S> {
-        let zero = F64x16::splat(simd, 0.0);
-        let one = F64x16::splat(simd, 1.0);
         match self {
             Self::Srgb => each(
                 rgb,
                 #[inline(always)]
                 |light| {
-                    let light = light.max(zero).min(one);
                     let is_linear = light.le(F64x16::splat(simd, LINEAR_END));
                     let curved = power(simd, light, 1.0 / CONTRAST) * (1.0 + OFFSET) - OFFSET;
                     is_linear.select(light * SLOPE, curved)
@@ -41,11 +38,17 @@ mod tests {
 
     #[test]
     fn srgb_is_the_formula() {
-        for i in -10..=1010 {
+        for i in -10..=5000 {
             let light = f64::from(i) / 1000.0;
             let [code, ..] = of_one(&Transfer::Srgb, [light; 3]);
-            let expected = transfer::srgb_encode(light).clamp(0.0, 1.0);
+            let expected = transfer::srgb_encode(light);
             assert!((code - expected).abs() < 1e-11, "{light}: {code}");
+        }
+        // What is brighter than all else still has a code.
+        for light in [1e30, -1e30] {
+            let [code, ..] = of_one(&Transfer::Srgb, [light; 3]);
+            let expected = transfer::srgb_encode(light);
+            assert!((code / expected - 1.0).abs() < 1e-11, "{light}: {code}");
         }
     }
 }

@@ -1,5 +1,5 @@
 //! EXR files as other programs have them: which channels, in which colors, and what is said where they
-//! are not shown.
+//! are not shown; and pictures of other formats.
 
 mod channels;
 mod chroma;
@@ -7,6 +7,7 @@ mod color;
 mod file;
 mod layers;
 mod limits;
+mod pictures;
 mod pipes;
 
 use std::fs;
@@ -14,9 +15,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use candela::display::{
-    Alpha, Bits, Dither, Exposure, Frame, Report, Settings, View, convert_reader,
+    Alpha, Bits, Dither, Exposure, Frame, Input, Report, Settings, View, convert_input,
 };
-use candela::exr::ExrReader;
 use candela::output::Unfinished;
 
 /// Without dither: every value becomes the nearest code.
@@ -40,8 +40,8 @@ struct Shown {
 /// What `candela tonemap` makes of a file, or of a layer of it; the message where it makes nothing.
 fn shown(exr: &Path, layer: Option<&str>, settings: &Settings) -> Result<Shown, String> {
     let png = exr.with_extension("png");
-    let reader = ExrReader::open(exr, layer).map_err(|error| error.to_string())?;
-    let report = convert_reader(&reader, &png, settings, &Unfinished::new());
+    let input = Input::open(exr, layer).map_err(|error| error.to_string())?;
+    let report = convert_input(&input, &png, settings, &Unfinished::new());
     let report = report.map_err(|error| error.to_string())?;
     let bytes = fs::read(&png).unwrap();
     let mut decoder = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();

@@ -44,7 +44,7 @@ use header::Headers;
 use source::Source;
 
 use crate::image::Window;
-use crate::input::is_transient;
+use crate::input::{Hash, is_transient};
 use crate::printable::{printable, printable_path};
 
 /// What an OpenEXR file shows: R, G, B, A inside the display window.
@@ -190,6 +190,7 @@ fn probe(count: usize) -> Result<(), ExrProblem> {
 #[derive(Debug)]
 pub struct ExrReader {
     path: PathBuf,
+    layer: Option<String>,
     blocks: Blocks,
     data_window: [i32; 4],
     display_window: [i32; 4],
@@ -240,6 +241,11 @@ impl ExrReader {
         })
     }
 
+    /// Whether a file begins as every OpenEXR file does.
+    pub(crate) fn begins(start: &[u8]) -> bool {
+        start.starts_with(&source::MAGIC)
+    }
+
     fn new(path: &Path, source: Source, layer: Option<&str>) -> Result<Self, ExrProblem> {
         let headers = Headers::read(&source)?;
         let shown = match layer {
@@ -258,6 +264,7 @@ impl ExrReader {
         let weights = color.meaning().primaries.luminance_weights();
         Ok(Self {
             path: path.to_path_buf(),
+            layer: layer.map(str::to_owned),
             data_window: part.data_window,
             display_window: part.display_window,
             pixel_aspect: part.pixel_aspect,
@@ -315,6 +322,20 @@ impl ExrReader {
             corners(self.data_window),
             corners(self.display_window)
         )]
+    }
+
+    /// The hash of the whole file.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub(crate) fn hash(&self) -> Result<Hash, ExrError> {
+        let hashed = self.blocks.source.hash();
+        hashed.map_err(|problem| self.error(problem))
+    }
+
+    /// The layer that was asked for.
+    pub(crate) fn layer(&self) -> Option<&str> {
+        self.layer.as_deref()
     }
 
     /// The rows of [`ExrReader::window`], in groups that are well read together, from the top. Together they
