@@ -78,7 +78,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, ImageFileProblem> {
 
 fn problem(error: DecodingError) -> ImageFileProblem {
     match error {
-        DecodingError::IoError(error) => of_memory(error),
+        DecodingError::IoError(error) => of_memory(&error),
         DecodingError::Format(error) => {
             let said = error.to_string();
             damaged(if said.contains("unexpected end") {

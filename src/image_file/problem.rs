@@ -94,21 +94,20 @@ pub(super) fn unsupported(format: ImageFormat, kind: &str) -> ImageFileProblem {
     ))
 }
 
-/// What an error of the system while a file in memory is decoded means.
-pub(super) fn of_memory(error: io::Error) -> ImageFileProblem {
+/// What an error of reading means where the file is in memory, which reads without errors of its own.
+pub(super) fn of_memory(error: &io::Error) -> ImageFileProblem {
     match error.kind() {
         io::ErrorKind::UnexpectedEof => damaged(TOO_EARLY),
-        io::ErrorKind::InvalidData => damaged("it holds what the format does not have"),
-        _ => ImageFileProblem::Io(error),
+        _ => damaged(&error.to_string()),
     }
 }
 
 /// What an error of a decoder means.
 pub(super) fn of_decoder(format: ImageFormat, error: ImageError) -> ImageFileProblem {
     match error {
-        ImageError::IoError(error) => of_memory(error),
+        ImageError::IoError(error) => of_memory(&error),
         ImageError::Unsupported(error) => unsupported(format, &error.to_string()),
-        ImageError::Limits(_) => unsupported(format, "it takes too much memory"),
+        ImageError::Limits(_) => damaged("it claims more memory than its pixels take"),
         ImageError::Decoding(error) => {
             let cause = std::error::Error::source(&error).map(ToString::to_string);
             damaged(&cause.unwrap_or_else(|| error.to_string()))
