@@ -46,6 +46,7 @@
 //! | `shading` | how much light goes from there to the viewer (L3, L5 to L9) |
 //! | [`image`] | what an image is: its window, its pixels and channels |
 //! | [`exr`] | images to OpenEXR and back |
+//! | `image_file` | PNG, JPEG, TIFF and Radiance HDR to linear light |
 //! | [`mod@render`] | tiles, their samples, the box filter, and where finished tiles go |
 //! | [`display`] | EXR to PNG: exposure, view, sRGB |
 //! | `compare` | how far an image is from a reference: errors of numbers, relative ones, ꟻLIP |
@@ -125,6 +126,8 @@ pub mod compare;
 pub mod display;
 pub mod exr;
 pub mod image;
+#[doc(hidden)]
+pub mod image_file;
 mod input;
 mod math;
 mod memory;
@@ -160,10 +163,10 @@ pub mod internal {
 #[doc = include_str!("../docs/library.md")]
 struct LibraryPage;
 
+pub use self::image::Film;
 pub use camera::{Camera, Projection};
 #[doc(hidden)]
 pub use color::Primaries;
-pub use image::Film;
 pub use math::{DVec3, Direction, Point, Ray};
 pub use memory::OutOfMemory;
 pub use render::{Options, Renderer, render};

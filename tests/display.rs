@@ -590,7 +590,7 @@ fn the_old_png_stays_if_there_is_no_new_one() {
     fs::write(&png, "old").unwrap();
     fs::write(&exr, "no EXR").unwrap();
     let convert_to = |png: &Path| convert(&exr, png, &NEAREST, &Unfinished::new());
-    assert!(matches!(convert_to(&png), Err(DisplayError::Read(_))));
+    assert!(matches!(convert_to(&png), Err(DisplayError::Decode(_))));
 
     fs::write(&exr, exr_of(&[[0.5; 4]])).unwrap();
     let missing = folder.path().join("none").join("a.png");

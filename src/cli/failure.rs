@@ -9,6 +9,7 @@ use std::process::ExitCode;
 use candela::OutOfMemory;
 use candela::display::DisplayError;
 use candela::exr::ExrError;
+use candela::image_file::ImageFileError;
 use candela::output::{self, OutputError};
 use candela::scene::Diagnostics;
 use rayon::ThreadPoolBuildError;
@@ -85,6 +86,9 @@ fn is_transient(error: &(dyn Error + 'static)) -> bool {
             .downcast_ref::<ExrError>()
             .is_some_and(ExrError::is_transient)
         || error
+            .downcast_ref::<ImageFileError>()
+            .is_some_and(ImageFileError::is_transient)
+        || error
             .downcast_ref::<OutputError>()
             .is_some_and(OutputError::is_transient)
         || error
@@ -116,6 +120,7 @@ fn cause<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a (dyn Error + 'stati
     if let Some(error) = error.downcast_ref::<DisplayError>() {
         return match error {
             DisplayError::Read(cause) => Some(cause),
+            DisplayError::Decode(cause) => Some(cause),
             DisplayError::Write(cause) => Some(cause),
             DisplayError::Memory(cause) => Some(cause),
             _ => error.source(),

@@ -285,7 +285,7 @@ fn develop(
         frame: Frame::Data,
         ..arguments.development.settings(&look)
     };
-    let report = display::convert_image(image, preview, &settings, unfinished)?;
+    let report = display::convert_image(image, world.scene_hash(), preview, &settings, unfinished)?;
     Ok(Some(report))
 }
 

@@ -1,9 +1,8 @@
-//! `candela tonemap`: a PNG of an EXR.
+//! `candela tonemap`: a PNG or TIFF of an EXR, or of a picture of another format.
 
 mod many;
 mod watch;
 
-use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -12,19 +11,21 @@ use super::develop::DevelopArguments;
 use super::display_server::DisplayServer;
 use super::sequence::{Conversion, conversions};
 use candela::Primaries;
-use candela::display::{self, Alpha, Bits, Frame, Settings};
-use candela::exr::ExrReader;
+use candela::display::{self, Alpha, Bits, Frame, Input, OutputFormat, Settings};
 use candela::image::Window;
 use candela::internal::printable_path;
 use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
-/// Make a PNG of an EXR: expose, map to the screen's range, encode as sRGB
+/// Make a PNG or TIFF of an EXR: expose, map to the screen's range, encode as sRGB
 ///
 /// Reads any OpenEXR file, from candela or elsewhere: R, G, B, A, or luminance Y with or without
 /// chroma, or a layer of it, in the linear color space that it names (Rec.709 where it names none), and
 /// shows its display window. 1.0 in the file becomes the screen's white, unless an exposure is given.
 /// Deep pixels and HTJ2K compression are not read; the message says how to convert such a file.
+///
+/// Reads PNG, JPEG, TIFF and Radiance HDR as well, whatever they are called: codes become linear light,
+/// white is 1.0; floats of a TIFF and the numbers of an HDR are light as they are.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -42,19 +43,23 @@ Examples:
       All frames of a sequence
   candela tonemap scene.exr --display rec2020-pq -o hdr.png
       For an HDR screen
+  candela tonemap scene.exr -o scene.tif --bits 32
+      A TIFF of floats: code values that neither clip nor are rounded
+  candela tonemap studio.hdr --exposure 1 -o studio.png
+      A picture of another format
   candela tonemap scene.exr --watch
       Again whenever the file changes
   candela render scene.toml -o - | candela tonemap - -o scene.png
       Through a pipe")]
 pub(crate) struct Arguments {
-    /// The EXR file; - is standard input. Many files, f.####.exr or f.%04d.exr for the frames of a sequence, or a
-    /// pattern such as '*.exr' become a PNG each
+    /// The EXR file, or a PNG, JPEG, TIFF or Radiance HDR; - is standard input. Many files, f.####.exr or f.%04d.exr
+    /// for the frames of a sequence, or a pattern such as '*.exr' become a picture each
     #[arg(value_name = "IN.exr", required = true)]
     inputs: Vec<PathBuf>,
 
-    /// The PNG file, or - for standard output; of many files a folder, or f.####.png [default: IN.png in the
-    /// current folder]
-    #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
+    /// The PNG file, or a TIFF where the name ends in .tif or .tiff; - is a PNG to standard output; of many files a
+    /// folder, or f.####.png [default: IN.png in the current folder]
+    #[arg(short, long, value_name = "OUT.png", value_parser = picture_path())]
     output: Option<PathBuf>,
 
     /// The layer, channel or part to show [default: the channels R, G, B, A outside of layers]
@@ -94,17 +99,17 @@ pub(crate) struct Arguments {
     #[arg(short, long)]
     quiet: bool,
 
-    /// Bits of each sample [default: 8, or 16 for HDR]
+    /// Bits of each sample; 32, of a TIFF alone, are floats that neither clip nor are rounded [default: 8, or 16 for HDR]
     #[arg(
         long,
-        value_parser = PossibleValuesParser::new(["8", "16"])
-            .map(|bits| if bits == "16" { Bits::Sixteen } else { Bits::Eight })
+        value_parser = PossibleValuesParser::new(["8", "16", "32"])
+            .map(|bits| Bits::ALL.into_iter().find(|found| found.number().to_string() == bits).unwrap_or_default())
     )]
     bits: Option<Bits>,
 
     /// What becomes of coverage
     ///
-    /// keep: the PNG has an alpha channel where the EXR has one, RGB divided by it; opaque: no
+    /// keep: the picture has an alpha channel where the EXR has one, RGB divided by it; opaque: no
     /// alpha, the premultiplied light as it is, over black; auto: keep, but opaque where there is
     /// light without coverage (a background), which a PNG with alpha cannot hold.
     #[arg(
@@ -134,9 +139,16 @@ impl Arguments {
             Bits::Eight
         })
     }
+
+    /// What is wrong with the options as they stand together.
+    pub(crate) fn misuse(&self) -> Option<String> {
+        let output = self.output.as_deref().unwrap_or(Path::new("-"));
+        let holds = OutputFormat::of(output).holds(self.bits());
+        (!holds).then(|| display::DisplayError::NoFloats.to_string())
+    }
 }
 
-/// Makes the PNGs; warnings, and exposures that were chosen, go to `messages`.
+/// Makes the pictures; warnings, and exposures that were chosen, go to `messages`.
 pub(crate) fn run(
     arguments: &Arguments,
     unfinished: &Unfinished,
@@ -170,8 +182,8 @@ fn convert(
     unfinished: &Unfinished,
 ) -> Result<String, Failure> {
     super::refuse_terminal(output)?;
-    // What is no EXR, such as the PNG itself, is told first: another name would not help there.
-    let reader = ExrReader::open(input, arguments.layer.as_deref())?;
+    // What is no picture is told first: another name would not help there.
+    let reader = Input::open(input, arguments.layer.as_deref())?;
     super::refuse_same_files(&[input], &[output])?;
     let mut lines = Vec::new();
     if let Some(address) = &arguments.display_server {
@@ -186,7 +198,7 @@ fn convert(
         shows_invalid: arguments.show_invalid,
         ..arguments.development.settings(&look)
     };
-    let report = display::convert_reader(&reader, output, &settings, unfinished)?;
+    let report = display::convert_input(&reader, output, &settings, unfinished)?;
 
     let remarks = if reader.window().is_some() {
         report.remarks()
@@ -211,13 +223,13 @@ fn convert(
 }
 
 /// Shows what a file has in a viewer; what there is to say of it.
-fn show(address: &str, reader: &ExrReader, input: &Path) -> Result<Option<String>, Failure> {
+fn show(address: &str, input: &Input, path: &Path) -> Result<Option<String>, Failure> {
     let channels = ["R", "G", "B", "A"].map(str::to_owned).to_vec();
-    let name = named(input);
-    let server = DisplayServer::connect(address, &name, reader.resolution(), channels)?;
-    if let Some(window) = reader.window() {
-        for band in reader.bands() {
-            let pixels = reader.new_rows(band.clone())?;
+    let name = named(path);
+    let server = DisplayServer::connect(address, &name, input.resolution(), channels)?;
+    if let Some(window) = input.window() {
+        for band in input.bands() {
+            let pixels = input.rows(band.clone())?;
             let rows = Window {
                 y: window.y + band.start,
                 height: band.end - band.start,
@@ -241,19 +253,20 @@ fn named(input: &Path) -> String {
 }
 
 /// A path whose name does not promise another format, such as the input's.
-fn png_path() -> impl TypedValueParser<Value = PathBuf> {
+fn picture_path() -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(|path| {
         let path = PathBuf::from(path);
         match path.extension() {
             Some(extension)
-                if !extension.eq_ignore_ascii_case(OsStr::new("png")) && !path.is_dir() =>
+                if !["png", "tif", "tiff"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+                    && !path.is_dir() =>
             {
                 Err(format!(
-                    "candela tonemap writes PNG; name the file {}",
+                    "candela tonemap writes PNG and TIFF, names in .png, .tif and .tiff; name the file {}",
                     printable_path(&path.with_extension("png"))
                 ))
             }
-            _ => Ok(path),
+            Some(_) | None => Ok(path),
         }
     })
 }
@@ -313,6 +326,15 @@ mod tests {
             piped.development.settings(&Look::default()).dither,
             Dither::None
         );
+        for (line, is_misuse) in [
+            ("a.exr --bits 32", true),
+            ("a.exr -o - --bits 32", true),
+            ("a.exr -o a.png --bits 32", true),
+            ("a.exr -o a.TIF --bits 32", false),
+            ("a.exr -o a.tiff --bits 16", false),
+        ] {
+            assert_eq!(parse(line).unwrap().misuse().is_some(), is_misuse, "{line}");
+        }
         let chosen = parse("a.exr --auto-exposure").unwrap();
         assert_eq!(chosen.development.exposure(), Exposure::Auto);
     }
@@ -327,6 +349,7 @@ mod tests {
             "a.exr --exposure 1 --auto-exposure",
             "a.exr --view film",
             "a.exr --bits 12",
+            "a.exr -o a.jpg",
             "a.exr --alpha drop",
             "a.exr --dither noise",
             "a.exr -o a.exr",

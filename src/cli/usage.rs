@@ -30,14 +30,26 @@ pub(super) fn parse() -> Result<Arguments, clap::Error> {
 
 fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
     let arguments = Arguments::try_parse_from(words)?;
-    if let Command::Render(render) = &arguments.command
-        && let Some(misuse) = render.misuse()
-    {
+    let misuse = match &arguments.command {
+        Command::Render(render) => render.misuse().map(|misuse| ("render", misuse)),
+        Command::Tonemap(tonemap) => tonemap.misuse().map(|misuse| ("tonemap", misuse)),
+        Command::Check(_)
+        | Command::Probe(_)
+        | Command::Verify(_)
+        | Command::Report(_)
+        | Command::Diff(_)
+        | Command::ContactSheet(_)
+        | Command::New(_)
+        | Command::Completions(_)
+        | Command::Schema(_)
+        | Command::Man(_) => None,
+    };
+    if let Some((name, misuse)) = misuse {
         let mut command = Arguments::command();
         command.build();
-        let render = command.find_subcommand_mut("render");
-        let render = render.expect("the command that was parsed is there");
-        return Err(render.error(ErrorKind::ArgumentConflict, misuse));
+        let command = command.find_subcommand_mut(name);
+        let command = command.expect("the command that was parsed is there");
+        return Err(command.error(ErrorKind::ArgumentConflict, misuse));
     }
     Ok(arguments)
 }

@@ -183,4 +183,21 @@ mod tests {
         let back = conversion(&Primaries::REC709, &Primaries::XYZ);
         assert!(back.abs_diff_eq(Primaries::REC709.to_xyz(), ROUNDING));
     }
+
+    /// palette inverts Bradford's matrix as it is printed, to seven digits.
+    #[test]
+    fn palette_agrees_to_its_digits() {
+        use palette::Xyz;
+        use palette::chromatic_adaptation::AdaptFromUnclamped;
+        use palette::white_point::{Any, D50, D65, WhitePoint};
+        let vector = |white: Xyz<Any, f64>| DVec3::new(white.x, white.y, white.z);
+        let ours = bradford(vector(D65::get_xyz()), vector(D50::get_xyz()));
+        for column in 0..3 {
+            let [x, y, z] = [0, 1, 2].map(|place| f64::from(u8::from(place == column)));
+            let Xyz { x, y, z, .. } =
+                Xyz::<D50, f64>::adapt_from_unclamped(Xyz::<D65, f64>::new(x, y, z));
+            let theirs = DVec3::new(x, y, z);
+            assert!(ours.col(column).abs_diff_eq(theirs, 1.6e-7), "{theirs}");
+        }
+    }
 }

@@ -333,4 +333,37 @@ mod tests {
         let white = dark.to_xyz() * DVec3::ONE;
         assert!(white.abs_diff_eq(dark.white_xyz(), ROUNDING), "{white}");
     }
+
+    /// palette's white is D65 to five digits of XYZ, ours that of xy to four, as the standards have it.
+    #[test]
+    fn palette_agrees_as_far_as_its_white() {
+        use palette::Xyz;
+        use palette::convert::FromColorUnclamped;
+        use palette::encoding::{DisplayP3, Linear, Rec2020, Srgb};
+        use palette::rgb::Rgb;
+        use palette::white_point::D65;
+        const OF_WHITE: f64 = 4.6e-4;
+        for column in 0..3 {
+            let [r, g, b] = [0, 1, 2].map(|place| f64::from(u8::from(place == column)));
+            let theirs: [(Primaries, Xyz<D65, f64>); 3] = [
+                (
+                    Primaries::REC709,
+                    Xyz::from_color_unclamped(Rgb::<Linear<Srgb>, f64>::new(r, g, b)),
+                ),
+                (
+                    Primaries::P3_D65,
+                    Xyz::from_color_unclamped(Rgb::<Linear<DisplayP3>, f64>::new(r, g, b)),
+                ),
+                (
+                    Primaries::REC2020,
+                    Xyz::from_color_unclamped(Rgb::<Linear<Rec2020>, f64>::new(r, g, b)),
+                ),
+            ];
+            for (space, Xyz { x, y, z, .. }) in theirs {
+                let ours = space.to_xyz().col(column);
+                let theirs = DVec3::new(x, y, z);
+                assert!(ours.abs_diff_eq(theirs, OF_WHITE), "{ours} {theirs}");
+            }
+        }
+    }
 }

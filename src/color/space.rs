@@ -208,6 +208,12 @@ impl Primaries {
         found.map(|space| space.linear.primaries)
     }
 
+    /// The name of the linear space that has them, if it is known.
+    pub fn name(&self) -> Option<&'static str> {
+        let found = spaces().find(|space| space.linear.primaries == *self);
+        found.map(|space| space.name)
+    }
+
     /// The names of all linear spaces that are known.
     pub fn names() -> impl Iterator<Item = &'static str> {
         spaces().map(|space| space.name)

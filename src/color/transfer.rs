@@ -1,8 +1,8 @@
-//! Transfer functions: sRGB (IEC 61966-2-1) to the letter, and the constants of HDR's two (ITU-R BT.2100-2).
+//! Transfer functions: sRGB's (IEC 61966-2-1) to the letter, and PQ's and HLG's of ITU-R BT.2100-2.
 //!
 //! Powers are libm's own, which are the same on every machine.
 //!
-//! The standard's two pieces meet to seven digits only; its constants are kept, as everyone's are.
+//! The two pieces of sRGB's standard meet to seven digits only; its constants are kept, as everyone's are.
 
 /// Where the linear piece ends, in light.
 pub(crate) const LINEAR_END: f64 = 0.003_130_8;
@@ -66,9 +66,59 @@ pub(crate) mod hlg {
     pub(crate) const LUMINANCE: [f64; 3] = [0.2627, 0.6780, 0.0593];
 }
 
+/// PQ's code value, 0 to 1, to luminance in cd/m², 0 to 10 000 (ITU-R BT.2100-2, table 4, the EOTF).
+pub(crate) fn pq_decode(code: f64) -> f64 {
+    let power = libm::pow(code, 1.0 / pq::M2);
+    pq::PEAK
+        * libm::pow(
+            (power - pq::C1).max(0.0) / (pq::C2 - pq::C3 * power),
+            1.0 / pq::M1,
+        )
+}
+
+/// HLG's code value to the light of the scene, both 0 to 1 (ITU-R BT.2100-2, table 5, the inverse OETF).
+pub(crate) fn hlg_decode(code: f64) -> f64 {
+    if code <= 0.5 {
+        code * code / 3.0
+    } else {
+        (libm::exp((code - hlg::C) / hlg::A) + hlg::B) / 12.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Codes of luminances by the inverse of the EOTF, as colour-science 0.4.7 prints them.
+    #[test]
+    fn pq_is_the_published_one() {
+        for (luminance, code) in [
+            (0.1, 0.062_336_9),
+            (1.0, 0.149_945_7),
+            (18.0, 0.347_966_7),
+            (100.0, 0.508_078_4),
+            (203.0, 0.580_688_9),
+            (1000.0, 0.751_827_1),
+            (4000.0, 0.902_572_4),
+        ] {
+            let found = pq_decode(code);
+            // Half a unit of the code's last digit is 1.3e-6 of the darkest.
+            assert!(
+                (found / luminance - 1.0).abs() < 2.6e-6,
+                "{luminance}: {found}"
+            );
+        }
+        assert_eq!((pq_decode(0.0), pq_decode(1.0)), (0.0, 10_000.0));
+    }
+
+    #[test]
+    fn hlg_is_the_published_one() {
+        // BT.2100-2: the pieces meet at E = 1/12, and 1 is 1.
+        assert!((hlg_decode(0.5) - 1.0 / 12.0).abs() < 1e-15);
+        assert!((hlg_decode(0.5_f64.next_up()) - 1.0 / 12.0).abs() < 1e-8);
+        assert!((hlg_decode(1.0) - 1.0).abs() < 1e-7);
+        assert!((hlg_decode(0.75) - 0.265).abs() < 1e-4);
+    }
 
     #[test]
     fn published_values() {
@@ -108,5 +158,18 @@ mod tests {
         assert!((c - hlg::C).abs() < 1e-15);
         let above = hlg::A * (12.0 * hlg::ROOT_END - hlg::B).ln() + hlg::C;
         assert!((above - 0.5).abs() < 1e-15);
+    }
+
+    /// palette's powers and constants, whose decoding differs by the last bit, which rendered colors would show.
+    #[test]
+    fn palette_agrees() {
+        use palette::encoding::{FromLinear, IntoLinear, Srgb};
+        for i in 0..=10_000 {
+            let value = f64::from(i) / 1e4;
+            let coded: f64 = Srgb::from_linear(value);
+            let light: f64 = Srgb::into_linear(value);
+            assert!((coded - srgb_encode(value)).abs() < 1e-15, "{value}");
+            assert!((light - srgb_decode(value)).abs() < 7e-16, "{value}");
+        }
     }
 }

@@ -1,11 +1,11 @@
-//! One pixel after the other from radiance to the samples of a PNG, and what is noticed on the way.
+//! One pixel after the other from radiance to the samples of a picture, and what is noticed on the way.
 
 use super::dither::threshold;
 use super::gamut::Compression;
 use super::lanes::{Matrix, PIECE, Planes, transform};
 use super::screen::Transfer;
 use super::view::Rendering;
-use super::{Bits, Dither, Gamut, Overlay, Settings, exposure};
+use super::{Bits, Dither, Gamut, Overlay, Settings, code_of_8, code_of_16, exposure};
 use crate::color::Primaries;
 use crate::color::adaptation::cat16;
 use crate::simd::SimdLevel;
@@ -75,7 +75,12 @@ impl<'a> Develop<'a> {
         Self {
             level: SimdLevel::default(),
             scale: exposure::scale(ev),
-            clips: CLIPS * view.white() * if view.is_linear() { headroom } else { 1.0 },
+            clips: if settings.bits == Bits::ThirtyTwo {
+                // Floats hold what is brighter.
+                f64::INFINITY
+            } else {
+                CLIPS * view.white() * if view.is_linear() { headroom } else { 1.0 }
+            },
             balance: settings.white.map(balance),
             to_screen: if is_coded {
                 None
@@ -103,7 +108,7 @@ impl<'a> Develop<'a> {
         }
     }
 
-    /// Whether the PNG has alpha.
+    /// Whether the picture has alpha.
     pub(super) const fn has_alpha(&self) -> bool {
         self.has_alpha
     }
@@ -212,7 +217,7 @@ impl<'a> Develop<'a> {
                         Dither::None => 0.5,
                     };
                     let [r, g, b] = rgb.map(|value| (value * f64::from(u8::MAX) + threshold) as u8);
-                    let alpha = self.bits.quantize(alpha) as u8;
+                    let alpha = code_of_8(alpha);
                     for (sample, code) in samples.iter_mut().zip([r, g, b, alpha]) {
                         *sample = code;
                     }
@@ -221,9 +226,18 @@ impl<'a> Develop<'a> {
             Bits::Sixteen => {
                 for (samples, (rgb, alpha)) in samples.zip(codes) {
                     let [r, g, b] = rgb;
-                    let codes = [r, g, b, alpha].map(|value| self.bits.quantize(value));
+                    let codes = [r, g, b, alpha].map(code_of_16);
                     for (sample, code) in samples.chunks_exact_mut(2).zip(codes) {
                         sample.copy_from_slice(&code.to_be_bytes());
+                    }
+                }
+            }
+            Bits::ThirtyTwo => {
+                for (samples, (rgb, alpha)) in samples.zip(codes) {
+                    let [r, g, b] = rgb;
+                    let values = [r, g, b, alpha].map(|value| value as f32);
+                    for (sample, value) in samples.chunks_exact_mut(4).zip(values) {
+                        sample.copy_from_slice(&value.to_ne_bytes());
                     }
                 }
             }

@@ -1,32 +1,37 @@
 //! From radiance to a picture on a screen.
 //!
 //! ```text
-//! EXR ─ picture ─ exposure ─ view ─ transfer ─ quantize ─ PNG
-//!         │          │         │        │          │
-//!         │          │         │        │          2⁸ codes, dithered, or 2¹⁶
-//!         │          │         │        light 0 to 1 → sRGB code value 0 to 1
-//!         │          │         radiance 0 to ∞ → light 0 to 1
-//!         │          × 2^EV, given or from the log-average luminance
-//!         display window of R, G, B, A; NaN → 0; RGB ÷ A where alpha is kept
+//! input ─ picture ─ exposure ─ view ─ transfer ─ quantize ─ PNG, TIFF
+//!  │      │          │         │        │          │
+//!  │      │          │         │        │          2⁸ codes, dithered, 2¹⁶, or none: floats
+//!  │      │          │         │        light 0 to 1 → sRGB code value 0 to 1
+//!  │      │          │         radiance 0 to ∞ → light 0 to 1
+//!  │      │          × 2^EV, given or from the log-average luminance
+//!  │      display window of R, G, B, A; NaN → 0; RGB ÷ A where alpha is kept
+//!  OpenEXR, row by row; PNG, JPEG, TIFF, Radiance HDR, as a whole
 //! ```
 //!
 //! All of it is computed in f64, each pixel by itself, sixteen side by side: the same picture gives the
-//! same PNG, to the byte, for any number of threads and instruction set.
+//! same file, to the byte, for any number of threads and instruction set.
 
 mod coded;
 mod develop;
 mod dither;
 #[doc(hidden)]
 pub mod exposure;
+mod format;
 mod gamut;
+mod input;
 mod lanes;
 mod overlay;
 mod picture;
 mod png;
+mod provenance;
 mod screen;
 mod source;
 mod stream;
 mod thumbnail;
+mod tiff;
 mod view;
 
 use rayon::prelude::*;
@@ -34,14 +39,20 @@ use rayon::prelude::*;
 use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
+#[doc(hidden)]
+pub use format::OutputFormat;
 pub use gamut::Gamut;
+#[doc(hidden)]
+pub use input::Input;
 pub use overlay::Overlay;
 #[doc(hidden)]
 pub use picture::Picture;
+#[doc(hidden)]
+pub use png::{Coding, ContentLight, Mastering, Tags};
 pub use screen::Screen;
 pub use stream::convert;
 #[doc(hidden)]
-pub use stream::{convert_image, convert_reader};
+pub use stream::{convert_image, convert_input};
 #[doc(hidden)]
 pub use thumbnail::Thumbnail;
 #[doc(hidden)]
@@ -50,6 +61,7 @@ pub use view::{BadRange, Cube, CubeError, CubeFault, CubeProblem, FalseColor, Me
 
 use crate::color::Primaries;
 use crate::exr::ExrError;
+use crate::image_file::ImageFileError;
 use crate::memory::OutOfMemory;
 use crate::output::OutputError;
 
@@ -129,7 +141,7 @@ pub enum Frame {
     Data,
 }
 
-/// Bits of each sample of the PNG.
+/// Bits of each sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Bits {
     /// 256 codes.
@@ -137,30 +149,37 @@ pub enum Bits {
     Eight,
     /// 65 536 codes.
     Sixteen,
+    /// Code values as floats, 1 for full light; nothing is rounded to codes, and nothing clips. For TIFF.
+    ThirtyTwo,
 }
 
 impl Bits {
-    /// The code of full light.
-    pub const fn largest(self) -> u16 {
+    /// Every choice, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Eight, Self::Sixteen, Self::ThirtyTwo];
+
+    /// The number on the command line.
+    pub const fn number(self) -> u8 {
         match self {
-            Self::Eight => u8::MAX as u16,
-            Self::Sixteen => u16::MAX,
+            Self::Eight => 8,
+            Self::Sixteen => 16,
+            Self::ThirtyTwo => 32,
         }
     }
 
     const fn bytes(self) -> usize {
-        match self {
-            Self::Eight => 1,
-            Self::Sixteen => 2,
-        }
+        self.number() as usize / 8
     }
+}
 
-    /// The nearest code of a value from 0 to 1; values outside clip.
-    fn quantize(self, value: f64) -> u16 {
-        // `as` saturates, and rounds down what has half a code added.
-        let code = value * f64::from(self.largest()) + 0.5;
-        (code as u16).min(self.largest())
-    }
+/// The nearest code of a value from 0 to 1, of 8 bits; values outside clip.
+fn code_of_8(value: f64) -> u8 {
+    // `as` saturates, and rounds down what has half a code added.
+    (value * f64::from(u8::MAX) + 0.5) as u8
+}
+
+/// As [`code_of_8`], of 16 bits.
+fn code_of_16(value: f64) -> u16 {
+    (value * f64::from(u16::MAX) + 0.5) as u16
 }
 
 /// What becomes of the picture's coverage A.
@@ -199,7 +218,7 @@ pub struct Image {
     has_alpha: bool,
     bits: Bits,
     /// Row by row from the top, R, G, B and A where there is alpha; 16 bits have the high byte
-    /// first, as in a PNG.
+    /// first, as in a PNG; floats are in the machine's order.
     samples: Vec<u8>,
 }
 
@@ -359,14 +378,20 @@ pub fn digits(number: f64) -> String {
     }
 }
 
-/// An EXR file could not be shown.
+/// A picture could not be shown.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DisplayError {
     /// The EXR could not be read.
     #[error(transparent)]
     Read(#[from] ExrError),
-    /// The PNG could not be written.
+    /// A picture of another format could not be read, or it is none that is.
+    #[error(transparent)]
+    Decode(#[from] ImageFileError),
+    /// The format of the output has no samples of 32 bits.
+    #[error("a PNG has samples of 8 or 16 bits; for 32 bits, name the output .tif")]
+    NoFloats,
+    /// The output could not be written.
     #[error(transparent)]
     Write(#[from] OutputError),
     /// There is no memory for the picture.
@@ -380,6 +405,8 @@ impl DisplayError {
     pub fn is_transient(&self) -> bool {
         match self {
             Self::Read(error) => error.is_transient(),
+            Self::Decode(error) => error.is_transient(),
+            Self::NoFloats => false,
             Self::Write(error) => error.is_transient(),
             Self::Memory(_) => true,
         }

@@ -1,6 +1,6 @@
 //! What is laid over a picture: legends, labels.
 
-use super::Bits;
+use super::{Bits, code_of_8, code_of_16};
 
 /// Coded pixels that are laid over a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,14 +34,15 @@ impl Overlay {
 /// A pixel over another: Porter and Duff's "over", with colors that are not multiplied by coverage.
 fn lay(samples: &mut [u8], over: &[u8; 4], bits: Bits) {
     let bytes = bits.bytes();
-    let largest = f64::from(bits.largest());
     let [r, g, b, a] = over.map(|sample| f64::from(sample) / f64::from(u8::MAX));
     let mut under = [0.0, 0.0, 0.0, 1.0];
     for (under, sample) in under.iter_mut().zip(samples.chunks_exact(bytes)) {
-        let code = sample
-            .iter()
-            .fold(0, |code, &byte| code << 8 | u16::from(byte));
-        *under = f64::from(code) / largest;
+        *under = match *sample {
+            [code] => f64::from(code) / f64::from(u8::MAX),
+            [high, low] => f64::from(u16::from_be_bytes([high, low])) / f64::from(u16::MAX),
+            [a, b, c, d] => f64::from(f32::from_ne_bytes([a, b, c, d])),
+            _ => unreachable!("samples have 8, 16 or 32 bits"),
+        };
     }
     let coverage = a + under[3] * (1.0 - a);
     let share = if coverage > 0.0 { a / coverage } else { 0.0 };
@@ -53,7 +54,10 @@ fn lay(samples: &mut [u8], over: &[u8; 4], bits: Bits) {
         coverage,
     ];
     for (sample, value) in samples.chunks_exact_mut(bytes).zip(out) {
-        let code = bits.quantize(value).to_be_bytes();
-        sample.copy_from_slice(&code[2 - bytes..]);
+        match bits {
+            Bits::Eight => sample.copy_from_slice(&[code_of_8(value)]),
+            Bits::Sixteen => sample.copy_from_slice(&code_of_16(value).to_be_bytes()),
+            Bits::ThirtyTwo => sample.copy_from_slice(&(value as f32).to_ne_bytes()),
+        }
     }
 }

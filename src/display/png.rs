@@ -1,14 +1,17 @@
-//! Writes an image as PNG, tagged as sRGB.
+//! Writes an image as PNG: what its samples mean, and where it comes from, in chunks before the pixels.
 
 use std::io::{self, Write};
 use std::path::Path;
 
+use png::chunk::ChunkType;
+use png::text_metadata::{ITXtChunk, TEXtChunk};
 use png::{
-    BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, SrgbRenderingIntent,
-    Unit,
+    BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, ScaledFloat,
+    SourceChromaticities, SrgbRenderingIntent, Unit, Writer,
 };
 
 use super::{Bits, Image};
+use crate::color::Primaries;
 use crate::output::{self, OutputError, Unfinished};
 
 impl Image {
@@ -25,33 +28,228 @@ impl Image {
     /// # Errors
     /// What the sink reports.
     pub fn write_png_to(&self, sink: impl Write) -> io::Result<()> {
-        let encoder = encoder(sink, self.resolution, self.has_alpha, self.bits);
-        let mut writer = encoder.write_header().map_err(into_io)?;
+        self.write_tagged_png_to(sink, &Tags::default())
+    }
+
+    /// Writes the image as PNG with these tags into `sink`.
+    ///
+    /// # Errors
+    /// What the sink reports; a key that a PNG cannot hold; samples of 32 bits.
+    pub fn write_tagged_png_to(&self, sink: impl Write, tags: &Tags) -> io::Result<()> {
+        let shape = Shape {
+            resolution: self.resolution,
+            has_alpha: self.has_alpha,
+            bits: self.bits,
+            pixel_aspect: 1.0,
+        };
+        let mut writer = begin(sink, shape, tags)?;
         writer.write_image_data(&self.samples).map_err(into_io)?;
         writer.finish().map_err(into_io)
     }
 }
 
-/// A PNG of these properties.
-pub(super) fn encoder<'a, W: Write>(
-    sink: W,
-    [width, height]: [u32; 2],
-    has_alpha: bool,
-    bits: Bits,
-) -> Encoder<'a, W> {
-    let mut encoder = Encoder::new(sink, width, height);
-    encoder.set_color(if has_alpha {
+/// What a PNG says about its samples, and where it comes from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tags {
+    /// What the code values mean.
+    pub coding: Coding,
+    /// Keys, of 1 to 79 characters of Latin-1, and texts.
+    pub text: Vec<(String, String)>,
+    /// The brightest that is shown.
+    pub content_light: Option<ContentLight>,
+    /// The display that the picture was made for.
+    pub mastering: Option<Mastering>,
+}
+
+/// What code values mean: primaries, and the curve to light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coding {
+    /// IEC 61966-2-1.
+    #[default]
+    Srgb,
+    /// Display P3: the primaries of SMPTE EG 432-1, the curve of sRGB.
+    DisplayP3,
+    /// ITU-R BT.2100-2, table 4: the primaries of Rec.2020.
+    Pq,
+    /// ITU-R BT.2100-2, table 5: the primaries of Rec.2020.
+    Hlg,
+    /// The primaries of ITU-R BT.709-6, a power of 2.4 (ITU-R BT.1886).
+    Rec1886,
+    /// Light, with the primaries of ITU-R BT.709-6.
+    Linear,
+}
+
+impl Coding {
+    /// Every coding.
+    pub const ALL: [Self; 6] = [
+        Self::Srgb,
+        Self::DisplayP3,
+        Self::Pq,
+        Self::Hlg,
+        Self::Rec1886,
+        Self::Linear,
+    ];
+
+    /// The code points of its primaries and its curve (ITU-T H.273, tables 2 and 3). BT.1886 has none of its own: it is
+    /// how screens show what has that of BT.709.
+    pub const fn code_points(self) -> [u8; 2] {
+        match self {
+            Self::Srgb => [1, 13],
+            Self::DisplayP3 => [12, 13],
+            Self::Pq => [9, 16],
+            Self::Hlg => [9, 18],
+            Self::Rec1886 => [1, 1],
+            Self::Linear => [1, 8],
+        }
+    }
+
+    /// Its primaries.
+    pub const fn primaries(self) -> Primaries {
+        match self {
+            Self::Srgb | Self::Rec1886 | Self::Linear => Primaries::REC709,
+            Self::DisplayP3 => Primaries::P3_D65,
+            Self::Pq | Self::Hlg => Primaries::REC2020,
+        }
+    }
+
+    /// The exponent from light to code values in hundred thousandths, for programs that know no cICP; `None` where
+    /// no power is near.
+    const fn gamma(self) -> Option<u32> {
+        match self {
+            // The PNG specification's own for the curve of sRGB.
+            Self::Srgb | Self::DisplayP3 => Some(45_455),
+            Self::Rec1886 => Some(41_667),
+            Self::Linear => Some(100_000),
+            Self::Pq | Self::Hlg => None,
+        }
+    }
+}
+
+/// How bright a picture is, in cd/m² (CTA-861.3-A, annex A). Range: 0 to 429 496.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContentLight {
+    /// MaxCLL: the brightest channel of a pixel.
+    pub brightest: f64,
+    /// MaxFALL: the mean over the picture of each pixel's brightest channel.
+    pub average: f64,
+}
+
+/// The display that a picture was made for (SMPTE ST 2086:2018).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mastering {
+    /// Its primaries and white. Range: 0 to 1.31.
+    pub primaries: Primaries,
+    /// Its least and greatest luminance in cd/m². Range: 0 to 429 496.
+    pub luminance: [f64; 2],
+}
+
+/// Units of luminance in cLLI and mDCV: 0.0001 cd/m² (PNG, third edition, sections 11.3.2.8 and 11.3.2.7).
+fn luminance(value: f64) -> [u8; 4] {
+    // `as` saturates.
+    ((value * 1e4).round() as u32).to_be_bytes()
+}
+
+impl ContentLight {
+    fn chunk(self) -> Vec<u8> {
+        [luminance(self.brightest), luminance(self.average)].concat()
+    }
+}
+
+impl Mastering {
+    /// Chromaticities in units of 0.00002, red, green, blue, white; then the greatest and the least luminance.
+    fn chunk(self) -> Vec<u8> {
+        let Primaries {
+            red,
+            green,
+            blue,
+            white,
+        } = self.primaries;
+        let places = [red, green, blue, white].into_iter().flatten();
+        let places = places.map(|value| ((value * 5e4).round() as u16).to_be_bytes());
+        let [least, greatest] = self.luminance.map(luminance);
+        let mut chunk = places.flatten().collect::<Vec<u8>>();
+        chunk.extend(greatest);
+        chunk.extend(least);
+        chunk
+    }
+}
+
+/// The size and kind of a PNG's samples.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    pub(super) resolution: [u32; 2],
+    pub(super) has_alpha: bool,
+    pub(super) bits: Bits,
+    /// How much wider than high a pixel is.
+    pub(super) pixel_aspect: f32,
+}
+
+/// A PNG that is begun: all its chunks before the pixels are written.
+pub(super) fn begin<'a, W: Write>(sink: W, shape: Shape, tags: &Tags) -> io::Result<Writer<W>>
+where
+    W: 'a,
+{
+    let [width, height] = shape.resolution;
+    let mut encoder: Encoder<'a, W> = Encoder::new(sink, width, height);
+    encoder.set_color(if shape.has_alpha {
         ColorType::Rgba
     } else {
         ColorType::Rgb
     });
-    encoder.set_depth(match bits {
+    encoder.set_depth(match shape.bits {
         Bits::Eight => BitDepth::Eight,
         Bits::Sixteen => BitDepth::Sixteen,
+        Bits::ThirtyTwo => return Err(io::Error::new(io::ErrorKind::InvalidInput, NO_FLOATS)),
     });
     encoder.set_compression(Compression::Fast);
-    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    encoder
+    encoder.set_pixel_dims(pixel_dimensions(shape.pixel_aspect));
+    // For programs that know no cICP; of both, cICP counts (PNG, third edition, section 4.3).
+    if tags.coding == Coding::Srgb {
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    } else {
+        if let Some(gamma) = tags.coding.gamma() {
+            encoder.set_source_gamma(ScaledFloat::from_scaled(gamma));
+        }
+        encoder.set_source_chromaticities(chromaticities(&tags.coding.primaries()));
+    }
+    let mut writer = encoder.write_header().map_err(into_io)?;
+    let [primaries, transfer] = tags.coding.code_points();
+    // Of RGB, all of the codes.
+    let mut chunk = |name, content: &[u8]| writer.write_chunk(ChunkType(name), content);
+    chunk(*b"cICP", &[primaries, transfer, 0, 1]).map_err(into_io)?;
+    if let Some(mastering) = tags.mastering {
+        chunk(*b"mDCV", &mastering.chunk()).map_err(into_io)?;
+    }
+    if let Some(content_light) = tags.content_light {
+        chunk(*b"cLLI", &content_light.chunk()).map_err(into_io)?;
+    }
+    for (key, text) in &tags.text {
+        let written = if text.is_ascii() {
+            writer.write_text_chunk(&TEXtChunk::new(key.as_str(), text.as_str()))
+        } else {
+            writer.write_text_chunk(&ITXtChunk::new(key.as_str(), text.as_str()))
+        };
+        written.map_err(into_io)?;
+    }
+    Ok(writer)
+}
+
+/// Why a PNG of floats is refused.
+const NO_FLOATS: &str = "a PNG has no samples of 32 bits";
+
+fn chromaticities(primaries: &Primaries) -> SourceChromaticities {
+    let place = |[x, y]: [f64; 2]| (scaled(x), scaled(y));
+    SourceChromaticities {
+        white: place(primaries.white),
+        red: place(primaries.red),
+        green: place(primaries.green),
+        blue: place(primaries.blue),
+    }
+}
+
+/// A number in hundred thousandths, as gAMA and cHRM have them.
+fn scaled(value: f64) -> ScaledFloat {
+    ScaledFloat::from_scaled((value * 1e5).round() as u32)
 }
 
 /// The chunk pHYs for pixels that are so much wider than high; `None` for square ones, and where it says
@@ -125,8 +323,9 @@ mod tests {
                     [0, 0, 0, 3, 0, 0, 0, 2, depth, kind, 0, 0, 0].as_slice()
                 )
             );
-            // Before the pixels: perceptual intent.
+            // Before the pixels: perceptual intent, and the same for programs that know cICP.
             assert_eq!(chunks[1], (b"sRGB".as_slice(), [0].as_slice()));
+            assert_eq!(chunks[2], (b"cICP".as_slice(), [1, 13, 0, 1].as_slice()));
 
             let mut reader = png::Decoder::new(io::Cursor::new(&bytes))
                 .read_info()
@@ -135,5 +334,149 @@ mod tests {
             reader.next_frame(&mut decoded).unwrap();
             assert_eq!(decoded, image.samples);
         }
+    }
+
+    fn tagged(tags: &Tags) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let image = Image::opaque([1, 1], vec![[1, 2, 3]]);
+        image.write_tagged_png_to(&mut bytes, tags).unwrap();
+        bytes
+    }
+
+    /// Code points by the registry of W3C's PNG, third edition, section 11.3.2.6, whose examples have four of them; and
+    /// what stands beside them for older programs.
+    #[test]
+    fn codings_are_told_twice() {
+        for (coding, points, names, gamma) in [
+            (Coding::Srgb, [1, 13], &["sRGB"][..], None),
+            (Coding::DisplayP3, [12, 13], &["gAMA", "cHRM"], Some(45_455)),
+            (Coding::Pq, [9, 16], &["cHRM"], None),
+            (Coding::Hlg, [9, 18], &["cHRM"], None),
+            (Coding::Rec1886, [1, 1], &["gAMA", "cHRM"], Some(41_667)),
+            (Coding::Linear, [1, 8], &["gAMA", "cHRM"], Some(100_000_u32)),
+        ] {
+            let tags = Tags {
+                coding,
+                ..Tags::default()
+            };
+            let bytes = tagged(&tags);
+            let chunks = chunks(&bytes);
+            let found: Vec<&[u8]> = chunks.iter().map(|(name, _)| *name).collect();
+            let names = ["IHDR"].iter().chain(names);
+            let names = names.chain(&["cICP", "IDAT", "IEND"]);
+            assert!(
+                found
+                    .iter()
+                    .eq(&names.map(|name| name.as_bytes()).collect::<Vec<_>>())
+            );
+            let content = |wanted: &str| {
+                let mut chunks = chunks.iter();
+                chunks
+                    .find(|(name, _)| *name == wanted.as_bytes())
+                    .map(|(_, content)| *content)
+            };
+            let [primaries, transfer] = points;
+            assert_eq!(content("cICP"), Some(&[primaries, transfer, 0, 1][..]));
+            assert_eq!(
+                content("gAMA"),
+                gamma.map(u32::to_be_bytes).as_ref().map(|bytes| &bytes[..])
+            );
+        }
+        // cHRM: white, red, green, blue; of SMPTE EG 432-1 in hundred thousandths.
+        let bytes = tagged(&Tags {
+            coding: Coding::DisplayP3,
+            ..Tags::default()
+        });
+        let values = [
+            31_270, 32_900, 68_000, 32_000, 26_500, 69_000, 15_000, 6000_u32,
+        ];
+        let expected: Vec<u8> = values
+            .iter()
+            .flat_map(|value| value.to_be_bytes())
+            .collect();
+        assert_eq!(chunks(&bytes)[2], (b"cHRM".as_slice(), &expected[..]));
+    }
+
+    /// The examples of the specification: BT.2020's red is 35 400, 14 600; 1000 cd/m² are 10 000 000.
+    #[test]
+    fn mastering_and_content_are_told_in_their_units() {
+        let bytes = tagged(&Tags {
+            coding: Coding::Pq,
+            text: vec![
+                ("Software".to_owned(), "candela".to_owned()),
+                (
+                    "candela:command".to_owned(),
+                    "--layer 'Lämpchen'".to_owned(),
+                ),
+            ],
+            content_light: Some(ContentLight {
+                brightest: 1000.0,
+                average: 0.25,
+            }),
+            mastering: Some(Mastering {
+                primaries: Primaries::REC2020,
+                luminance: [0.0001, 4000.0],
+            }),
+        });
+        let chunks = chunks(&bytes);
+        let names: Vec<String> = chunks
+            .iter()
+            .map(|(name, _)| String::from_utf8_lossy(name).into_owned())
+            .collect();
+        assert_eq!(
+            names,
+            [
+                "IHDR", "cHRM", "cICP", "mDCV", "cLLI", "tEXt", "iTXt", "IDAT", "IEND"
+            ]
+        );
+        let places = [35_400, 14_600, 8500, 39_850, 6550, 2300, 15_635, 16_450_u16];
+        let mut expected: Vec<u8> = places
+            .iter()
+            .flat_map(|place| place.to_be_bytes())
+            .collect();
+        expected.extend([40_000_000, 1_u32].map(u32::to_be_bytes).as_flattened());
+        assert_eq!(chunks[3].1, expected);
+        let expected = [10_000_000, 2500_u32].map(u32::to_be_bytes);
+        assert_eq!(chunks[4].1, expected.as_flattened());
+        assert_eq!(chunks[5].1, b"Software\0candela");
+        assert_eq!(
+            chunks[6].1,
+            "candela:command\0\0\0\0\0--layer 'Lämpchen'".as_bytes()
+        );
+        // And as the crate reads it.
+        let reader = png::Decoder::new(io::Cursor::new(&bytes))
+            .read_info()
+            .unwrap();
+        let info = reader.info();
+        let mastering = info.mastering_display_color_volume.unwrap();
+        assert_eq!(
+            (mastering.max_luminance, mastering.min_luminance),
+            (40_000_000, 1)
+        );
+        assert_eq!(
+            info.content_light_level.unwrap().max_content_light_level,
+            10_000_000
+        );
+        assert_eq!(
+            info.coding_independent_code_points
+                .unwrap()
+                .transfer_function,
+            16
+        );
+    }
+
+    #[test]
+    fn what_a_png_cannot_hold_is_an_error() {
+        let image = Image::opaque([1, 1], vec![[1, 2, 3]]);
+        let tags = Tags {
+            text: vec![("k".repeat(80), String::new())],
+            ..Tags::default()
+        };
+        assert!(image.write_tagged_png_to(io::sink(), &tags).is_err());
+        let floats = Image {
+            bits: Bits::ThirtyTwo,
+            ..image
+        };
+        assert!(floats.write_png_to(io::sink()).is_err());
     }
 }

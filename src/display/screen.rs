@@ -3,6 +3,7 @@
 use fearless_simd::Simd;
 
 use super::lanes::{Rgb, Transform, each};
+use super::png::Coding;
 use crate::color::Primaries;
 use crate::color::transfer::{CONTRAST, LINEAR_END, OFFSET, SLOPE, hlg, pq};
 use crate::simd::{F64x16, log2, power};
@@ -82,6 +83,18 @@ impl Screen {
             Self::Rec2020Pq => Some(pq::PEAK),
             Self::Rec2020Hlg => Some(hlg::PEAK),
             Self::Srgb | Self::P3 | Self::Rec1886 | Self::Linear => None,
+        }
+    }
+
+    /// What its code values are called.
+    pub(super) const fn coding(self) -> Coding {
+        match self {
+            Self::Srgb => Coding::Srgb,
+            Self::P3 => Coding::DisplayP3,
+            Self::Rec2020Pq => Coding::Pq,
+            Self::Rec2020Hlg => Coding::Hlg,
+            Self::Rec1886 => Coding::Rec1886,
+            Self::Linear => Coding::Linear,
         }
     }
 

@@ -2,17 +2,19 @@
 
 use std::ops::Range;
 
-use crate::exr::{ColorTag, ExrError, ExrImage, ExrReader};
+use crate::exr::{ColorTag, Content, ExrError, ExrImage, ExrReader};
 use crate::image::Window;
+use crate::image_file::ImageFile;
 
 /// Pixels of an image in memory that are developed together.
 const TOGETHER: u32 = 1 << 20;
 
-/// What an EXR shows, of a file or in memory.
+/// What is shown: what an EXR shows, of a file or in memory, or a picture of another format.
 #[derive(Clone, Copy)]
 pub(super) enum Source<'s> {
     File(&'s ExrReader),
     Image(&'s ExrImage),
+    Decoded(&'s ImageFile),
 }
 
 impl Source<'_> {
@@ -20,7 +22,7 @@ impl Source<'_> {
     pub(super) fn resolution(self) -> [u32; 2] {
         match self {
             Self::File(file) => file.resolution(),
-            Self::Image(image) => image.resolution,
+            Self::Image(image) | Self::Decoded(ImageFile { image, .. }) => image.resolution,
         }
     }
 
@@ -28,7 +30,7 @@ impl Source<'_> {
     pub(super) fn check_resolution(self) -> Result<(), ExrError> {
         match self {
             Self::File(file) => file.check_resolution(),
-            Self::Image(_) => Ok(()),
+            Self::Image(_) | Self::Decoded(_) => Ok(()),
         }
     }
 
@@ -36,7 +38,15 @@ impl Source<'_> {
     pub(super) fn window(self) -> Option<Window> {
         match self {
             Self::File(file) => file.window(),
-            Self::Image(image) => image.window,
+            Self::Image(image) | Self::Decoded(ImageFile { image, .. }) => image.window,
+        }
+    }
+
+    /// Whether it is light of a file that says by an attribute which light it is.
+    pub(super) fn may_name_its_space(self) -> bool {
+        match self {
+            Self::File(file) => file.content() == Content::Light,
+            Self::Image(_) | Self::Decoded(_) => false,
         }
     }
 
@@ -44,15 +54,15 @@ impl Source<'_> {
     pub(super) fn has_alpha(self) -> bool {
         match self {
             Self::File(file) => file.has_alpha(),
-            Self::Image(image) => image.has_alpha,
+            Self::Image(image) | Self::Decoded(ImageFile { image, .. }) => image.has_alpha,
         }
     }
 
     /// What is said about the color space.
     pub(super) fn color(&self) -> &ColorTag {
-        match self {
+        match *self {
             Self::File(file) => file.color(),
-            Self::Image(image) => &image.color,
+            Self::Image(image) | Self::Decoded(ImageFile { image, .. }) => &image.color,
         }
     }
 
@@ -61,6 +71,7 @@ impl Source<'_> {
         match self {
             Self::File(file) => file.pixel_aspect(),
             Self::Image(_) => 1.0,
+            Self::Decoded(image) => image.pixel_aspect,
         }
     }
 
@@ -69,14 +80,15 @@ impl Source<'_> {
         match self {
             Self::File(file) => file.warnings(),
             Self::Image(_) => Vec::new(),
+            Self::Decoded(image) => image.warnings.clone(),
         }
     }
 
     /// The rows of the window, in groups that are well developed together, from the top.
     pub(super) fn bands(&self) -> Box<dyn Iterator<Item = Range<u32>> + '_> {
-        match self {
+        match *self {
             Self::File(file) => Box::new(file.bands()),
-            Self::Image(image) => {
+            Self::Image(image) | Self::Decoded(ImageFile { image, .. }) => {
                 let [width, height] = image.window.map_or([1, 0], |w| [w.width, w.height]);
                 let rows = (TOGETHER / width.max(1)).max(1);
                 let starts = (0..height).step_by(rows as usize);
@@ -89,7 +101,7 @@ impl Source<'_> {
     pub(super) fn rows(self, rows: Range<u32>) -> Result<Vec<[f32; 4]>, ExrError> {
         match self {
             Self::File(file) => file.new_rows(rows),
-            Self::Image(image) => {
+            Self::Image(image) | Self::Decoded(ImageFile { image, .. }) => {
                 let width = image.window.map_or(0, |window| window.width as usize);
                 let pixels = rows.start as usize * width..rows.end as usize * width;
                 Ok(image.pixels[pixels].to_vec())

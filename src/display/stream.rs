@@ -1,4 +1,5 @@
-//! From an EXR file to a PNG, row by row: neither picture is ever in memory as a whole.
+//! From an EXR file to a PNG, row by row: neither picture is ever in memory as a whole. Inputs of other formats are, and so
+//! is what becomes a TIFF.
 //!
 //! One part of the threads decodes the next rows while the last ones are developed and encoded.
 
@@ -6,18 +7,19 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::Path;
 
-use png::StreamWriter;
 use rayon::prelude::*;
 
 use super::develop::{Develop, Seen};
 use super::exposure::{LogSum, Meter};
 use super::picture::{Prepare, Repaired, has_uncovered_light};
-use super::png::{encoder, into_io, pixel_dimensions};
+use super::png::{self, Shape, Tags, into_io, pixel_dimensions};
+use super::provenance::Provenance;
 use super::source::Source;
-use super::{Alpha, DisplayError, Frame, Report, Settings};
-use crate::exr::{ExrError, ExrImage, ExrReader};
+use super::tiff;
+use super::{Alpha, DisplayError, Frame, Input, OutputFormat, Report, Settings};
+use crate::exr::{ExrError, ExrImage};
 use crate::image::Window;
-use crate::memory;
+use crate::memory::{self, OutOfMemory};
 use crate::output::{self, Sink, Unfinished};
 
 /// Bytes of the PNG that are encoded at a time, before compression.
@@ -27,52 +29,66 @@ const ENCODED: usize = 1 << 22;
 /// one that is developed, and those of the encoder with its filters.
 const ROWS: usize = 10;
 
-/// Makes a PNG of an EXR file, whole or not at all.
+/// Makes a PNG, or a TIFF where its name says so, of an EXR file or a picture of another format, whole or not at all.
 ///
 /// # Errors
-/// If the EXR cannot be read or the PNG cannot be written; the target is then as it was.
+/// If the one cannot be read or the other cannot be written; the target is then as it was.
 pub fn convert(
-    exr: &Path,
-    png: &Path,
+    input: &Path,
+    output: &Path,
     settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
-    convert_reader(&ExrReader::open(exr, None)?, png, settings, unfinished)
+    convert_input(&Input::open(input, None)?, output, settings, unfinished)
 }
 
-/// Makes a PNG of what an EXR file shows, whole or not at all: the same, to the byte, as [`convert`]
-/// makes of the file.
+/// Makes a PNG or TIFF of what an EXR file of the scene with this hash shows, whole or not at all: the same pixels as
+/// [`convert`] makes of the file.
 ///
 /// # Errors
-/// If the PNG cannot be written; the target is then as it was.
+/// If it cannot be written; the target is then as it was.
 pub fn convert_image(
     exr: &ExrImage,
-    png: &Path,
+    scene_hash: &str,
+    output: &Path,
     settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
-    convert_source(&Source::Image(exr), png, settings, unfinished)
+    let provenance = Provenance::of_scene(scene_hash);
+    convert_source(
+        &Source::Image(exr),
+        &provenance,
+        output,
+        settings,
+        unfinished,
+    )
 }
 
-/// Makes a PNG of what an EXR file that is open shows, whole or not at all.
+/// Makes a PNG or TIFF of a picture that is open, whole or not at all.
 ///
 /// # Errors
 /// As [`convert`].
-pub fn convert_reader(
-    exr: &ExrReader,
-    png: &Path,
+pub fn convert_input(
+    input: &Input,
+    output: &Path,
     settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
-    convert_source(&Source::File(exr), png, settings, unfinished)
+    let provenance = Provenance::of_input(input)?;
+    convert_source(&input.into(), &provenance, output, settings, unfinished)
 }
 
 fn convert_source(
     exr: &Source<'_>,
-    png: &Path,
+    provenance: &Provenance,
+    output: &Path,
     settings: &Settings<'_>,
     unfinished: &Unfinished,
 ) -> Result<Report, DisplayError> {
+    let format = OutputFormat::of(output);
+    if !format.holds(settings.bits) {
+        return Err(DisplayError::NoFloats);
+    }
     // Of the data alone, the display window is no matter.
     if settings.frame == Frame::Display || exr.window().is_none() {
         exr.check_resolution()?;
@@ -86,8 +102,16 @@ fn convert_source(
         Ok(meter) => measured(exr, Prepare::from(&primaries, false), &meter)?,
     };
     let shown = Shown::new(exr, settings.frame);
+    let tags = Tags {
+        coding: settings.screen.coding(),
+        text: provenance.texts(settings, ev),
+        mastering: settings.view.mastering(settings.screen),
+        content_light: None,
+    };
     let conversion = |has_alpha| Conversion {
         exr,
+        format,
+        tags: &tags,
         shown,
         prepare,
         develop: Develop::new(settings, ev, has_alpha, shown.origin),
@@ -95,25 +119,25 @@ fn convert_source(
     };
     let is_auto = settings.alpha == Alpha::Auto && exr.has_alpha();
     let has_alpha = may_have_alpha && !(is_auto && is_uncovered);
-    let done = match conversion(has_alpha).write(png, unfinished) {
-        // The PNG is begun again, without alpha.
+    let done = match conversion(has_alpha).write(output, unfinished) {
+        // It is begun again, without alpha.
         Err(Stop::Uncovered) => {
             is_uncovered = true;
-            conversion(false).write(png, unfinished)
+            conversion(false).write(output, unfinished)
         }
         done => done,
     };
     let noticed = match done {
         Ok(noticed) => noticed,
         Err(Stop::Failed(error)) => return Err(error),
-        Err(Stop::Uncovered) => unreachable!("only a PNG with alpha stops there"),
+        Err(Stop::Uncovered) => unreachable!("only a picture with alpha stops there"),
     };
 
     let mut warnings = exr.warnings();
     let mut notes = Vec::new();
     if settings.input.is_none() {
         warnings.extend(color.warning);
-        if color.is_assumed {
+        if color.is_assumed && exr.may_name_its_space() {
             notes.push(
                 "the file names no color space and is taken for linear Rec.709; --input-space says another"
                     .to_owned(),
@@ -122,16 +146,19 @@ fn convert_source(
     }
     warnings.extend(noticed.repaired.warnings(settings.shows_invalid));
     if is_auto && is_uncovered {
-        warnings.push(
+        warnings.push(format!(
             "there is light where coverage is 0, such as a background, a glow, or traces of a \
-             lossy compression: the PNG has no alpha, unless --alpha keep asks for it"
-                .to_owned(),
-        );
+             lossy compression: the {} has no alpha, unless --alpha keep asks for it",
+            format.name()
+        ));
     }
     if pixel_dimensions(exr.pixel_aspect()).is_some() {
+        let told = match format {
+            OutputFormat::Png => "the PNG says so, in a chunk that many programs pass over",
+            OutputFormat::Tiff => "the TIFF does not say so",
+        };
         warnings.push(format!(
-            "its pixels are not square, but {} times as wide as high; the PNG says so, in a \
-             chunk that many programs pass over",
+            "its pixels are not square, but {} times as wide as high; {told}",
             exr.pixel_aspect()
         ));
     }
@@ -219,9 +246,11 @@ impl Shown {
     }
 }
 
-/// A PNG that is being made.
+/// A PNG or TIFF that is being made.
 struct Conversion<'a> {
     exr: &'a Source<'a>,
+    format: OutputFormat,
+    tags: &'a Tags,
     shown: Shown,
     prepare: Prepare,
     develop: Develop<'a>,
@@ -230,9 +259,9 @@ struct Conversion<'a> {
 }
 
 impl Conversion<'_> {
-    fn write(&self, png: &Path, unfinished: &Unfinished) -> Result<Noticed, Stop> {
+    fn write(&self, output: &Path, unfinished: &Unfinished) -> Result<Noticed, Stop> {
         let mut stop = None;
-        let written = output::write(png, unfinished, |sink| {
+        let written = output::write(output, unfinished, |sink| {
             self.write_to(sink).map_err(|error| match error {
                 Halt::Stop(why) => {
                     stop = Some(why);
@@ -249,34 +278,59 @@ impl Conversion<'_> {
     }
 
     fn write_to(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
-        let resolution @ [_, height] = self.shown.resolution;
-        let (bits, has_alpha) = (self.develop.bits(), self.develop.has_alpha());
-        let rows = (ROWS * self.row_bytes()) as u64;
-        memory::look_for(rows).map_err(|error| {
-            io::Error::new(
-                io::ErrorKind::OutOfMemory,
-                error.for_what("rows of the PNG"),
-            )
-        })?;
-        let mut encoder = encoder(sink, resolution, has_alpha, bits);
-        encoder.set_pixel_dims(pixel_dimensions(self.exr.pixel_aspect()));
-        let mut writer = encoder.write_header().map_err(into_io)?;
-        let mut rows = writer.stream_writer().map_err(into_io)?;
-        let noticed = match self.shown.window {
-            None => {
-                self.blank(&mut rows, 0..height)?;
-                Noticed::default()
-            }
-            Some(window) => {
-                self.blank(&mut rows, 0..window.y)?;
-                let noticed = self.window(&mut rows, window)?;
-                self.blank(&mut rows, window.y + window.height..height)?;
-                noticed
-            }
+        match self.format {
+            OutputFormat::Png => self.write_png(sink),
+            OutputFormat::Tiff => self.write_tiff(sink),
+        }
+    }
+
+    fn write_png(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
+        look_for((ROWS * self.row_bytes()) as u64, "rows of the PNG")?;
+        let shape = Shape {
+            resolution: self.shown.resolution,
+            has_alpha: self.develop.has_alpha(),
+            bits: self.develop.bits(),
+            pixel_aspect: self.exr.pixel_aspect(),
         };
+        let mut writer = png::begin(sink, shape, self.tags)?;
+        let mut rows = writer.stream_writer().map_err(into_io)?;
+        let noticed = self.rows(&mut rows)?;
         rows.finish().map_err(into_io)?;
         writer.finish().map_err(into_io)?;
         Ok(noticed)
+    }
+
+    /// The encoder takes the picture as a whole.
+    fn write_tiff(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
+        let height = self.shown.resolution[1] as u64;
+        let bytes = self.row_bytes() as u64 * height;
+        tiff::check(bytes)?;
+        // Rows of 4 MB that are developed beside it.
+        look_for(bytes + 2 * ENCODED as u64, "the samples of the TIFF")?;
+        let mut samples = Vec::new();
+        memory::reserve(&mut samples, bytes as usize)
+            .map_err(|error| out_of_memory(error, "the samples of the TIFF"))?;
+        let noticed = self.rows(&mut samples)?;
+        let (bits, has_alpha) = (self.develop.bits(), self.develop.has_alpha());
+        tiff::write(sink, self.shown.resolution, has_alpha, bits, &mut samples)?;
+        Ok(noticed)
+    }
+
+    /// All rows, one after the other, from the top.
+    fn rows(&self, rows: &mut (dyn Write + Send)) -> Result<Noticed, Halt> {
+        let height = self.shown.resolution[1];
+        Ok(match self.shown.window {
+            None => {
+                self.blank(rows, 0..height)?;
+                Noticed::default()
+            }
+            Some(window) => {
+                self.blank(rows, 0..window.y)?;
+                let noticed = self.window(rows, window)?;
+                self.blank(rows, window.y + window.height..height)?;
+                noticed
+            }
+        })
     }
 
     fn row_bytes(&self) -> usize {
@@ -284,11 +338,7 @@ impl Conversion<'_> {
     }
 
     /// Rows that no data covers.
-    fn blank(
-        &self,
-        rows: &mut StreamWriter<'_, &mut dyn Sink>,
-        blank: Range<u32>,
-    ) -> Result<(), Halt> {
+    fn blank(&self, rows: &mut (dyn Write + Send), blank: Range<u32>) -> Result<(), Halt> {
         let mut row = vec![0; self.row_bytes()];
         for y in blank {
             self.develop.row(y, 0, &[], &mut row);
@@ -298,11 +348,7 @@ impl Conversion<'_> {
     }
 
     /// Rows with data.
-    fn window(
-        &self,
-        rows: &mut StreamWriter<'_, &mut dyn Sink>,
-        window: Window,
-    ) -> Result<Noticed, Halt> {
+    fn window(&self, rows: &mut (dyn Write + Send), window: Window) -> Result<Noticed, Halt> {
         let mut noticed = Noticed::default();
         let mut bands = self.exr.bands();
         let mut samples = Vec::new();
@@ -327,7 +373,7 @@ impl Conversion<'_> {
     /// Develops and encodes some rows of the window.
     fn band(
         &self,
-        rows: &mut StreamWriter<'_, &mut dyn Sink>,
+        rows: &mut (dyn Write + Send),
         window: Window,
         band: Range<u32>,
         mut pixels: Vec<[f32; 4]>,
@@ -361,6 +407,14 @@ impl Conversion<'_> {
         }
         Ok(noticed)
     }
+}
+
+fn look_for(bytes: u64, what: &'static str) -> io::Result<()> {
+    memory::look_for(bytes).map_err(|error| out_of_memory(error, what))
+}
+
+fn out_of_memory(error: OutOfMemory, what: &'static str) -> io::Error {
+    io::Error::new(io::ErrorKind::OutOfMemory, error.for_what(what))
 }
 
 /// What ends the writing of a file.

@@ -83,15 +83,22 @@ fn hard_links_are_one_place() {
     );
 }
 
-/// A picture is no EXR, and another name for what is made of it would not help.
+/// Of what cannot be read, another name for what is made of it would not help.
 #[test]
-fn what_is_no_exr_is_told_before_where_it_would_go() {
+fn what_is_no_picture_is_told_before_where_it_would_go() {
     let folder = folder();
-    let png = b"\x89PNG\r\n\x1a\n";
-    fs::write(folder.path().join("picture.png"), png).unwrap();
+    for (bytes, expected) in [
+        (&b"\x89PNG\r\n\x1a\n"[..], "it ends too early"),
+        (b"no picture", "it is not an OpenEXR file, nor a PNG, "),
+    ] {
+        fs::write(folder.path().join("picture.png"), bytes).unwrap();
+        let message = fails(folder.path(), "tonemap picture.png", 1);
+        assert!(message.contains(expected), "{message}");
+        assert_eq!(fs::read(folder.path().join("picture.png")).unwrap(), bytes);
+    }
+    succeeds(folder.path(), "render ball.toml -q --preview picture.png");
     let message = fails(folder.path(), "tonemap picture.png", 1);
-    assert!(message.contains("it is not an OpenEXR file"), "{message}");
-    assert_eq!(fs::read(folder.path().join("picture.png")).unwrap(), png);
+    assert!(message.contains("would be written over"), "{message}");
 }
 
 /// `kill -9` leaves an unfinished file, for the next run to remove.

@@ -1,5 +1,5 @@
 //! EXR files as other programs have them: which channels, in which colors, and what is said where they
-//! are not shown.
+//! are not shown; and pictures of other formats.
 
 mod channels;
 mod chroma;
@@ -7,14 +7,14 @@ mod color;
 mod file;
 mod layers;
 mod limits;
+mod pictures;
 mod pipes;
 
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use candela::display::{Dither, Report, Settings, convert_reader};
-use candela::exr::ExrReader;
+use candela::display::{Dither, Input, Report, Settings, convert_input};
 use candela::output::Unfinished;
 
 /// Without dither: every value becomes the nearest code.
@@ -34,8 +34,8 @@ struct Shown {
 /// What `candela tonemap` makes of a file, or of a layer of it; the message where it makes nothing.
 fn shown(exr: &Path, layer: Option<&str>, settings: &Settings<'_>) -> Result<Shown, String> {
     let png = exr.with_extension("png");
-    let reader = ExrReader::open(exr, layer).map_err(|error| error.to_string())?;
-    let report = convert_reader(&reader, &png, settings, &Unfinished::new());
+    let input = Input::open(exr, layer).map_err(|error| error.to_string())?;
+    let report = convert_input(&input, &png, settings, &Unfinished::new());
     let report = report.map_err(|error| error.to_string())?;
     let bytes = fs::read(&png).unwrap();
     let mut decoder = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();

@@ -34,7 +34,18 @@ fn a_pipe_is_as_good_as_a_file() {
         fs::remove_file(folder.path().join("x.png")).unwrap();
         png
     };
+    // The hash is that of what came through, and nothing tells how it came.
     let expected = png("$candela tonemap a.exr -o x.png");
+    let hash = shell(folder.path(), "sha256sum a.exr >&2").1;
+    let [hash, ..] = hash.split(' ').collect::<Vec<_>>()[..] else {
+        panic!("no hash");
+    };
+    let text = format!("candela:source\0{hash}");
+    assert!(
+        expected
+            .windows(text.len())
+            .any(|found| found == text.as_bytes())
+    );
     for line in [
         "cat a.exr | $candela tonemap - -o x.png",
         "cat a.exr | $candela tonemap /dev/stdin -o x.png",
@@ -54,11 +65,11 @@ fn what_comes_through_a_pipe_may_be_anything() {
     for (line, expected) in [
         (
             "$candela tonemap - -o x.png < /dev/null",
-            "cannot read standard input: it is not an OpenEXR file",
+            "cannot read standard input: it is not an OpenEXR file, nor a PNG, JPEG, TIFF or Radiance HDR",
         ),
         (
             "$candela tonemap /dev/zero -o x.png",
-            "cannot read /dev/zero: it is not an OpenEXR file",
+            "cannot read /dev/zero: it is not an OpenEXR file, nor a PNG, JPEG, TIFF or Radiance HDR",
         ),
         (
             "head -c 300 a.exr | $candela tonemap - -o x.png",

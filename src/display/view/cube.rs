@@ -24,6 +24,8 @@ use crate::simd::{F64x16, LANES};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cube {
     title: Option<String>,
+    /// The file's, without its folder.
+    name: String,
     tables: Tables,
 }
 
@@ -63,6 +65,11 @@ impl Default for Domain {
 }
 
 impl Cube {
+    /// The name of the file that it was read from, without its folder.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// The title that the file gives itself.
     pub fn title(&self) -> Option<&str> {
         self.title.as_deref()
@@ -231,6 +238,7 @@ mod tests {
     fn codes(tables: Tables) -> Codes {
         Codes(Cube {
             title: None,
+            name: String::new(),
             tables,
         })
     }
@@ -360,6 +368,7 @@ mod tests {
     fn codes_become_light() {
         let cube = Cube {
             title: None,
+            name: String::new(),
             tables: Tables::Grid(grid(Domain::default(), 2, |rgb| rgb)),
         };
         let light = of_one(&cube, [0.5, 0.25, 1.0]);

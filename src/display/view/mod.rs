@@ -26,6 +26,8 @@ pub use false_color::{BadRange, FalseColor, Measure};
 
 use super::Settings;
 use super::lanes::{Planes, transform};
+use super::png::Mastering;
+use super::screen::Screen;
 use crate::color::Primaries;
 use crate::simd::SimdLevel;
 
@@ -146,6 +148,17 @@ impl View {
             | Self::Absolute
             | Self::FalseColor
             | Self::Cube => None,
+        }
+    }
+
+    /// The display that the view is made for, where it is made for one of high dynamic range.
+    pub(super) const fn mastering(self, screen: Screen) -> Option<Mastering> {
+        match (self, screen) {
+            (Self::Aces2, Screen::Rec2020Pq) => Some(Mastering {
+                primaries: Primaries::P3_D65,
+                luminance: [0.0, HDR_PEAK],
+            }),
+            (_, _) => None,
         }
     }
 
@@ -296,7 +309,6 @@ impl FromStr for View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::display::Screen;
     use crate::display::lanes::PIECE;
 
     fn shown(view: View) -> Rendering<'static> {

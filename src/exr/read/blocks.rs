@@ -20,7 +20,7 @@ const BAND: u64 = 1 << 21;
 /// The rows of a part.
 #[derive(Debug)]
 pub(super) struct Blocks {
-    source: Arc<Source>,
+    pub(super) source: Arc<Source>,
     /// The number that chunks of this part begin with, where they have one.
     number: Option<i32>,
     pub(super) geometry: Geometry,

@@ -47,7 +47,7 @@ pub use listing::ExrLayers;
 use source::Source;
 
 use crate::image::Window;
-use crate::input::is_transient;
+use crate::input::{Hash, is_transient};
 use crate::printable::{printable, printable_path};
 
 /// What an OpenEXR file shows: R, G, B, A inside the display window.
@@ -193,6 +193,7 @@ fn probe(count: usize) -> Result<(), ExrProblem> {
 #[derive(Debug)]
 pub struct ExrReader {
     path: PathBuf,
+    layer: Option<String>,
     blocks: Blocks,
     data_window: [i32; 4],
     display_window: [i32; 4],
@@ -254,12 +255,21 @@ impl ExrReader {
                 None => layers::unnamed(&headers)?,
                 Some(layer) => layers::named(&headers, layer)?,
             };
-            Self::new(path, Arc::new(source), &headers, shown)
+            let reader = Self::new(path, Arc::new(source), &headers, shown)?;
+            Ok(Self {
+                layer: layer.map(str::to_owned),
+                ..reader
+            })
         });
         opened.map_err(|problem| ExrError {
             path: path.to_path_buf(),
             problem,
         })
+    }
+
+    /// Whether a file begins as every OpenEXR file does.
+    pub(crate) fn begins(start: &[u8]) -> bool {
+        start.starts_with(&source::MAGIC)
     }
 
     fn new(
@@ -280,6 +290,7 @@ impl ExrReader {
         let weights = color.meaning().primaries.luminance_weights();
         Ok(Self {
             path: path.to_path_buf(),
+            layer: None,
             data_window: part.data_window,
             display_window: part.display_window,
             pixel_aspect: part.pixel_aspect,
@@ -347,6 +358,20 @@ impl ExrReader {
             corners(self.data_window),
             corners(self.display_window)
         )]
+    }
+
+    /// The hash of the whole file.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub(crate) fn hash(&self) -> Result<Hash, ExrError> {
+        let hashed = self.blocks.source.hash();
+        hashed.map_err(|problem| self.error(problem))
+    }
+
+    /// The layer that was asked for.
+    pub(crate) fn layer(&self) -> Option<&str> {
+        self.layer.as_deref()
     }
 
     /// The rows of [`ExrReader::window`], in groups that are well read together, from the top. Together they

@@ -6,7 +6,10 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
+use sha2::{Digest, Sha256};
+
 use super::ExrProblem;
+use crate::input::Hash;
 
 /// What every OpenEXR file begins with.
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -14,7 +17,7 @@ pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// The most that is read from a pipe: 4 GiB.
 const MAX_PIPED: usize = 1 << 32;
 
-/// Memory for a pipe grows by at least so much.
+/// Memory for a pipe grows by at least so much; so much is hashed at a time.
 const PIECE: usize = 1 << 20;
 
 /// The bytes of a file, at any place.
@@ -114,6 +117,21 @@ impl Source {
                     .map_err(ExrProblem::Io)
             }
         }
+    }
+
+    /// The hash of all bytes.
+    pub(super) fn hash(&self) -> Result<Hash, ExrProblem> {
+        let mut hash = Sha256::new();
+        let mut piece = Vec::new();
+        super::resize(&mut piece, PIECE.min(self.length as usize), 0)?;
+        let mut place = 0;
+        while place < self.length {
+            let count = (self.length - place).min(PIECE as u64) as usize;
+            self.read_at(place, &mut piece[..count])?;
+            hash.update(&piece[..count]);
+            place += count as u64;
+        }
+        Ok(Hash::finished(hash))
     }
 
     /// So many bytes from the place `start` on.

@@ -38,7 +38,10 @@ impl Cube {
             if bytes > LONGEST_FILE {
                 return Err(CubeProblem::TooLarge { bytes });
             }
-            parsed(&mut BufReader::with_capacity(1 << 16, file), bytes)
+            let mut cube = parsed(&mut BufReader::with_capacity(1 << 16, file), bytes)?;
+            let name = path.file_name().unwrap_or_default();
+            cube.name = name.to_string_lossy().into_owned();
+            Ok(cube)
         });
         parsed.map_err(|problem| CubeError {
             path: path.to_path_buf(),
@@ -407,6 +410,7 @@ impl Entries {
         };
         Ok(Cube {
             title: head.title,
+            name: String::new(),
             tables,
         })
     }
