@@ -39,7 +39,10 @@ CHECKER_LIGHTS = ["D65", "A", "F2", "F11", "LED-B3", "HP1"]
 METAMER_LIGHTS = ["D65", "A", "E", "F2", "F11", "LED-B3"]
 
 D_SERIES = {"D50": 5000, "D55": 5500, "D65": 6500, "D75": 7500}
-LEDS = "B1 B2 B3 B4 B5 BH1 RGB1 V1 V2".split()
+# The lamps by the names that scenes and colour-science call them.
+LAMPS = {f"F{i}": f"FL{i}" for i in range(1, 13)}
+LAMPS |= {f"LED-{kind}": f"LED-{kind}" for kind in "B1 B2 B3 B4 B5 BH1 RGB1 V1 V2".split()}
+LAMPS |= {f"HP{i}": f"HP{i}" for i in range(1, 6)}
 DAYLIGHTS = [4500, 5600, 9300]
 BLACKBODIES = [2000, 3200, 5000, 10000]
 
@@ -56,6 +59,23 @@ def on(shape, sd):
         extrapolator=colour.Extrapolator,
         extrapolator_kwargs={"method": "Constant", "left": None, "right": None},
     )
+
+
+def lamp(sd):
+    """One of CIE's lamps at 1 nm: constant beyond its table, straight in the first and the last step, and between all
+    others cubic through the two points on each side. What would be below zero is taken from the larger of the two outer
+    points."""
+    table = sd[TABULATED.wavelengths]
+    light = dict(zip(FINE.wavelengths, on(FINE, sd).values))
+    for i in range(1, len(table) - 2):
+        points = range(i - 1, i + 3)
+        for part in range(1, 5):
+            weights = colour.algebra.lagrange_coefficients(1 + part / 5, 4)
+            value = sum(weights * table[i - 1 : i + 3])
+            light[380 + 5 * i + part] = max(value, 0)
+            outer = max(points[0], points[3], key=lambda j: table[j])
+            light[380 + 5 * outer] += min(value, 0)
+    return curve(list(light), list(light.values()))
 
 
 def xyz(reflectance, light, shape):
@@ -104,9 +124,7 @@ def lights():
         named[name] = daylight(temperature * D_SERIES_SCALE)
         if name == "D65":
             named["D65 table"] = tables["D65"]
-    named |= {f"F{i}": tables[f"FL{i}"] for i in range(1, 13)}
-    named |= {f"LED-{kind}": tables[f"LED-{kind}"] for kind in LEDS}
-    named |= {f"HP{i}": tables[f"HP{i}"] for i in range(1, 6)}
+    named |= {name: lamp(tables[other]) for name, other in LAMPS.items()}
     named |= {f"daylight {t}": daylight(t) for t in DAYLIGHTS}
     named |= {f"blackbody {t}": colour.sd_blackbody(t, FINE, c2=C2) for t in BLACKBODIES}
     return named
@@ -210,10 +228,23 @@ def write_illuminants(named):
         "CIE 1931 2° chromaticities of lights, from sums at 1 nm, 360 to 830 nm. Spectra: A by its",
         "equation at 1 nm; D50 to D75, at 1.4388/1.4380 times their nominal temperatures, and",
         "`daylight`, at the temperature as it stands, by those of CIE 15 at 5 nm; `blackbody` by",
-        "Planck's law with c2 = 0.01438776877 m K at 1 nm; all others from CIE's tables.",
+        "Planck's law with c2 = 0.01438776877 m K at 1 nm; lamps from CIE's tables at 5 nm, cubic",
+        "between their points. published-illuminants.csv has the CIE's own chromaticities of lamps.",
         *SOURCE,
     ]
     write(REFERENCE / "illuminants.csv", comments, rows)
+
+
+def write_published():
+    known = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"]
+    rows = [("light", "x", "y")]
+    rows += [(name, *decimals(known[other], 4)) for name, other in LAMPS.items()]
+    comments = [
+        "CIE 1931 2° chromaticities of the CIE's lamps, as CIE 15:2018 publishes them. The sums of its",
+        "tables at 5 nm, 380 to 780 nm, round to the same four decimals.",
+        *SOURCE,
+    ]
+    write(REFERENCE / "published-illuminants.csv", comments, rows)
 
 
 def write_metamers(named, pair):
@@ -240,6 +271,7 @@ def main():
     write_curves(patches, pair)
     write_checker(named, patches | pair)
     write_illuminants(named)
+    write_published()
     write_metamers(named, pair)
 
 

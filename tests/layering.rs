@@ -81,6 +81,10 @@ const MAY_USE: [(&str, &[&str]); 25] = [
     ),
     ("compare", &["color", "memory"]),
     (
+        "image_file",
+        &["image", "exr", "input", "color", "printable", "memory"],
+    ),
+    (
         "display",
         &[
             "image",

@@ -102,12 +102,41 @@ pub(super) fn illuminant(name: &str) -> Components {
         tabulated => [tables::fluorescent(), tables::led(), tables::discharge()]
             .into_iter()
             .find(|table| table.names().contains(&tabulated))
-            .map_or_else(|| flat(0.0), |table| column(table, tabulated)),
+            .map_or_else(|| flat(0.0), |table| lamp(table, tabulated)),
     }
 }
 
 fn column(table: &tables::Table, name: &str) -> Components {
     on_grid(|nm| interpolated(table.wavelengths(), table.column(name), nm))
+}
+
+/// A lamp: between its points the polynomial of degree 3 through the two on each side, in Newton's form; in the first
+/// and the last interval straight. Where that is negative, there is no light, and the larger of the two outer points
+/// has less by as much.
+fn lamp(table: &tables::Table, name: &str) -> Components {
+    let (points, values) = (table.wavelengths(), table.column(name));
+    let mut light = column(table, name);
+    for (interval, four) in values.windows(4).enumerate() {
+        let [p, q, r, s] = [four[0], four[1], four[2], four[3]];
+        let (first, second, third) = (q - p, r - 2.0 * q + p, s - 3.0 * r + 3.0 * q - p);
+        let outer = [points[interval], points[interval + 3]];
+        let width = (outer[1] - outer[0]) / 3.0;
+        let from = outer[0] + width;
+        for component in place(from) + 1..place(from + width) {
+            let u = 1.0 + (f64::from(GRID[0]) + component as f64 - from) / width;
+            let pairs = u * (u - 1.0) / 2.0;
+            let polynomial = p + u * first + pairs * second + pairs * (u - 2.0) / 3.0 * third;
+            light.0[component] = polynomial.max(0.0);
+            let line = if p >= s { outer[0] } else { outer[1] };
+            light.0[place(line)] += polynomial.min(0.0);
+        }
+    }
+    light
+}
+
+/// Which component a wavelength in whole nm has.
+fn place(nm: f64) -> usize {
+    usize::from(nm as u16 - GRID[0])
 }
 
 /// A(λ) = 100 (560/λ)⁵ (exp(1.435e7/(2848·560)) − 1) / (exp(1.435e7/(2848 λ)) − 1)
@@ -214,6 +243,33 @@ mod tests {
         assert_eq!(illuminant("E"), flat(1.0));
         // No panic where a scene is not legal.
         assert_eq!(illuminant("D66"), flat(0.0));
+    }
+
+    /// The CIE's four decimals (CIE 15:2018), and the foot of a line of mercury in F12.
+    #[test]
+    fn lamps() {
+        let matching =
+            ["x", "y", "z"].map(|name| Components(tables::cie_1931().column(name).to_vec()));
+        for (name, xy) in [
+            ("F11", [0.3805, 0.3769]),
+            ("F12", [0.4370, 0.4042]),
+            ("LED-V1", [0.4548, 0.4044]),
+            ("HP1", [0.5330, 0.4150]),
+        ] {
+            let light = illuminant(name);
+            assert!(light.0.iter().all(|&value| value >= 0.0), "{name}");
+            let [x, y, z] = [0, 1, 2].map(|i: usize| integral(&light, &matching[i]));
+            for (actual, published) in [x, y].map(|c| c / (x + y + z)).into_iter().zip(xy) {
+                assert!((actual - published).abs() < 6e-5, "{name}: {actual}");
+            }
+        }
+        let light = illuminant("F12");
+        for (nm, value) in [(360, 0.96), (380, 0.96), (405, 12.48), (440, 7.9)] {
+            assert!((at(&light, nm) - value).abs() < ROUNDING, "{nm}");
+        }
+        assert_eq!(at(&light, 428), 0.0);
+        // −0.056 · 1.08 + 0.448 · 1.37 + 0.672 · 1.78 − 0.064 · 29.05 at 428 nm: the line has less by that.
+        assert!((at(&light, 435) - 28.940_24).abs() < ROUNDING * 100.0);
     }
 
     /// λ T = 2.897771955e-3 m·K at the peak (CODATA 2018).

@@ -15,6 +15,7 @@
 //! | [`upsample`] | a smooth spectrum of a given color |
 
 mod blackbody;
+mod cubic;
 mod curve;
 mod curve_problem;
 mod daylight;
