@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::read::{KEYWORDS, LONGEST_FILE, LONGEST_LINE};
+use super::keywords::{KEYWORDS, LONGEST_FILE, LONGEST_LINE};
 use crate::input::{self, Foreign, NotAFile};
 use crate::memory::OutOfMemory;
 use crate::printable::printable_path;

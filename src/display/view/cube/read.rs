@@ -7,45 +7,14 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
+use super::keywords::{
+    DOMAIN_LEAST, DOMAIN_MOST, KEYWORDS, LONGEST_FILE, LONGEST_LINE, MOST_1D, MOST_3D, RANGE_1D,
+    RANGE_3D, SHORTEST_LINE, SIZE_1D, SIZE_3D, TITLE, VIDEO,
+};
 use super::{Cube, CubeError, CubeFault, CubeProblem, Domain, Table, Tables};
 use crate::input::{self, Foreign};
 use crate::memory;
 use crate::printable::shortened;
-
-const TITLE: &str = "TITLE";
-const SIZE_1D: &str = "LUT_1D_SIZE";
-const SIZE_3D: &str = "LUT_3D_SIZE";
-const DOMAIN_LEAST: &str = "DOMAIN_MIN";
-const DOMAIN_MOST: &str = "DOMAIN_MAX";
-const RANGE_1D: &str = "LUT_1D_INPUT_RANGE";
-const RANGE_3D: &str = "LUT_3D_INPUT_RANGE";
-
-/// The keywords that are read.
-pub(super) const KEYWORDS: [&str; 7] = [
-    TITLE,
-    SIZE_1D,
-    SIZE_3D,
-    DOMAIN_LEAST,
-    DOMAIN_MOST,
-    RANGE_1D,
-    RANGE_3D,
-];
-
-/// What Resolve says of tables whose codes are not those of the full range.
-const VIDEO: [&str; 2] = ["LUT_IN_VIDEO_RANGE", "LUT_OUT_VIDEO_RANGE"];
-
-/// The most entries along an axis, by Adobe's specification: of one dimension, and of three.
-const MOST_1D: u64 = 65_536;
-const MOST_3D: u64 = 256;
-
-/// The shortest line of three numbers, `0 0 0`, with its end.
-const SHORTEST_LINE: u64 = 6;
-
-/// The largest table, with numbers of 40 characters, fits.
-pub(super) const LONGEST_FILE: u64 = 1 << 31;
-
-/// Adobe's specification has 250 bytes; comments of others are longer.
-pub(super) const LONGEST_LINE: usize = 1 << 14;
 
 const THREE: &str = "three numbers, such as `0.25 0.5 1`";
 
