@@ -12,8 +12,8 @@ const TITLE: Color = [236; 3];
 const NAME: Color = [214; 3];
 const NOTE: Color = [144; 3];
 
-/// Pixels of a sheet at most, 3 bytes each.
-const LARGEST: u64 = 1 << 28;
+/// Pixels of a sheet at most: 11 bytes each while it is drawn.
+const LARGEST: u64 = 1 << 26;
 
 /// Columns over rows that look well on a screen, in lengths.
 const ASPECT: f64 = 1.5;
