@@ -81,8 +81,21 @@ const MAY_USE: [(&str, &[&str]); 25] = [
     ),
     ("compare", &["color", "memory"]),
     (
+        "image_file",
+        &["image", "exr", "input", "color", "printable", "memory"],
+    ),
+    (
         "display",
-        &["image", "exr", "color", "simd", "memory", "output"],
+        &[
+            "image",
+            "exr",
+            "image_file",
+            "input",
+            "color",
+            "simd",
+            "memory",
+            "output",
+        ],
     ),
     ("bench", &["world", "visibility", "math", "simd"]),
     ("oracle", &["scene", "mesh", "spectrum"]),
