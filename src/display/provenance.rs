@@ -1,7 +1,6 @@
 //! Where a picture comes from, as texts of a PNG.
 
-use super::{Dither, Input, Settings};
-use crate::display::DisplayError;
+use super::{DisplayError, Dither, Input, Settings};
 
 /// What a picture was made of.
 #[derive(Clone, Debug)]
