@@ -20,7 +20,7 @@ pub enum Input {
     /// An OpenEXR file, which is read row by row.
     Exr(Box<ExrReader>),
     /// Another format, decoded.
-    Image(ImageFile),
+    Image(Box<ImageFile>),
 }
 
 impl<'s> From<&'s Input> for Source<'s> {
@@ -75,7 +75,8 @@ impl Input {
             return Err(failed(ImageFileProblem::NoLayers(format)));
         }
         let bytes = rest_of(start, stream).map_err(failed)?;
-        Ok(Self::Image(ImageFile::decode(path, format, &bytes)?))
+        let image = ImageFile::decode(path, format, &bytes)?;
+        Ok(Self::Image(Box::new(image)))
     }
 
     /// Width and height of what is shown.

@@ -185,10 +185,11 @@ pub(super) struct Shape {
 }
 
 /// A PNG that is begun: all its chunks before the pixels are written.
-pub(super) fn begin<'a, W: Write>(sink: W, shape: Shape, tags: &Tags) -> io::Result<Writer<W>>
-where
-    W: 'a,
-{
+pub(super) fn begin<'a, W: Write + 'a>(
+    sink: W,
+    shape: Shape,
+    tags: &Tags,
+) -> io::Result<Writer<W>> {
     let [width, height] = shape.resolution;
     let mut encoder: Encoder<'a, W> = Encoder::new(sink, width, height);
     encoder.set_color(if shape.has_alpha {

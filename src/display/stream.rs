@@ -302,7 +302,7 @@ impl Conversion<'_> {
 
     /// The encoder takes the picture as a whole.
     fn write_tiff(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
-        let height = self.shown.resolution[1] as u64;
+        let height = u64::from(self.shown.resolution[1]);
         let bytes = self.row_bytes() as u64 * height;
         tiff::check(bytes)?;
         // Rows of 4 MB that are developed beside it.

@@ -163,10 +163,11 @@ fn standard_output_gets_the_file_and_nothing_else() {
     let folder = folder();
     let folder = folder.path();
     succeeds(folder, "render ball.toml -o file.exr --preview file.png");
+    succeeds(folder, "tonemap file.exr -o shown.png");
     for (arguments, file) in [
         ("render ball.toml -o -", "file.exr"),
         ("render ball.toml -o piped.exr --preview -", "file.png"),
-        ("tonemap file.exr -o -", "file.png"),
+        ("tonemap file.exr -o -", "shown.png"),
     ] {
         let output = candela(folder, arguments).output().unwrap();
         assert!(output.status.success(), "{}", text(&output.stderr));

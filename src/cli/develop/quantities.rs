@@ -97,8 +97,11 @@ pub(super) fn white(text: &str) -> Result<White, String> {
         }
     };
     chromaticity
-        .map(|chromaticity| White {
-            chromaticity: Some(chromaticity).filter(|&found| found != Primaries::REC709.white),
+        .map(|chromaticity| {
+            let screen = Primaries::REC709.white;
+            White {
+                chromaticity: (chromaticity != screen).then_some(chromaticity),
+            }
         })
         .ok_or_else(expected)
 }

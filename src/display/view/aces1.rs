@@ -258,7 +258,7 @@ impl<const N: usize> Spline<N> {
             assert!(
                 N == 2 * (M - 2),
                 "each side has two segments less than coefficients"
-            )
+            );
         };
         let side = |coefficients: &[f64; M], start: f64, end: f64| {
             let step = (end - start) / (M - 2) as f64;

@@ -15,7 +15,7 @@ use crate::display::lanes::{Rgb, Transform, each};
 use crate::simd::{F64x16, LANES, log2};
 
 /// log₂ of [`KEY`].
-const LOG2_KEY: f64 = -2.473_931_188_332_412_4;
+const LOG2_KEY: f64 = -2.473_931_188_332_412;
 
 /// How far from middle gray, in stops, it is marked.
 const MARKED: f64 = 1.0 / 6.0;

@@ -230,11 +230,10 @@ type Colors = [[f64; LANES]; 3];
 #[inline(always)]
 fn planes(color: impl Fn(usize) -> DVec3) -> Colors {
     let mut planes = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
+    let [red, green, blue] = &mut planes;
+    for (lane, ((r, g), b)) in red.iter_mut().zip(green).zip(blue).enumerate() {
         let color = color(lane);
-        planes[0][lane] = color.x;
-        planes[1][lane] = color.y;
-        planes[2][lane] = color.z;
+        (*r, *g, *b) = (color.x, color.y, color.z);
     }
     planes
 }
