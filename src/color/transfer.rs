@@ -62,6 +62,9 @@ pub(crate) mod hlg {
     pub(crate) const B: f64 = 1.0 - 4.0 * A;
     /// ½ − a ln 4a
     pub(crate) const C: f64 = 0.559_910_729_529_562;
+    /// Colors of less luminance, as a part of the peak, get the gain of this: OpenColorIO's 1e-4, in units of 3^γ-ths of the
+    /// peak, 3^−1.2 · 1e-4.
+    pub(crate) const LEAST_LUMINANCE: f64 = 2.675_805_205_867_435_8e-5;
     /// Of R, G and B in Y, as table 5 rounds them.
     pub(crate) const LUMINANCE: [f64; 3] = [0.2627, 0.6780, 0.0593];
 }
@@ -154,6 +157,8 @@ mod tests {
 
     #[test]
     fn the_pieces_of_hybrid_log_gamma_meet() {
+        let least = 1e-4 / libm::pow(3.0, hlg::GAMMA);
+        assert!((least / hlg::LEAST_LUMINANCE - 1.0).abs() < 1e-15);
         let c = 0.5 - hlg::A * (4.0 * hlg::A).ln();
         assert!((c - hlg::C).abs() < 1e-15);
         let above = hlg::A * (12.0 * hlg::ROOT_END - hlg::B).ln() + hlg::C;

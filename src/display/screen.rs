@@ -184,19 +184,16 @@ fn perceptual<S: Simd>(simd: S, light: F64x16<S>) -> F64x16<S> {
 fn hybrid<S: Simd>(simd: S, [r, g, b]: Rgb<S>) -> Rgb<S> {
     let zero = F64x16::splat(simd, 0.0);
     let one = F64x16::splat(simd, 1.0);
-    let [r, g, b] = [
-        r.max(zero).min(one),
-        g.max(zero).min(one),
-        b.max(zero).min(one),
-    ];
     let [red, green, blue] = hlg::LUMINANCE;
-    let luminance = r * red + g * green + b * blue;
+    // Negative where a color is outside of the gamut. Near 0 the gain would have no limit.
+    let luminance = (r * red + g * green + b * blue).abs();
+    let luminance = luminance.max(F64x16::splat(simd, hlg::LEAST_LUMINANCE));
     let gain = power(simd, luminance, 1.0 / hlg::GAMMA - 1.0);
     each(
         [r, g, b],
         #[inline(always)]
         |light| {
-            let scene = light * gain;
+            let scene = light.max(zero) * gain;
             let is_root = scene.le(F64x16::splat(simd, hlg::ROOT_END));
             let argument = is_root.select(one, scene * 12.0 - hlg::B);
             let logarithm = log2(simd, argument) * (hlg::A * std::f64::consts::LN_2) + hlg::C;
