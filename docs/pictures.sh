@@ -6,8 +6,8 @@
 # CANDELA names another binary. The pictures of `lecture` and `first` are what the README's commands make,
 # without a size or an option of their own; the others are
 # 480 pixels wide, or 320 where there is so much detail that a larger file would be too large. The charts
-# of docs/rgb-or-spectral.md and the pictures of docs/layers.md and docs/shadow-terminator.md are made each
-# time; the latter two need oiiotool, which tests/setup.sh installs.
+# of docs/rgb-or-spectral.md, the contact sheet and the pictures of docs/layers.md and docs/shadow-terminator.md are
+# made each time; the latter two need oiiotool, which tests/setup.sh installs.
 set -eu
 cd "$(dirname "$0")/.."
 candela=${CANDELA:-target/release/candela}
@@ -48,6 +48,9 @@ done
 "$oiiotool" "$work/layer-beauty.png" "$work/layer-key.png" "$work/layer-fill.png" \
     "$work/layer-front.png" "$work/layer-depth.png" "$work/layer-normal.png" \
     --mosaic:pad=4 3x2 --ch R,G,B -d uint8 -o docs/pictures/layers.png
+
+"$candela" render scenes/lecture.toml --samples 64 -o "$work/lecture.exr" --quiet
+"$candela" contact-sheet "$work/lecture.exr" --exposure 1 --width 300 -o docs/pictures/contact-sheet.png
 
 # A part of the knot, four times as large, by either rule.
 for rule in geometric hanika; do

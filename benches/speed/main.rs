@@ -8,6 +8,7 @@ mod plot;
 mod rays;
 mod scaling;
 mod scenes;
+mod tonemap;
 mod whole;
 mod yardstick;
 
@@ -37,6 +38,10 @@ struct Arguments {
     /// Rays and segments that share nothing instead, one thread; nothing is archived
     #[arg(long, conflicts_with_all = ["quick", "scaling"])]
     rays: bool,
+
+    /// From an EXR to a PNG instead, view by view, beside oiiotool and Python; nothing is archived
+    #[arg(long, conflicts_with_all = ["quick", "scaling", "rays"])]
+    tonemap: bool,
 
     /// The folder of the Stanford dragon's meshes, dragon_vrip.ply and dragon_vrip_res2.ply to _res4
     #[arg(long, value_name = "FOLDER")]
@@ -124,6 +129,11 @@ fn run(arguments: &Arguments) -> Result<()> {
         if arguments.may_archive() {
             scaling::archive(&setting, &tables)?;
         }
+        return Ok(());
+    }
+
+    if arguments.tonemap {
+        print!("{}", tonemap::measure(&folder, arguments.runs)?);
         return Ok(());
     }
 

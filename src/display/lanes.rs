@@ -5,7 +5,7 @@ use glam::DMat3;
 
 use crate::color::Primaries;
 use crate::color::adaptation::conversion;
-use crate::simd::{F64x16, Kernel, LANES, SimdLevel};
+use crate::simd::{self, F64x16, Kernel, LANES, SimdLevel};
 
 /// Red, green and blue of sixteen colors.
 pub(super) type Rgb<S> = [F64x16<S>; 3];
@@ -68,8 +68,30 @@ impl<T: Transform> Kernel for Piece<'_, T> {
 
 /// One function for each channel.
 #[inline(always)]
-pub(super) fn each<S: Simd>([r, g, b]: Rgb<S>, channel: impl Fn(F64x16<S>) -> F64x16<S>) -> Rgb<S> {
-    [channel(r), channel(g), channel(b)]
+pub(super) fn each<S: Simd>(mut rgb: Rgb<S>, channel: impl Fn(F64x16<S>) -> F64x16<S>) -> Rgb<S> {
+    // A loop, which is compiled once, in place of three copies.
+    for value in &mut rgb {
+        *value = channel(*value);
+    }
+    rgb
+}
+
+/// [`simd::log2`], as a function of its own: inlined into every view, it would take minutes to compile.
+#[inline(never)]
+pub(super) fn log2<S: Simd>(simd: S, x: F64x16<S>) -> F64x16<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || simd::log2(simd, x),
+    )
+}
+
+/// [`simd::exp2`], likewise.
+#[inline(never)]
+pub(super) fn exp2<S: Simd>(simd: S, x: F64x16<S>) -> F64x16<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || simd::exp2(simd, x),
+    )
 }
 
 /// A matrix by rows, times each color.

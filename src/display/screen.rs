@@ -2,11 +2,11 @@
 
 use fearless_simd::Simd;
 
-use super::lanes::{Rgb, Transform, each};
+use super::lanes::{Rgb, Transform, each, log2};
 use super::png::Coding;
 use crate::color::Primaries;
 use crate::color::transfer::{CONTRAST, LINEAR_END, OFFSET, SLOPE, hlg, pq};
-use crate::simd::{F64x16, log2, power};
+use crate::simd::{F64x16, power};
 
 /// The screens that pictures are made for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

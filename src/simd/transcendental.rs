@@ -62,12 +62,19 @@ pub(crate) fn power<S: Simd>(simd: S, x: F64x16<S>, exponent: f64) -> F64x16<S> 
 }
 
 /// [`power`] with an exponent for each lane.
-#[inline(always)]
+///
+/// A function of its own: inlined wherever a color is raised to a power, it would take minutes to compile.
+#[inline(never)]
 pub(crate) fn powers<S: Simd>(simd: S, x: F64x16<S>, exponent: F64x16<S>) -> F64x16<S> {
-    let is_above_zero = x.ge(F64x16::splat(simd, f64::MIN_POSITIVE));
-    let x = is_above_zero.select(x, F64x16::splat(simd, 1.0));
-    let result = exp2(simd, log2(simd, x) * exponent);
-    is_above_zero.select(result, F64x16::splat(simd, 0.0))
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let is_above_zero = x.ge(F64x16::splat(simd, f64::MIN_POSITIVE));
+            let x = is_above_zero.select(x, F64x16::splat(simd, 1.0));
+            let result = exp2(simd, log2(simd, x) * exponent);
+            is_above_zero.select(result, F64x16::splat(simd, 0.0))
+        },
+    )
 }
 
 /// log₂ x of normal numbers: with x = 2ᵉ m, m from 1/√2 to √2, log₂ x = e + 2 log₂ e · artanh(s),
@@ -105,8 +112,16 @@ pub(crate) fn exp2<S: Simd>(simd: S, x: F64x16<S>) -> F64x16<S> {
 ///
 /// With the larger and the smaller of |x| and |y|, half of the angle between the larger's axis and the vector has
 /// the tangent t = smaller/(radius + larger), which is at most √2 − 1.
+#[inline(never)]
+pub(crate) fn angle<S: Simd>(simd: S, place: [F64x16<S>; 2], radius: F64x16<S>) -> F64x16<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || angle_of(simd, place, radius),
+    )
+}
+
 #[inline(always)]
-pub(crate) fn angle<S: Simd>(simd: S, [x, y]: [F64x16<S>; 2], radius: F64x16<S>) -> F64x16<S> {
+fn angle_of<S: Simd>(simd: S, [x, y]: [F64x16<S>; 2], radius: F64x16<S>) -> F64x16<S> {
     let zero = F64x16::splat(simd, 0.0);
     let (width, height) = (x.abs(), y.abs());
     let is_steep = height.gt(width);

@@ -25,8 +25,8 @@ use glam::DMat3;
 
 use crate::color::Primaries;
 use crate::color::adaptation::conversion;
-use crate::display::lanes::{Rgb, Transform, each, product, rows};
-use crate::simd::{F64x16, angle, exp2, log2, power};
+use crate::display::lanes::{Rgb, Transform, each, exp2, log2, product, rows};
+use crate::simd::{F64x16, angle, power};
 
 /// `ACESlib.RRT_Common`: how much brighter dark colors become at most, and the luma of half of that.
 const GLOW_GAIN: f64 = 0.05;

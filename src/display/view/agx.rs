@@ -18,8 +18,8 @@
 use fearless_simd::Simd;
 
 use crate::display::coded;
-use crate::display::lanes::{Rgb, Transform, each, product};
-use crate::simd::{F64x16, exp2, log2};
+use crate::display::lanes::{Rgb, Transform, each, exp2, log2, product};
+use crate::simd::F64x16;
 
 /// sobotka/AgX, `config.ocio`, by rows.
 const INSET: [[f64; 3]; 3] = [

@@ -11,8 +11,8 @@ use super::viridis::VIRIDIS;
 use crate::color::Primaries;
 use crate::color::transfer::srgb_decode;
 use crate::display::exposure::{KEY, scale};
-use crate::display::lanes::{Rgb, Transform, each};
-use crate::simd::{F64x16, LANES, log2};
+use crate::display::lanes::{Rgb, Transform, each, log2};
+use crate::simd::{F64x16, LANES};
 
 /// log₂ of [`KEY`].
 const LOG2_KEY: f64 = -2.473_931_188_332_412;

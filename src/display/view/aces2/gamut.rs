@@ -6,7 +6,8 @@ use fearless_simd::Simd;
 
 use super::Limits;
 use super::appearance::REFERENCE_LUMINANCE;
-use crate::simd::{F64x16, log2, power, powers};
+use crate::display::lanes::log2;
+use crate::simd::{F64x16, power, powers};
 
 /// `smoothCusps`: where the lower and the upper hull meet, the smaller one is rounded over this part of M.
 const SMOOTH_CUSPS: f64 = 0.12;
