@@ -45,7 +45,7 @@ pub(crate) fn measure(folder: &Path, runs: u32) -> Result<String> {
     let exr = folder.join("tonemap.exr");
     let mut scene = Scene::builtin();
     scene.image = Image {
-        resolution: RESOLUTION,
+        resolution: RESOLUTION.into(),
         ..scene.image
     };
     let (world, camera) = World::new(&scene)?;
