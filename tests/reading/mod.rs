@@ -9,6 +9,7 @@ mod layers;
 mod limits;
 mod pictures;
 mod pipes;
+mod tiffs;
 
 use std::fs;
 use std::io::Cursor;
