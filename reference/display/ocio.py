@@ -63,14 +63,14 @@ ROWS = [
     Row("--view raw", STUDIO_ACES_1, "sRGB - Display", "Raw", 1.5e-5),
     Row("--view aces1", STUDIO_ACES_1, "sRGB - Display", "ACES 1.0 - SDR Video", 3.5e-5),
     Row("--view srgb --display p3", STUDIO_ACES_2, "Display P3 - Display", "Un-tone-mapped", 3.5e-5, largest=4),
-    Row("--view srgb --display rec1886", STUDIO_ACES_2, "Rec.1886 Rec.709 - Display", "Un-tone-mapped", 2e-4, largest=4, toe=0.01),
-    Row("--view srgb --display rec2020-pq --white-nits 100", STUDIO_ACES_2, "Rec.2100-PQ - Display", "Un-tone-mapped", 2e-4),
-    Row("--view srgb --display rec2020-hlg --white-nits 100", STUDIO_ACES_2, "Rec.2100-HLG - Display", "Un-tone-mapped", 2e-4),
-    Row("--view aces2", STUDIO_ACES_2, "sRGB - Display", "ACES 2.0 - SDR 100 nits (Rec.709)", 2e-4),
-    Row("--view aces2 --display p3", STUDIO_ACES_2, "Display P3 - Display", "ACES 2.0 - SDR 100 nits (P3 D65)", 2e-4),
-    Row("--view aces2 --display rec1886", STUDIO_ACES_2, "Rec.1886 Rec.709 - Display", "ACES 2.0 - SDR 100 nits (Rec.709)", 2e-4, toe=0.01),
-    Row("--view aces2 --display rec2020-pq", STUDIO_ACES_2, "Rec.2100-PQ - Display", "ACES 2.0 - HDR 1000 nits (P3 D65)", 2e-4),
-    Row("--view aces2 --display rec2020-hlg", STUDIO_ACES_2, "Rec.2100-HLG - Display", "ACES 2.0 - HDR 1000 nits (P3 D65)", 2e-4),
+    Row("--view srgb --display rec1886", STUDIO_ACES_2, "Rec.1886 Rec.709 - Display", "Un-tone-mapped", 1.8e-4, largest=4, toe=0.01),
+    Row("--view srgb --display rec2020-pq --white-nits 100", STUDIO_ACES_2, "Rec.2100-PQ - Display", "Un-tone-mapped", 2.4e-5),
+    Row("--view srgb --display rec2020-hlg --white-nits 100", STUDIO_ACES_2, "Rec.2100-HLG - Display", "Un-tone-mapped", 2.2e-5),
+    Row("--view aces2", STUDIO_ACES_2, "sRGB - Display", "ACES 2.0 - SDR 100 nits (Rec.709)", 6e-5),
+    Row("--view aces2 --display p3", STUDIO_ACES_2, "Display P3 - Display", "ACES 2.0 - SDR 100 nits (P3 D65)", 7.5e-5),
+    Row("--view aces2 --display rec1886", STUDIO_ACES_2, "Rec.1886 Rec.709 - Display", "ACES 2.0 - SDR 100 nits (Rec.709)", 1.9e-4, toe=0.01),
+    Row("--view aces2 --display rec2020-pq", STUDIO_ACES_2, "Rec.2100-PQ - Display", "ACES 2.0 - HDR 1000 nits (P3 D65)", 1.5e-4),
+    Row("--view aces2 --display rec2020-hlg", STUDIO_ACES_2, "Rec.2100-HLG - Display", "ACES 2.0 - HDR 1000 nits (P3 D65)", 1.4e-4),
 ]
 
 
