@@ -8,7 +8,7 @@
 //! ```
 //!
 //! **Memory.** The file is in memory as it is, its samples as they are decoded, and 16 bytes for each pixel. A size
-//! that the file cannot hold is an error before any of it is asked for ([`check_size`]).
+//! that the file cannot hold is an error before any of it is asked for (`check_size`).
 
 mod coding;
 mod hdr;
