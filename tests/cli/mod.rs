@@ -11,6 +11,7 @@ mod layers;
 mod new;
 mod probe;
 mod report;
+mod sequences;
 mod speaking;
 mod streams;
 mod verify;
