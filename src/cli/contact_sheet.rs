@@ -16,6 +16,7 @@ use super::Failure;
 use super::develop::ExposureArguments;
 use super::numbers::number;
 use super::render::count;
+use super::sequence::{input_name, named_after};
 use sheet::{Cell, GROUND, Head, Layout, sheet};
 
 /// The most layers on a sheet: more are not looked at, and take their time.
@@ -93,7 +94,7 @@ pub(crate) fn run(
     let output = match &arguments.output {
         Some(output) => output.as_path(),
         None => {
-            default = default_output(&arguments.input)?;
+            default = named_after(&arguments.input, SUFFIX)?;
             &default
         }
     };
@@ -105,7 +106,11 @@ pub(crate) fn run(
     };
     // Nowhere is left to report that the messages themselves cannot be written.
     for warning in &found.warnings {
-        let _ = writeln!(messages, "warning: {}: {warning}", named(&arguments.input));
+        let _ = writeln!(
+            messages,
+            "warning: {}: {warning}",
+            input_name(&arguments.input)
+        );
     }
     if arguments.exposure.exposure().is_auto() {
         let _ = writeln!(messages, "exposure: {}", shown_exposure(found.ev));
@@ -171,7 +176,7 @@ fn layers(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
         ));
     }
     let Some((&first, rest)) = shown.split_first() else {
-        let file = named(&arguments.input);
+        let file = input_name(&arguments.input);
         return Err(format!("{file} has no channels, so that there is nothing to show").into());
     };
 
@@ -279,7 +284,7 @@ fn small_size(width: u32, resolution: [u32; 2], aspect: f64) -> [u32; 2] {
 /// The file's name without its folder, and the layer.
 fn title(input: &Path, layer: Option<&str>) -> String {
     let name = Path::new(input.file_name().unwrap_or(input.as_os_str()));
-    let name = named(name);
+    let name = input_name(name);
     match layer {
         Some(layer) => format!("{name}  {}", printable(layer)),
         None => name,
@@ -305,24 +310,6 @@ fn short_exposure(ev: f64) -> String {
     let rounded = (ev * 100.0).round() / 100.0;
     let sign = if rounded > 0.0 { "+" } else { "" };
     format!("{sign}{} EV", number(rounded).replace('-', "−"))
-}
-
-/// How a message names an input.
-fn named(input: &Path) -> String {
-    if input == Path::new("-") {
-        "standard input".to_owned()
-    } else {
-        printable_path(input)
-    }
-}
-
-/// IN.contact.png in the current folder. An input without a name cannot be read, which is found later.
-fn default_output(input: &Path) -> Result<PathBuf, Failure> {
-    if input == Path::new("-") || input.starts_with("/dev") || input.starts_with("/proc") {
-        let input = named(input);
-        return Err(format!("{input} gives the PNG no name; give it one with -o OUT.png").into());
-    }
-    Ok(Path::new(input.file_name().unwrap_or_default()).with_extension(SUFFIX))
 }
 
 /// A path whose name does not promise another format, such as the input's.
@@ -364,7 +351,7 @@ mod tests {
         assert_eq!(digits(-1234.5), "−1230");
         assert_eq!(digits(0.000_012_34), "1.23e−5");
         assert_eq!(title(Path::new("a/b.exr"), None), "b.exr");
-        let default = |input| default_output(Path::new(input)).ok();
+        let default = |input| named_after(Path::new(input), SUFFIX).ok();
         assert_eq!(default("a/b.c.exr"), Some(PathBuf::from("b.c.contact.png")));
         assert_eq!(default("-"), None);
     }

@@ -102,21 +102,27 @@ fn is_folder(path: &Path) -> bool {
     path != Path::new("-") && (path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/"))
 }
 
-/// NAME.EXTENSION. An input without a name cannot be read, which is found later.
-fn named_after(input: &Path, extension: &str) -> Result<PathBuf, Failure> {
+/// How a message names an input.
+pub(super) fn input_name(input: &Path) -> String {
+    if input == Path::new("-") {
+        "standard input".to_owned()
+    } else {
+        printable_path(input)
+    }
+}
+
+/// NAME.SUFFIX in the current folder. An input without a name cannot be read, which is found later.
+pub(super) fn named_after(input: &Path, suffix: &str) -> Result<PathBuf, Failure> {
     if input == Path::new("-") || input.starts_with("/dev") || input.starts_with("/proc") {
+        let extension = suffix.rsplit('.').next().unwrap_or(suffix);
         let kind = extension.to_uppercase();
-        let name = if input == Path::new("-") {
-            "standard input".to_owned()
-        } else {
-            printable_path(input)
-        };
+        let name = input_name(input);
         return Err(format!(
             "{name} gives the {kind} no name; give it one with -o OUT.{extension}"
         )
         .into());
     }
-    Ok(Path::new(input.file_name().unwrap_or_default()).with_extension(extension))
+    Ok(Path::new(input.file_name().unwrap_or_default()).with_extension(suffix))
 }
 
 /// The files that an argument stands for: where there is one of that very name, that.

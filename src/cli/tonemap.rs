@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::develop::DevelopArguments;
 use super::display_server::DisplayServer;
-use super::sequence::{Conversion, conversions};
+use super::sequence::{Conversion, conversions, input_name};
 use candela::Primaries;
 use candela::display::{self, Alpha, Bits, Frame, Input, OutputFormat, Settings};
 use candela::image::Window;
@@ -206,7 +206,7 @@ fn convert(
         // That nothing is shown has been said.
         Vec::new()
     };
-    let name = named(input);
+    let name = input_name(input);
     let warnings = report.warnings.iter().chain(&remarks);
     lines.extend(warnings.map(|warning| format!("warning: {name}: {warning}\n")));
     let notes = report.notes.iter();
@@ -225,7 +225,7 @@ fn convert(
 /// Shows what a file has in a viewer; what there is to say of it.
 fn show(address: &str, input: &Input, path: &Path) -> Result<Option<String>, Failure> {
     let channels = ["R", "G", "B", "A"].map(str::to_owned).to_vec();
-    let name = named(path);
+    let name = input_name(path);
     let server = DisplayServer::connect(address, &name, input.resolution(), channels)?;
     if let Some(window) = input.window() {
         for band in input.bands() {
@@ -241,15 +241,6 @@ fn show(address: &str, input: &Input, path: &Path) -> Result<Option<String>, Fai
     Ok(server
         .warning()
         .map(|warning| format!("warning: {warning}\n")))
-}
-
-/// How a message names an input.
-fn named(input: &Path) -> String {
-    if input == Path::new("-") {
-        "standard input".to_owned()
-    } else {
-        printable_path(input)
-    }
 }
 
 /// A path whose name does not promise another format, such as the input's.

@@ -48,7 +48,7 @@ pub use overlay::Overlay;
 #[doc(hidden)]
 pub use picture::Picture;
 #[doc(hidden)]
-pub use png::{Coding, ContentLight, Mastering, Tags};
+pub use png::{ContentLight, Mastering, Tags};
 pub use screen::Screen;
 pub use stream::convert;
 #[doc(hidden)]

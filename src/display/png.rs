@@ -10,6 +10,7 @@ use png::{
     SourceChromaticities, SrgbRenderingIntent, Unit, Writer,
 };
 
+use super::screen::Screen;
 use super::{Bits, Image};
 use crate::color::Primaries;
 use crate::output::{self, OutputError, Unfinished};
@@ -51,78 +52,14 @@ impl Image {
 /// What a PNG says about its samples, and where it comes from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tags {
-    /// What the code values mean.
-    pub coding: Coding,
+    /// The screen for which the code values are.
+    pub screen: Screen,
     /// Keys, of 1 to 79 characters of Latin-1, and texts.
     pub text: Vec<(String, String)>,
     /// The brightest that is shown.
     pub content_light: Option<ContentLight>,
     /// The display that the picture was made for.
     pub mastering: Option<Mastering>,
-}
-
-/// What code values mean: primaries, and the curve to light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coding {
-    /// IEC 61966-2-1.
-    #[default]
-    Srgb,
-    /// Display P3: the primaries of SMPTE EG 432-1, the curve of sRGB.
-    DisplayP3,
-    /// ITU-R BT.2100-2, table 4: the primaries of Rec.2020.
-    Pq,
-    /// ITU-R BT.2100-2, table 5: the primaries of Rec.2020.
-    Hlg,
-    /// The primaries of ITU-R BT.709-6, a power of 2.4 (ITU-R BT.1886).
-    Rec1886,
-    /// Light, with the primaries of ITU-R BT.709-6.
-    Linear,
-}
-
-impl Coding {
-    /// Every coding.
-    pub const ALL: [Self; 6] = [
-        Self::Srgb,
-        Self::DisplayP3,
-        Self::Pq,
-        Self::Hlg,
-        Self::Rec1886,
-        Self::Linear,
-    ];
-
-    /// The code points of its primaries and its curve (ITU-T H.273, tables 2 and 3). BT.1886 has none of its own: it is
-    /// how screens show what has that of BT.709.
-    pub const fn code_points(self) -> [u8; 2] {
-        match self {
-            Self::Srgb => [1, 13],
-            Self::DisplayP3 => [12, 13],
-            Self::Pq => [9, 16],
-            Self::Hlg => [9, 18],
-            Self::Rec1886 => [1, 1],
-            Self::Linear => [1, 8],
-        }
-    }
-
-    /// Its primaries.
-    pub const fn primaries(self) -> Primaries {
-        match self {
-            Self::Srgb | Self::Rec1886 | Self::Linear => Primaries::REC709,
-            Self::DisplayP3 => Primaries::P3_D65,
-            Self::Pq | Self::Hlg => Primaries::REC2020,
-        }
-    }
-
-    /// The exponent from light to code values in hundred thousandths, for programs that know no cICP; `None` where
-    /// no power is near.
-    const fn gamma(self) -> Option<u32> {
-        match self {
-            // The PNG specification's own for the curve of sRGB.
-            Self::Srgb | Self::DisplayP3 => Some(45_455),
-            Self::Rec1886 => Some(41_667),
-            Self::Linear => Some(100_000),
-            Self::Pq | Self::Hlg => None,
-        }
-    }
 }
 
 /// How bright a picture is, in cd/m² (CTA-861.3-A, annex A). Range: 0 to 429 496.
@@ -205,16 +142,16 @@ pub(super) fn begin<'a, W: Write + 'a>(
     encoder.set_compression(Compression::Fast);
     encoder.set_pixel_dims(pixel_dimensions(shape.pixel_aspect));
     // For programs that know no cICP; of both, cICP counts (PNG, third edition, section 4.3).
-    if tags.coding == Coding::Srgb {
+    if tags.screen == Screen::Srgb {
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     } else {
-        if let Some(gamma) = tags.coding.gamma() {
+        if let Some(gamma) = tags.screen.gamma() {
             encoder.set_source_gamma(ScaledFloat::from_scaled(gamma));
         }
-        encoder.set_source_chromaticities(chromaticities(&tags.coding.primaries()));
+        encoder.set_source_chromaticities(chromaticities(&tags.screen.primaries()));
     }
     let mut writer = encoder.write_header().map_err(into_io)?;
-    let [primaries, transfer] = tags.coding.code_points();
+    let [primaries, transfer] = tags.screen.code_points();
     // Of RGB, all of the codes.
     let mut chunk = |name, content: &[u8]| writer.write_chunk(ChunkType(name), content);
     chunk(*b"cICP", &[primaries, transfer, 0, 1]).map_err(into_io)?;
@@ -347,17 +284,17 @@ mod tests {
     /// Code points by the registry of W3C's PNG, third edition, section 11.3.2.6, whose examples have four of them; and
     /// what stands beside them for older programs.
     #[test]
-    fn codings_are_told_twice() {
-        for (coding, points, names, gamma) in [
-            (Coding::Srgb, [1, 13], &["sRGB"][..], None),
-            (Coding::DisplayP3, [12, 13], &["gAMA", "cHRM"], Some(45_455)),
-            (Coding::Pq, [9, 16], &["cHRM"], None),
-            (Coding::Hlg, [9, 18], &["cHRM"], None),
-            (Coding::Rec1886, [1, 1], &["gAMA", "cHRM"], Some(41_667)),
-            (Coding::Linear, [1, 8], &["gAMA", "cHRM"], Some(100_000_u32)),
+    fn screens_are_told_twice() {
+        for (screen, points, names, gamma) in [
+            (Screen::Srgb, [1, 13], &["sRGB"][..], None),
+            (Screen::P3, [12, 13], &["gAMA", "cHRM"], Some(45_455)),
+            (Screen::Rec2020Pq, [9, 16], &["cHRM"], None),
+            (Screen::Rec2020Hlg, [9, 18], &["cHRM"], None),
+            (Screen::Rec1886, [1, 1], &["gAMA", "cHRM"], Some(41_667)),
+            (Screen::Linear, [1, 8], &["gAMA", "cHRM"], Some(100_000_u32)),
         ] {
             let tags = Tags {
-                coding,
+                screen,
                 ..Tags::default()
             };
             let bytes = tagged(&tags);
@@ -385,7 +322,7 @@ mod tests {
         }
         // cHRM: white, red, green, blue; of SMPTE EG 432-1 in hundred thousandths.
         let bytes = tagged(&Tags {
-            coding: Coding::DisplayP3,
+            screen: Screen::P3,
             ..Tags::default()
         });
         let values = [
@@ -402,7 +339,7 @@ mod tests {
     #[test]
     fn mastering_and_content_are_told_in_their_units() {
         let bytes = tagged(&Tags {
-            coding: Coding::Pq,
+            screen: Screen::Rec2020Pq,
             text: vec![
                 ("Software".to_owned(), "candela".to_owned()),
                 (

@@ -3,7 +3,6 @@
 use fearless_simd::Simd;
 
 use super::lanes::{Rgb, Transform, each, log2};
-use super::png::Coding;
 use crate::color::Primaries;
 use crate::color::transfer::{CONTRAST, LINEAR_END, OFFSET, SLOPE, hlg, pq};
 use crate::simd::{F64x16, power};
@@ -86,15 +85,28 @@ impl Screen {
         }
     }
 
-    /// What its code values are called.
-    pub(super) const fn coding(self) -> Coding {
+    /// The code points of its primaries and its curve (ITU-T H.273, tables 2 and 3). BT.1886 has none of its own: it is
+    /// how screens show what has that of BT.709.
+    pub(super) const fn code_points(self) -> [u8; 2] {
         match self {
-            Self::Srgb => Coding::Srgb,
-            Self::P3 => Coding::DisplayP3,
-            Self::Rec2020Pq => Coding::Pq,
-            Self::Rec2020Hlg => Coding::Hlg,
-            Self::Rec1886 => Coding::Rec1886,
-            Self::Linear => Coding::Linear,
+            Self::Srgb => [1, 13],
+            Self::P3 => [12, 13],
+            Self::Rec2020Pq => [9, 16],
+            Self::Rec2020Hlg => [9, 18],
+            Self::Rec1886 => [1, 1],
+            Self::Linear => [1, 8],
+        }
+    }
+
+    /// The exponent from light to code values in hundred thousandths, for programs that know no cICP; `None` where
+    /// no power is near.
+    pub(super) const fn gamma(self) -> Option<u32> {
+        match self {
+            // The PNG specification's own for the curve of sRGB.
+            Self::Srgb | Self::P3 => Some(45_455),
+            Self::Rec1886 => Some(41_667),
+            Self::Linear => Some(100_000),
+            Self::Rec2020Pq | Self::Rec2020Hlg => None,
         }
     }
 

@@ -103,7 +103,7 @@ fn convert_source(
     };
     let shown = Shown::new(exr, settings.frame);
     let tags = Tags {
-        coding: settings.screen.coding(),
+        screen: settings.screen,
         text: provenance.texts(settings, ev),
         mastering: settings.view.mastering(settings.screen),
         content_light: None,
