@@ -50,7 +50,7 @@ impl ExrOptions {
     pub fn check(&self, window: Window, channels: &Channels) -> Result<(), LargeBlocks> {
         let bytes = |precision: Precision| precision.bytes() as u64;
         let further = channels.list.iter().map(|channel| match channel.kind {
-            ChannelKind::Light | ChannelKind::Direction => bytes(self.precision),
+            ChannelKind::Light | ChannelKind::Relative => bytes(self.precision),
             ChannelKind::Data => bytes(Precision::Float),
         });
         let pixel: u64 = 4 * bytes(self.precision) + further.sum::<u64>();

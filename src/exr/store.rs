@@ -52,13 +52,13 @@ impl ImageSpec {
         let further = further.map(|(place, channel)| FileChannel {
             name: &channel.name,
             precision: match channel.kind {
-                ChannelKind::Light | ChannelKind::Direction => precision,
+                ChannelKind::Light | ChannelKind::Relative => precision,
                 ChannelKind::Data => Precision::Float,
             },
             stored_in: StoredIn::Values(place),
             is_small_counted: match channel.kind {
                 ChannelKind::Light => true,
-                ChannelKind::Direction | ChannelKind::Data => false,
+                ChannelKind::Relative | ChannelKind::Data => false,
             },
         });
         let mut channels: Vec<_> = rgba.chain(further).collect();
@@ -79,6 +79,7 @@ impl Rows<'_> {
         let mut halves = Halves::default();
         for start in (0..self.pixels.len()).step_by(width) {
             let row = start..start + width;
+            let values = &self.values[start * further..];
             for channel in channels {
                 let precision = channel.precision;
                 let stored = match channel.stored_in {
@@ -88,9 +89,8 @@ impl Rows<'_> {
                         store(values, precision, bytes)
                     }
                     StoredIn::Values(place) => {
-                        let pixels = row.clone();
-                        let values = pixels.map(|pixel| self.values[pixel * further + place]);
-                        store(values, precision, bytes)
+                        let values = &values[place * width..][..width];
+                        store(values.iter().copied(), precision, bytes)
                     }
                 };
                 halves.clamped += stored.clamped;

@@ -28,9 +28,9 @@ pub struct Channel {
 pub enum ChannelKind {
     /// Light, or a share of it: in the precision that is asked for, as R, G and B.
     Light,
-    /// Components of unit vectors: in the precision that is asked for. Small ones are small beside
-    /// 1, so that nothing is lost where halves hold them with few digits.
-    Direction,
+    /// Numbers beside 1, such as reflectances and components of unit vectors: in the precision that is asked for.
+    /// Nothing is lost where halves hold small ones with few digits.
+    Relative,
     /// Anything whose digits all count, such as a distance: always FLOAT.
     Data,
 }

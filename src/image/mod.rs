@@ -27,8 +27,8 @@ pub struct Film {
     spec: ImageSpec,
     /// R, G, B, A, row by row from the top of the spec's window.
     pixels: Vec<[f32; 4]>,
-    /// The values of the spec's channels, row by row, pixel by pixel, channel by channel within;
-    /// empty where there are none.
+    /// The values of the spec's channels, row by row, channel by channel within, pixel by pixel within that, as a
+    /// file has them; empty where there are none.
     values: Vec<f32>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct ImageSpec {
 pub(crate) struct Rows<'f> {
     /// R, G, B, A, row by row.
     pub(crate) pixels: &'f [[f32; 4]],
-    /// The values of further channels, row by row, pixel by pixel, channel by channel within.
+    /// The values of further channels, row by row, channel by channel within, pixel by pixel within that.
     pub(crate) values: &'f [f32],
 }
 
@@ -138,11 +138,20 @@ impl Film {
     /// # Panics
     /// If the values are not as many as the pixels have channels.
     pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
-        assert_eq!(values.len(), self.pixels.len() * channels.list.len());
+        let count = channels.list.len();
+        assert_eq!(values.len(), self.pixels.len() * count);
         let spec = ImageSpec {
             channels,
             ..self.spec
         };
+        let width = spec.window.width as usize;
+        let rows = values.chunks((width * count).max(1));
+        let values = rows
+            .flat_map(|row| {
+                let of_channel = move |channel| row.iter().skip(channel).step_by(count).copied();
+                (0..count).flat_map(of_channel)
+            })
+            .collect();
         Self {
             spec,
             values,
@@ -171,9 +180,12 @@ impl Film {
     }
 
     /// The values of [`Film::channels`] of a pixel, by its place in [`Film::pixels`].
-    pub fn values(&self, pixel: usize) -> &[f32] {
+    pub fn values(&self, pixel: usize) -> Vec<f32> {
+        let width = self.spec.window.width as usize;
         let count = self.spec.channels.list.len();
-        &self.values[pixel * count..][..count]
+        let row = &self.values[pixel / width * width * count..];
+        let of_channel = |channel| row[channel * width + pixel % width];
+        (0..count).map(of_channel).collect()
     }
 
     /// What the EXR header says about the image.

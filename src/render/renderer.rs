@@ -314,13 +314,14 @@ impl<'w> Renderer<'w> {
             .target
             .map_or(options.samples, |target| target.max_samples);
         let sampler = Sampler::new(most);
+        let layers = RequestedLayers::new(self.world, camera, &options.layers, bands.as_ref());
         let setup = Setup {
             world: self.world,
             camera,
             visibility: &self.visibility,
             simd: options.simd,
             sampler: &sampler,
-            layers: RequestedLayers::new(self.world, camera, options.layers, bands.as_ref()),
+            layers: layers.as_ref(),
             sums,
             goal: None,
         };

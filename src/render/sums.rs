@@ -1,8 +1,10 @@
 //! The box filter: the mean over the samples of each pixel of a tile.
 
+use std::ops::Range;
+
 use fearless_simd::Simd;
 
-use super::batch::{PIXELS, Run, SampleRange};
+use super::batch::{NumberedSamples, PIXELS, Run, SampleRange};
 use super::counts::{BEYOND_WHITE, Counts};
 use crate::simd::{F32x16, F64x16, LANES, Mask32x16, U32x16, every_nth, side_by_side};
 use crate::visibility::{BATCH, Column, Points};
@@ -87,18 +89,7 @@ impl PixelSums {
     ) {
         let pixels = range.whole_pixels();
         for (sums, column) in self.radiance.iter_mut().zip(radiance) {
-            match pixels.clone() {
-                Some((1, pixels)) => add_each::<S, 1>(simd, &mut sums[pixels.start..], column),
-                Some((2, pixels)) => add_each::<S, 2>(simd, &mut sums[pixels.start..], column),
-                Some((4, pixels)) => add_each::<S, 4>(simd, &mut sums[pixels.start..], column),
-                Some((8, pixels)) => add_each::<S, 8>(simd, &mut sums[pixels.start..], column),
-                Some((16, pixels)) => add_each::<S, 16>(simd, &mut sums[pixels.start..], column),
-                _ => {
-                    for Run { pixel, slots } in range.runs() {
-                        sums[pixel] = column[slots].iter().fold(sums[pixel], |sum, l| sum + l);
-                    }
-                }
-            }
+            add_runs(simd, pixels.clone(), || range.runs(), sums, column);
         }
         match pixels {
             Some((samples, pixels)) if points.all_hit() => {
@@ -162,6 +153,43 @@ impl PixelSums {
             ..Counts::default()
         };
         (side_by_side(means), met)
+    }
+}
+
+/// Adds a number of each sample to the sum of its pixel, those of each pixel in their order.
+#[inline(never)]
+pub(super) fn add_column<S: Simd>(
+    simd: S,
+    samples: NumberedSamples<'_>,
+    sums: &mut Column,
+    column: &Column,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || add_runs(simd, samples.whole_pixels(), || samples.runs(), sums, column),
+    );
+}
+
+/// Adds the numbers of the samples of each pixel: of whole pixels that follow each other sixteen at a time.
+#[inline(always)]
+fn add_runs<S: Simd, R: Iterator<Item = Run>>(
+    simd: S,
+    whole_pixels: Option<(usize, Range<usize>)>,
+    runs: impl FnOnce() -> R,
+    sums: &mut Column,
+    column: &Column,
+) {
+    match whole_pixels {
+        Some((1, pixels)) => add_each::<S, 1>(simd, &mut sums[pixels.start..], column),
+        Some((2, pixels)) => add_each::<S, 2>(simd, &mut sums[pixels.start..], column),
+        Some((4, pixels)) => add_each::<S, 4>(simd, &mut sums[pixels.start..], column),
+        Some((8, pixels)) => add_each::<S, 8>(simd, &mut sums[pixels.start..], column),
+        Some((16, pixels)) => add_each::<S, 16>(simd, &mut sums[pixels.start..], column),
+        _ => {
+            for Run { pixel, slots } in runs() {
+                sums[pixel] = column[slots].iter().fold(sums[pixel], |sum, l| sum + l);
+            }
+        }
     }
 }
 

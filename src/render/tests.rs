@@ -76,10 +76,10 @@ fn means<'w>(setup: &Setup<'w>, tile: &mut Tile<'w>) -> RenderedTile {
 /// R, G, B, A and all further channels of each pixel of a tile, by its number.
 fn pixels(tile: &Tile<'_>, rendered: &RenderedTile) -> Vec<Vec<u32>> {
     let width = rendered.window().width;
-    let channels = rendered.values().len() / rendered.pixels().len();
+    let count = rendered.pixels().len();
     let of_pixel = |[column, row]: [u32; 2]| {
         let place = (row * width + column) as usize;
-        let values = &rendered.values()[place * channels..][..channels];
+        let values = rendered.values().iter().skip(place).step_by(count);
         let all = rendered.pixels()[place].iter().chain(values);
         all.map(|value| value.to_bits()).collect()
     };

@@ -24,6 +24,7 @@ pub mod material;
 pub mod physics;
 #[doc(hidden)]
 pub mod plan;
+mod reflectances;
 #[doc(hidden)]
 pub mod spectra;
 
@@ -37,6 +38,8 @@ pub use light::{Light, PointLight, SpotLight};
 pub use material::Material;
 #[doc(hidden)]
 pub use plan::Plan;
+#[doc(hidden)]
+pub use reflectances::{ReflectanceTerm, Reflectances};
 pub(crate) use spectra::RecentProducts;
 pub use spectra::Wavelengths;
 #[doc(hidden)]
@@ -60,6 +63,8 @@ pub struct World {
     anchor: DVec3,
     materials: Vec<Named<Material>>,
     lights: Vec<Named<Light>>,
+    /// The group of each.
+    light_groups: Vec<Option<String>>,
     objects: Vec<Object>,
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
@@ -239,6 +244,26 @@ impl World {
     #[doc(hidden)]
     pub fn lights(&self) -> &[Named<Light>] {
         &self.lights
+    }
+
+    /// The luminous intensity of a light in cd, of a spot on its axis.
+    #[doc(hidden)]
+    pub fn candelas(&self, light: usize) -> f64 {
+        match &self.spectra {
+            Some(spectra) => spectra.colorimetry().luminous(spectra.light(light)),
+            None => {
+                let weights = self.color_space.primaries().luminance_weights();
+                let intensity = self.lights[light].value.intensity().0.0;
+                let channels = intensity.iter().zip(weights);
+                channels.map(|(channel, weight)| channel * weight).sum()
+            }
+        }
+    }
+
+    /// The group of a light, if it has one.
+    #[doc(hidden)]
+    pub fn light_group(&self, light: usize) -> Option<&str> {
+        self.light_groups[light].as_deref()
     }
 
     /// The objects in the order of the file, which settles ties between surfaces.

@@ -81,7 +81,7 @@ impl Request {
 
     /// Whether the file can hold what is asked for, and the memory what it takes on the way.
     pub(super) fn check(&self, world: &World) -> Result<(), Failure> {
-        let layers = self.options.layers;
+        let layers = &self.options.layers;
         let channels = layers.channels(world);
         self.exr.check(self.window, &channels)?;
         let spectral = world.spectra().zip(layers.spectral);
@@ -109,7 +109,7 @@ fn fits_in_memory(
     pixels: u64,
     preview: u64,
     table: u64,
-    layers: Layers,
+    layers: &Layers,
     channels: &Channels,
 ) -> Result<(), Failure> {
     let mut rows: Vec<u8> = Vec::new();
@@ -164,10 +164,10 @@ mod tests {
             ..Layers::default()
         };
         let channels = layers.channels(&World::new(&Scene::builtin()).unwrap().0);
-        assert!(fits_in_memory(1000, 0, 1000, layers, &channels).is_ok());
+        assert!(fits_in_memory(1000, 0, 1000, &layers, &channels).is_ok());
         // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
         let message = |table| {
-            let error = fits_in_memory(1000, 0, table, layers, &channels).unwrap_err();
+            let error = fits_in_memory(1000, 0, table, &layers, &channels).unwrap_err();
             error.to_string()
         };
         for table in [1 << 58, u64::MAX] {
@@ -187,17 +187,17 @@ mod tests {
             message(1 << 58)
         );
 
-        let rows = |layers, channels| {
+        let rows = |layers: &Layers, channels| {
             let error = fits_in_memory(1 << 61, 0, 0, layers, channels).unwrap_err();
             error.to_string()
         };
-        let message = rows(layers, &channels);
+        let message = rows(&layers, &channels);
         assert!(message.contains("2305843009.2 GB"), "{message}");
         assert!(
             message.contains("fewer --wavelengths or a smaller"),
             "{message}"
         );
-        let message = rows(Layers::default(), &Channels::default());
+        let message = rows(&Layers::default(), &Channels::default());
         assert!(
             message.contains("choose a smaller `resolution`"),
             "{message}"
