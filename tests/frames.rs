@@ -78,15 +78,13 @@ fn shown(renderer: &Renderer<'_>, camera: &candela::Camera) -> Vec<u32> {
             lights: true,
             depth: true,
             normal: true,
-            spectral: None,
-            error: false,
-            samples: false,
+            ..Layers::default()
         },
         ..Options::default()
     };
     let (film, _): (Film, _) = renderer.film(camera, &options, &Job::new()).unwrap();
     let values = (0..film.pixels().len()).flat_map(|pixel| film.values(pixel));
-    let all = film.pixels().as_flattened().iter().chain(values);
+    let all = film.pixels().as_flattened().iter().copied().chain(values);
     all.map(|value| value.to_bits()).collect()
 }
 

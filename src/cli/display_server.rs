@@ -128,7 +128,12 @@ impl Sink for DisplayServer {
         let further = self.channels.len() - OWN_CHANNELS;
         let count = tile.pixels().len();
         let values = tile.pixels().iter().enumerate().flat_map(|(place, pixel)| {
-            let further = tile.values().iter().skip(place).step_by(count).take(further);
+            let further = tile
+                .values()
+                .iter()
+                .skip(place)
+                .step_by(count)
+                .take(further);
             pixel.iter().chain(further).copied()
         });
         self.update(tile.window(), values);

@@ -9,9 +9,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use exr::meta::attribute::{Compression, IntegerBounds};
 use exr::meta::header::Header;
 
-use super::head::head;
+use super::head::{head, residual_place};
 use super::preserve::Preserved;
-use super::store::{FileChannel, Halves};
+use super::store::{FileChannel, Halves, residual};
 use super::zip::Zip;
 use super::{ExrImage, ExrOptions, ExrReport, Precision, Preserve};
 use crate::image::{ImageSpec, Rows};
@@ -21,6 +21,10 @@ use crate::output::Sink;
 pub(crate) struct ExrFile<'f> {
     header: Header,
     channels: Vec<FileChannel<'f>>,
+    /// Sums of layers that are the image.
+    sums: &'f [Vec<usize>],
+    /// Of light.
+    precision: Precision,
     preserved: Option<Preserved>,
     has_failed: AtomicBool,
     written: Mutex<Written<'f>>,
@@ -31,6 +35,9 @@ struct Written<'f> {
     sink: &'f mut dyn Sink,
     /// Where the offset table is.
     table: u64,
+    /// Where the residual of sums is, if it is in the header.
+    residual_place: Option<u64>,
+    residual: f64,
     /// Where the next block goes.
     position: u64,
     /// Where each block is, as far as they are written.
@@ -48,6 +55,8 @@ pub(crate) struct Packer {
     raw: Vec<u8>,
     /// A block as it goes into the file.
     block: Vec<u8>,
+    /// A line of sums.
+    sums: Vec<f64>,
     /// Where the compression is of that kind.
     zip: Option<Zip>,
 }
@@ -74,11 +83,14 @@ impl<'f> ExrFile<'f> {
         };
         let mut head = head(&header).map_err(into_io)?;
         let table = head.len() as u64;
+        let residual_place = residual_place(&head);
         head.resize(head.len() + header.chunk_count * size_of::<u64>(), 0);
         sink.write_all(&head)?;
         let written = Written {
             sink,
             table,
+            residual_place,
+            residual: 0.0,
             position: head.len() as u64,
             offsets: Vec::with_capacity(header.chunk_count),
             early: BTreeMap::new(),
@@ -88,6 +100,8 @@ impl<'f> ExrFile<'f> {
         Ok(Self {
             header,
             channels,
+            sums: &spec.channels.sums,
+            precision: options.precision,
             preserved,
             has_failed: AtomicBool::new(false),
             written: Mutex::new(written),
@@ -130,6 +144,7 @@ impl<'f> ExrFile<'f> {
         Packer {
             raw: Vec::new(),
             block: Vec::new(),
+            sums: Vec::new(),
             zip,
         }
     }
@@ -143,9 +158,10 @@ impl<'f> ExrFile<'f> {
     /// without a gap. What goes wrong is told by [`ExrFile::finish`].
     pub(crate) fn add(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) {
         match self.pack(index, rows, packer) {
-            Ok(halves) => {
+            Ok((halves, residual)) => {
                 let mut written = self.written();
                 written.halves.add(halves);
+                written.residual = written.residual.max(residual);
                 if written.error.is_none()
                     && let Err(error) = written.add(index, &packer.block)
                 {
@@ -178,22 +194,33 @@ impl<'f> ExrFile<'f> {
             .flat_map(u64::to_le_bytes)
             .collect();
         sink.write_all(&table)?;
+        if let Some(place) = written.residual_place {
+            sink.seek(SeekFrom::Start(place))?;
+            sink.write_all(&(written.residual as f32).to_le_bytes())?;
+        }
         sink.flush()?;
         let report = ExrReport {
             clamped_to_half: written.halves.clamped,
             small_in_half: written.halves.small,
+            residual: written.residual,
             bytes: written.position,
         };
         Ok((report, self.preserved.map(Preserved::into_image)))
     }
 
     /// Makes a block as the file has it: its first line, its length, and its pixels.
-    fn pack(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) -> io::Result<Halves> {
-        let Packer { raw, block, zip } = packer;
+    fn pack(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) -> io::Result<(Halves, f64)> {
+        let Packer {
+            raw,
+            block,
+            sums,
+            zip,
+        } = packer;
         let width = self.header.layer_size.width();
         let top = index * self.lines_per_block();
         raw.clear();
         let halves = rows.store(&self.channels, width, raw);
+        let residual = residual(rows, self.sums, width, self.precision, sums);
         if let Some(preserved) = self.preserved.as_ref().filter(|kept| kept.is_lossless()) {
             preserved.add(top, raw);
         }
@@ -227,7 +254,7 @@ impl<'f> ExrFile<'f> {
         }
         let length = (block.len() - start) as i32;
         block[start - size_of::<i32>()..start].copy_from_slice(&length.to_le_bytes());
-        Ok(halves)
+        Ok((halves, residual))
     }
 
     /// A panic elsewhere ends the render in any case.

@@ -53,12 +53,12 @@ impl ImageSpec {
             name: &channel.name,
             precision: match channel.kind {
                 ChannelKind::Light | ChannelKind::Relative => precision,
-                ChannelKind::Data => Precision::Float,
+                ChannelKind::Data | ChannelKind::Matte => Precision::Float,
             },
             stored_in: StoredIn::Values(place),
             is_small_counted: match channel.kind {
                 ChannelKind::Light => true,
-                ChannelKind::Relative | ChannelKind::Data => false,
+                ChannelKind::Relative | ChannelKind::Data | ChannelKind::Matte => false,
             },
         });
         let mut channels: Vec<_> = rgba.chain(further).collect();
@@ -101,6 +101,41 @@ impl Rows<'_> {
         }
         halves
     }
+}
+
+/// How far sums of layers are off the image at most, in the numbers that the file has.
+pub(super) fn residual(
+    rows: Rows<'_>,
+    sums: &[Vec<usize>],
+    width: usize,
+    precision: Precision,
+    space: &mut Vec<f64>,
+) -> f64 {
+    let stored = |value: f32| {
+        f64::from(match precision {
+            Precision::Float => value,
+            Precision::Half => to_half(value).0.to_f32(),
+        })
+    };
+    let further = rows.values.len() / rows.pixels.len();
+    let mut largest = 0.0_f64;
+    let lines = rows.pixels.chunks_exact(width);
+    for (pixels, values) in lines.zip(rows.values.chunks_exact(width * further)) {
+        for layers in sums {
+            for channel in 0..3 {
+                space.clear();
+                space.extend(pixels.iter().map(|pixel| -stored(pixel[channel])));
+                for first in layers {
+                    let values = &values[(first + channel) * width..][..width];
+                    for (sum, &value) in space.iter_mut().zip(values) {
+                        *sum += stored(value);
+                    }
+                }
+                largest = space.iter().fold(largest, |most, sum| most.max(sum.abs()));
+            }
+        }
+    }
+    largest
 }
 
 /// Values that halves do not hold well.

@@ -11,6 +11,9 @@ pub struct Channels {
     pub list: Vec<Channel>,
     /// Text attributes, as name and value.
     pub attributes: Vec<(String, String)>,
+    /// Sums that are R, G and B: of each, the places in `list` of the first of three channels R, G, B that follow each
+    /// other, which together are the image.
+    pub sums: Vec<Vec<usize>>,
 }
 
 /// A channel beside R, G, B and A.
@@ -33,4 +36,6 @@ pub enum ChannelKind {
     Relative,
     /// Anything whose digits all count, such as a distance: always FLOAT.
     Data,
+    /// Numbers that stand for names: always FLOAT, and never under a compression that loses digits.
+    Matte,
 }

@@ -68,6 +68,19 @@ pub struct Metadata {
     pub world_to_ndc: [[f64; 4]; 4],
     /// `candela:KEY` = value, sorted by key.
     pub provenance: Vec<(String, String)>,
+    /// Attributes that are numbers, as name and value.
+    pub numbers: Vec<(String, Number)>,
+}
+
+/// A number in the header, of a type of OpenEXR's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// `int`
+    Integer(i32),
+    /// `float`
+    Float(f32),
+    /// `v2f`
+    Pair([f32; 2]),
 }
 
 impl Window {

@@ -105,13 +105,17 @@ mod tests {
         let keys = attributes.each_ref().map(|(key, _)| key.as_str());
         assert_eq!(
             keys,
-            ["name", "hash", "conversion", "manifest"].map(|key| format!("cryptomatte/3ae39a5/{key}"))
+            ["name", "hash", "conversion", "manifest"]
+                .map(|key| format!("cryptomatte/3ae39a5/{key}"))
         );
         let manifest: serde_json::Value = serde_json::from_str(&attributes[3].1).unwrap();
         assert_eq!(manifest["cube"], "d9682f08");
         for name in names {
             assert_eq!(manifest[name], format!("{:08x}", Id::of(name).0));
         }
-        assert_eq!(attributes[3].1.len() - attributes[3].1.replace(' ', "").len(), 2);
+        assert_eq!(
+            attributes[3].1.len() - attributes[3].1.replace(' ', "").len(),
+            2
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! The layers that can be asked for beside R, G, B and A, and their channels.
 
+use super::cryptomatte;
 use super::shares::Shares;
 use crate::image::{Channel, ChannelKind, Channels};
 use crate::world::{Reflectances, Wavelengths, World};
@@ -172,14 +173,48 @@ impl Layers {
     ///
     /// Two may have one name, which no EXR can hold: see [`Layers::collision`].
     pub fn channels(&self, world: &World) -> Channels {
-        let contents = self.contents(world).into_iter();
-        let list = contents.flat_map(|(_, channels)| channels).collect();
+        let (mut list, mut places) = (Vec::new(), Vec::new());
+        for (content, channels) in self.contents(world) {
+            let first = list.len();
+            list.extend(channels);
+            places.push((content, first..list.len()));
+        }
+        let layers_of = |wanted: &[Content]| {
+            let places = places
+                .iter()
+                .filter(|(content, _)| wanted.contains(content));
+            let layers = places.flat_map(|(_, channels)| channels.clone().step_by(3));
+            layers.collect::<Vec<usize>>()
+        };
+        let mut sums = Vec::new();
+        if self.lights && self.only.is_none() {
+            sums.push(layers_of(&[Content::Lights]));
+        }
+        if self.diffuse && self.specular {
+            sums.push(layers_of(&[
+                Content::Diffuse,
+                Content::Specular,
+                Content::Background,
+            ]));
+        }
         let mut attributes = self.spectral.map(spectral_attributes).unwrap_or_default();
         attributes.extend(self.relighting(world).map(|reflectances| {
             let text = reflectances.description(world);
             ("candela:reflectances".to_owned(), text)
         }));
-        Channels { list, attributes }
+        if self.object_mattes {
+            let names = world.objects().iter().map(|object| object.name.as_str());
+            attributes.extend(cryptomatte::attributes("CryptoObject", names));
+        }
+        if self.material_mattes {
+            let names = world.materials().iter().map(|entry| entry.name.as_str());
+            attributes.extend(cryptomatte::attributes("CryptoMaterial", names));
+        }
+        Channels {
+            list,
+            attributes,
+            sums,
+        }
     }
 
     /// The channels, content by content: first those that are sums over samples.
@@ -260,7 +295,7 @@ impl Layers {
             let layers = 0..self.matte_ranks.count() / 2;
             let names = layers.flat_map(|layer| {
                 ["R", "G", "B", "A"]
-                    .map(|c| channel(format!("{name}{layer:02}.{c}"), ChannelKind::Data))
+                    .map(|c| channel(format!("{name}{layer:02}.{c}"), ChannelKind::Matte))
             });
             names.collect::<Vec<_>>()
         };
@@ -368,7 +403,7 @@ mod tests {
         radius = 1
     ";
 
-    fn names(layers: Layers, scene: &str) -> Vec<String> {
+    fn names(layers: &Layers, scene: &str) -> Vec<String> {
         let world = World::new(&Scene::parse(scene, "scene.toml").unwrap())
             .unwrap()
             .0;
@@ -376,14 +411,14 @@ mod tests {
         channels.list.into_iter().map(|c| c.name).collect()
     }
 
-    const EVERY: Layers = Layers {
-        lights: true,
-        depth: true,
-        normal: true,
-        spectral: None,
-        error: false,
-        samples: false,
-    };
+    fn three() -> Layers {
+        Layers {
+            lights: true,
+            depth: true,
+            normal: true,
+            ..Layers::default()
+        }
+    }
 
     #[test]
     fn nothing_asked_for_is_nothing() {
@@ -394,7 +429,7 @@ mod tests {
 
     #[test]
     fn channels_are_named_after_lights_and_axes() {
-        assert_eq!(EVERY.names(), ["lights", "depth", "normal"]);
+        assert_eq!(three().names(), ["lights", "depth", "normal"]);
         let expected = [
             "light_key left.R",
             "light_key left.G",
@@ -402,23 +437,23 @@ mod tests {
             "light_lampe_grün.R",
             "light_lampe_grün.G",
             "light_lampe_grün.B",
-            "Z",
             "N.X",
             "N.Y",
             "N.Z",
+            "Z",
         ];
-        assert_eq!(names(EVERY, SCENE), expected);
+        assert_eq!(names(&three(), SCENE), expected);
         // A background that is not black adds its own.
         let scene = SCENE.replace("[image]", "[image]\nbackground = [0, 0, 0.5]");
-        let with_background = names(EVERY, &scene);
+        let with_background = names(&three(), &scene);
         assert_eq!(with_background.len(), expected.len() + 3);
         assert_eq!(with_background[6], "light_background.R");
-        assert_eq!(with_background[9], "Z");
+        assert_eq!(with_background[9], "N.X");
         let without_lights = Layers {
             lights: false,
-            ..EVERY
+            ..three()
         };
-        assert_eq!(names(without_lights, &scene), expected[6..]);
+        assert_eq!(names(&without_lights, &scene), expected[6..]);
     }
 
     #[test]
@@ -430,7 +465,7 @@ mod tests {
         };
         assert_eq!(layers.names(), ["depth", "spectral"]);
         let expected = ["Z", "S0.550,000000nm", "S0.600,000000nm", "S0.650,000000nm"];
-        assert_eq!(names(layers, SCENE), expected);
+        assert_eq!(names(&layers, SCENE), expected);
         let world = World::new(&Scene::builtin()).unwrap().0;
         assert_eq!(
             layers.channels(&world).attributes[0].1,

@@ -16,7 +16,7 @@ use super::sink::{ErrorChannels, Sink};
 use super::tile::{Kept, Setup, Space, Tile};
 use crate::camera::Camera;
 use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve};
-use crate::image::{Film, ImageSpec, Metadata, Window};
+use crate::image::{Film, ImageSpec, Metadata, Number, Window};
 use crate::memory::{OutOfMemory, look_for};
 use crate::visibility::Visibility;
 use crate::world::{Bands, Plan, World};
@@ -345,13 +345,21 @@ impl<'w> Renderer<'w> {
         let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
         let inputs = ("inputs_sha256".to_owned(), world.inputs_hash().to_owned());
         let accuracy = match options.target {
-            None => vec![("samples".to_owned(), options.samples.to_string())],
+            None => vec![],
             Some(target) => vec![
                 ("max_error".to_owned(), target.relative.to_string()),
                 ("max_samples".to_owned(), target.max_samples.to_string()),
             ],
         };
+        let samples = options.target.is_none().then(|| {
+            // At most 65 536.
+            let samples = Number::Integer(options.samples as i32);
+            ("candela:samples".to_owned(), samples)
+        });
         let others = [
+            ("camera".to_owned(), camera.description()),
+            ("lights".to_owned(), world.describe_lights()),
+            ("transport".to_owned(), world.transport().to_owned()),
             ("plan".to_owned(), plan),
             ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
         ];
@@ -364,6 +372,24 @@ impl<'w> Renderer<'w> {
                 .chain(others)
                 .chain(accuracy)
                 .collect(),
+            numbers: lens(camera).into_iter().chain(samples).collect(),
         }
     }
+}
+
+/// OpenEXR's attributes for the lens of a perspective camera. It is a pinhole, so that there is no aperture.
+fn lens(camera: &Camera) -> Vec<(String, Number)> {
+    let Some((focal_length, sensor)) = camera.lens() else {
+        return Vec::new();
+    };
+    let attributes = [
+        ("pinholeFocalLength", Number::Float(focal_length as f32)),
+        (
+            "sensorOverallDimensions",
+            Number::Pair(sensor.map(|side| side as f32)),
+        ),
+    ];
+    attributes
+        .map(|(name, number)| (name.to_owned(), number))
+        .to_vec()
 }

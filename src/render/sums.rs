@@ -166,7 +166,15 @@ pub(super) fn add_column<S: Simd>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || add_runs(simd, samples.whole_pixels(), || samples.runs(), sums, column),
+        || {
+            add_runs(
+                simd,
+                samples.whole_pixels(),
+                || samples.runs(),
+                sums,
+                column,
+            )
+        },
     );
 }
 

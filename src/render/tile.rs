@@ -159,7 +159,6 @@ impl<'w> Tile<'w> {
     pub(super) fn taken(&self, pixel: usize) -> u32 {
         self.taken.0[pixel]
     }
-
 }
 
 #[cfg(test)]

@@ -313,7 +313,14 @@ impl Shaded {
                     if detail.has_lobes {
                         let [diffuse, specular] = apart(&reflected);
                         add_share(simd, share, is_lit, &geometry, &diffuse, &mut lobes.diffuse);
-                        add_share(simd, share, is_lit, &geometry, &specular, &mut lobes.specular);
+                        add_share(
+                            simd,
+                            share,
+                            is_lit,
+                            &geometry,
+                            &specular,
+                            &mut lobes.specular,
+                        );
                     }
                 }
                 for channel in 0..3 {

@@ -260,6 +260,31 @@ impl World {
         }
     }
 
+    /// How light is carried: `rgb` or `spectral`.
+    #[doc(hidden)]
+    pub fn transport(&self) -> &'static str {
+        match self.spectra {
+            Some(_) => scene::Transport::Spectral.name(),
+            None => scene::Transport::Rgb.name(),
+        }
+    }
+
+    /// The lights as JSON, for who renders them with other intensities: names, groups, kinds, luminous intensities in
+    /// cd, and intensities in cd per primary of the working space.
+    #[doc(hidden)]
+    pub fn describe_lights(&self) -> String {
+        let lights = self.lights.iter().enumerate().map(|(light, entry)| {
+            serde_json::json!({
+                "name": entry.name,
+                "kind": entry.value.kind(),
+                "group": self.light_group(light),
+                "candela": self.candelas(light),
+                "rgb": entry.value.intensity().0.0,
+            })
+        });
+        serde_json::Value::from_iter(lights).to_string()
+    }
+
     /// The group of a light, if it has one.
     #[doc(hidden)]
     pub fn light_group(&self, light: usize) -> Option<&str> {

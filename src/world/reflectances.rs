@@ -87,8 +87,14 @@ impl<'w> Reflectances<'w> {
 
     /// The observer and the curves, as JSON.
     pub fn description(&self, world: &World) -> String {
-        let observer = world.spectra().map(|spectra| spectra.colorimetry().observer().name());
-        let curves: Vec<_> = self.curves.iter().map(|curve| &curve.values()[..]).collect();
+        let observer = world
+            .spectra()
+            .map(|spectra| spectra.colorimetry().observer().name());
+        let curves: Vec<_> = self
+            .curves
+            .iter()
+            .map(|curve| &curve.values()[..])
+            .collect();
         serde_json::json!({ "observer": observer, "curves": curves }).to_string()
     }
 }

@@ -202,6 +202,7 @@ fn film(side: u32, compression: Compression, pixel: impl Fn(usize) -> [f32; 4]) 
         world_to_camera: [[0.0; 4]; 4],
         world_to_ndc: [[0.0; 4]; 4],
         provenance: Vec::new(),
+        numbers: Vec::new(),
     };
     let pixels = (0..(side * side) as usize).map(pixel).collect();
     let film = Film::new([side; 2], Window::whole([side; 2]), pixels, metadata);

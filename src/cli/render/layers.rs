@@ -226,15 +226,13 @@ impl LayerArguments {
     }
 
     fn asked(&self) -> impl Iterator<Item = Layer> {
-        self.layers.iter().flat_map(|list| list.layers.iter().copied())
+        self.layers
+            .iter()
+            .flat_map(|list| list.layers.iter().copied())
     }
 
     fn has(&self, layer: Layer) -> bool {
         self.asked().any(|asked| asked == layer)
-    }
-
-    pub(super) fn has_mattes(&self) -> bool {
-        self.has(Layer::Cryptomatte)
     }
 
     fn is_spectral(&self) -> bool {
@@ -244,7 +242,10 @@ impl LayerArguments {
     /// The layers to render.
     pub(super) fn layers(&self) -> Layers {
         let wavelengths = self.wavelengths.unwrap_or_default();
-        let only = self.layers.iter().flat_map(|list| list.only.iter().cloned());
+        let only = self
+            .layers
+            .iter()
+            .flat_map(|list| list.only.iter().cloned());
         let only: Vec<String> = only.collect();
         let mattes = self.layers.iter().find_map(|list| list.mattes);
         Layers {
@@ -368,7 +369,9 @@ fn layer_list(text: &str) -> Result<LayerList, String> {
             Some((name, value)) => (name.trim(), Some(value.trim())),
             None => (item, None),
         };
-        let quoted = item.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+        let quoted = item
+            .strip_prefix('"')
+            .and_then(|rest| rest.strip_suffix('"'));
         if let Some(name) = quoted.filter(|_| takes_names) {
             list.only.push(name.to_owned());
             continue;
@@ -386,7 +389,9 @@ fn layer_list(text: &str) -> Result<LayerList, String> {
         match (layer, value) {
             (_, None) => {}
             (layer, Some(light)) if layer.is_by_light() => {
-                let quoted = light.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+                let quoted = light
+                    .strip_prefix('"')
+                    .and_then(|rest| rest.strip_suffix('"'));
                 list.only.push(quoted.unwrap_or(light).to_owned());
                 takes_names = true;
             }

@@ -202,7 +202,7 @@ mod tests {
             message.contains("choose a smaller `resolution`"),
             "{message}"
         );
-        let error = fits_in_memory(1000, 1 << 61, 0, layers, &channels).unwrap_err();
+        let error = fits_in_memory(1000, 1 << 61, 0, &layers, &channels).unwrap_err();
         let message = error.to_string();
         assert!(message.contains("leave --preview out"), "{message}");
     }

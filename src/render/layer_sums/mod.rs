@@ -48,7 +48,6 @@ pub(super) struct RequestedLayers<'w> {
     matte_ranks: usize,
     /// The first channel of each content, and how many there are.
     contents: Vec<(Content, usize, usize)>,
-    channels: usize,
     detail: Detail,
     wants_light: bool,
 }
@@ -75,7 +74,11 @@ impl<'w> RequestedLayers<'w> {
         if contents.is_empty() {
             return None;
         }
-        let has = |wanted: &[Content]| contents.iter().any(|(content, ..)| wanted.contains(content));
+        let has = |wanted: &[Content]| {
+            contents
+                .iter()
+                .any(|(content, ..)| wanted.contains(content))
+        };
         let lobes = [
             Content::LightDiffuse,
             Content::LightSpecular,
@@ -113,22 +116,20 @@ impl<'w> RequestedLayers<'w> {
             },
             reflectances: layers.relighting(world),
             matte_ranks: layers.matte_ranks.count(),
-            wants_light: detail != Detail::default()
-                || has(&[Content::Lights, Content::Shadow]),
+            wants_light: detail != Detail::default() || has(&[Content::Lights, Content::Shadow]),
             detail,
             world,
             camera,
             bands,
             shares,
             contents,
-            channels,
         })
     }
 
     /// How many channels there are.
     #[cfg(test)]
     pub(super) fn channels(&self) -> usize {
-        self.channels
+        self.contents.iter().map(|&(_, _, count)| count).sum()
     }
 
     /// Whether any layer is made of the light of each light.
@@ -169,7 +170,10 @@ impl<'w> RequestedLayers<'w> {
             | Content::Error
             | Content::Samples => false,
         };
-        let planes = self.contents.iter().filter(|&&(content, ..)| is_plane(content));
+        let planes = self
+            .contents
+            .iter()
+            .filter(|&&(content, ..)| is_plane(content));
         planes.map(|&(_, _, count)| count).sum()
     }
 }
@@ -201,7 +205,10 @@ impl<'w> LayerSums<'w> {
                 Mattes::new(names, ranks)
             }),
             materials: has(Content::MaterialMattes).then(|| {
-                let names = world.materials().iter().map(|material| material.name.as_str());
+                let names = world
+                    .materials()
+                    .iter()
+                    .map(|material| material.name.as_str());
                 Mattes::new(names, ranks)
             }),
             spectral: requested.bands.map(SpectralSums::new),
@@ -216,7 +223,10 @@ impl<'w> LayerSums<'w> {
         if let Some(nearest) = &mut self.nearest {
             nearest.clear();
         }
-        for mattes in [&mut self.objects, &mut self.materials].into_iter().flatten() {
+        for mattes in [&mut self.objects, &mut self.materials]
+            .into_iter()
+            .flatten()
+        {
             mattes.clear();
         }
         if let Some(spectral) = &mut self.spectral {
@@ -280,7 +290,8 @@ impl<'w> LayerSums<'w> {
                 (Content::LightSpecular, &terms.lobes.specular),
             ] {
                 if let Some(first) = requested.place(content) {
-                    self.planes.add_three(simd, samples, first + 3 * share, part);
+                    self.planes
+                        .add_three(simd, samples, first + 3 * share, part);
                 }
             }
             if let Some(first) = requested.place(Content::Relight) {
@@ -351,7 +362,8 @@ impl<'w> LayerSums<'w> {
                 let values = is_hit.select(F64x16::load(simd, &values), F64x16::splat(simd, 0.0));
                 values.store(&mut self.column[lanes]);
             }
-            self.planes.add(simd, samples, first + channel, &self.column);
+            self.planes
+                .add(simd, samples, first + channel, &self.column);
         }
     }
 
@@ -381,7 +393,8 @@ impl<'w> LayerSums<'w> {
                 let values = is_hit.select(zero, F64x16::splat(simd, background));
                 values.store(&mut self.column[packet * LANES..]);
             }
-            self.planes.add(simd, samples, first + channel, &self.column);
+            self.planes
+                .add(simd, samples, first + channel, &self.column);
         }
     }
 
@@ -441,7 +454,11 @@ impl<'w> LayerSums<'w> {
             for of_packet in shaded.shares(packet) {
                 let Lobes { diffuse, specular } =
                     reflectances.of_material(of_packet.reflectance as usize);
-                for ReflectanceTerm { reflectance, factor } in [diffuse, specular] {
+                for ReflectanceTerm {
+                    reflectance,
+                    factor,
+                } in [diffuse, specular]
+                {
                     if factor != 0.0 && !done.contains(&reflectance) {
                         done.push(reflectance);
                     }
@@ -468,7 +485,8 @@ impl<'w> LayerSums<'w> {
                 }
                 F64x16::load(simd, &values).store(&mut self.column[lanes]);
             }
-            self.planes.add(simd, samples, first + reflectance, &self.column);
+            self.planes
+                .add(simd, samples, first + reflectance, &self.column);
         }
     }
 
@@ -506,7 +524,11 @@ impl<'w> LayerSums<'w> {
                 mattes.write(pixels, taken, first, rendered);
             }
         }
-        if let Some((spectral, first)) = self.spectral.as_mut().zip(requested.place(Content::Spectral)) {
+        if let Some((spectral, first)) = self
+            .spectral
+            .as_mut()
+            .zip(requested.place(Content::Spectral))
+        {
             for (pixel, place) in pixels.iter().enumerate().take(count) {
                 let misses = taken[pixel] - hits[pixel];
                 let sums = spectral.of(pixel, misses);

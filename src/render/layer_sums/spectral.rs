@@ -46,7 +46,8 @@ impl<'b> SpectralSums<'b> {
     pub(super) fn begin(&mut self, pixels: usize) {
         self.geometry = Geometry::new(self.bands.lights());
         self.sums.clear();
-        self.sums.resize(pixels * self.bands.wavelengths().count(), 0.0);
+        self.sums
+            .resize(pixels * self.bands.wavelengths().count(), 0.0);
     }
 
     /// Finds the places of what the points of a batch reflect with.
@@ -85,7 +86,8 @@ impl<'b> SpectralSums<'b> {
             if points != 0 {
                 let share = &shaded.shares(of_pixel.packet)[of_pixel.share];
                 let first = of_pixel.packet * LANES;
-                self.geometry.add(of_pixel.place, terms, first, share, points);
+                self.geometry
+                    .add(of_pixel.place, terms, first, share, points);
             }
         }
     }

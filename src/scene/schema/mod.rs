@@ -184,10 +184,7 @@ fn keys(form: &Form<'_>, channels: Range) -> Members {
     // Of two that stand for each other, exactly one.
     let mut pairs = form.keys.iter().filter_map(|key| match key.presence {
         Presence::InsteadOf(other) => Some([key.name, other]),
-        Presence::Required
-        | Presence::Optional
-        | Presence::Default(_)
-        | Presence::With(_) => None,
+        Presence::Required | Presence::Optional | Presence::Default(_) | Presence::With(_) => None,
     });
     if let Some(pair) = pairs.next() {
         let choices = pair.map(|name| object([("required", names([name]))]));

@@ -183,7 +183,8 @@ impl<'a> Builder<'a> {
         let mut light_groups = Vec::new();
         let entries = &self.scene.lights;
         if entries.iter().any(|entry| entry.value.group().is_some()) {
-            self.light_names.extend(entries.iter().map(|entry| entry.name.as_str()));
+            self.light_names
+                .extend(entries.iter().map(|entry| entry.name.as_str()));
         }
         self.each("light", "a light", &self.scene.lights, |builder, entry| {
             let (light, spectrum) = builder.light(entry);
