@@ -92,6 +92,7 @@ fn options(precision: Precision, compression: Compression) -> ExrOptions {
         precision,
         compression,
         chromaticities: false,
+        full_window: false,
     }
 }
 

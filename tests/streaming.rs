@@ -228,6 +228,7 @@ fn the_image_that_is_preserved_is_what_the_file_shows() {
                     compression,
                     precision,
                     chromaticities: false,
+                    full_window: false,
                 };
                 let mut file = Cursor::new(Vec::new());
                 let rendered = renderer.exr(

@@ -34,6 +34,9 @@ pub struct ExrOptions {
     /// Whether a `chromaticities` attribute goes beside `colorInteropID` in Rec.709, too, where readers that do not know
     /// the latter take it for granted. In other spaces it is there in any case. Default: no.
     pub chromaticities: bool,
+    /// Whether a part of an image is written with a data window of the whole image, for readers that lose its place:
+    /// outside of the part nothing is hit, and there is no light. Default: no.
+    pub full_window: bool,
 }
 
 impl ExrOptions {

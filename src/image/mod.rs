@@ -172,6 +172,86 @@ impl Film {
         }
     }
 
+    /// The same film in a window that is the whole image: outside of its own nothing is hit, and there is no light.
+    pub(crate) fn in_full_window(self) -> Self {
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = self.spec.window;
+        let whole = Window::whole(self.spec.resolution);
+        if self.spec.window == whole {
+            return self;
+        }
+        let channels = self.spec.channels.list.len();
+        let mut film = Self::black(ImageSpec {
+            window: whole,
+            ..self.spec.clone()
+        });
+        let [x, width, columns] = [x, width, whole.width].map(|side| side as usize);
+        for (channel, of_channel) in film.spec.channels.list.iter().enumerate() {
+            if of_channel.name == "Z" {
+                for row in film.values.chunks_exact_mut(columns * channels) {
+                    row[channel * columns..][..columns].fill(BACKGROUND_DEPTH);
+                }
+            }
+        }
+        for row in 0..height as usize {
+            let (from, to) = (row * width, (row + y as usize) * columns);
+            film.pixels[to + x..][..width].copy_from_slice(&self.pixels[from..][..width]);
+            for channel in 0..channels {
+                let values = &self.values[from * channels + channel * width..][..width];
+                film.values[to * channels + channel * columns + x..][..width]
+                    .copy_from_slice(values);
+            }
+        }
+        film
+    }
+
+    /// Two films with the same R, G, B and A: one with some channels and the attributes about them, one with all others.
+    pub(crate) fn apart(
+        self,
+        is_apart: impl Fn(&Channel) -> bool,
+        are_theirs: impl Fn(&str) -> bool,
+    ) -> [Self; 2] {
+        let width = self.spec.window.width as usize;
+        let count = self.spec.channels.list.len();
+        [true, false].map(|which| {
+            let places: Vec<usize> = (0..count)
+                .filter(|&place| is_apart(&self.spec.channels.list[place]) == which)
+                .collect();
+            let list = &self.spec.channels.list;
+            let attributes = self.spec.channels.attributes.iter();
+            // Sums stay where all that they are made of stays.
+            let place_of = |old: &usize| places.iter().position(|place| place == old);
+            let sums = self.spec.channels.sums.iter();
+            let sums = sums.filter_map(|sum| sum.iter().map(place_of).collect());
+            let channels = Channels {
+                list: places.iter().map(|&place| list[place].clone()).collect(),
+                attributes: attributes
+                    .filter(|(name, _)| are_theirs(name) == which)
+                    .cloned()
+                    .collect(),
+                sums: sums.collect(),
+            };
+            let rows = self.values.chunks((width * count).max(1));
+            let values = rows.flat_map(|row| {
+                places
+                    .iter()
+                    .flat_map(|place| &row[place * width..][..width])
+            });
+            Self {
+                pixels: self.pixels.clone(),
+                values: values.copied().collect(),
+                spec: ImageSpec {
+                    channels,
+                    ..self.spec.clone()
+                },
+            }
+        })
+    }
+
     /// Width and height of the whole image, of which [`Film::window`] is a part.
     pub fn resolution(&self) -> [u32; 2] {
         self.spec.resolution

@@ -359,6 +359,16 @@ fn bands(wavelengths: Wavelengths) -> Vec<Channel> {
     bands.collect()
 }
 
+/// Whether a channel is one of these.
+pub(super) fn is_band(name: &str) -> bool {
+    name.starts_with("S0.")
+}
+
+/// Whether an attribute is about them.
+pub(super) fn is_about_bands(name: &str) -> bool {
+    ["candela:bands", "emissiveUnits", "spectralLayoutVersion"].contains(&name)
+}
+
 /// The layout knows only "W.m^-2.sr^-1" as the unit of emission. Here it is so per nm, which
 /// `candela:bands` says.
 fn spectral_attributes(wavelengths: Wavelengths) -> Vec<(String, String)> {

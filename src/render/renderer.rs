@@ -9,6 +9,7 @@ use super::exr_sink::ExrSink;
 use super::film_sink::FilmSink;
 use super::job::Job;
 use super::layer_sums::RequestedLayers;
+use super::layers::{is_about_bands, is_band};
 use super::options::{Options, OptionsError};
 use super::sampling::Sampler;
 use super::scheduler::{render_tiles, windows};
@@ -188,7 +189,8 @@ impl<'w> Renderer<'w> {
 
     /// Renders and writes OpenEXR into `sink`, from the sink's start: blocks are compressed and written
     /// while others are still being rendered, and the film is never there as a whole, unless it is rendered to an
-    /// error: the header, which comes first, says what came of it. The bytes are those that [`Renderer::film`] and
+    /// error, where the header, which comes first, says what came of it, or written with
+    /// [`ExrOptions::full_window`]. The bytes are those that [`Renderer::film`] and
     /// [`Film::write_exr_to`] make one after the other.
     ///
     /// # Errors
@@ -203,12 +205,8 @@ impl<'w> Renderer<'w> {
         sink: &mut (impl Write + Seek + Send),
     ) -> Result<RenderedExr, RenderError> {
         let spec = self.spec(camera, options)?;
-        if options.target.is_some() {
-            let values = 4 + spec.channels.list.len() as u64;
-            let bytes = spec.window.count().saturating_mul(4 * values);
-            look_for(bytes)
-                .map_err(|error| error.for_what("the film that is rendered to an error"))?;
-            let (film, counts) = self.film(camera, options, job)?;
+        if options.target.is_some() || exr.full_window {
+            let (film, counts) = self.film_of_file(camera, options, exr, job)?;
             let (report, image) = film.write_exr_and_keep(sink, exr, preserve)?;
             return Ok(RenderedExr {
                 counts,
@@ -227,6 +225,60 @@ impl<'w> Renderer<'w> {
             report,
             image,
         })
+    }
+
+    /// Renders, and writes two OpenEXR files: one of the bands of [`Layers::spectral`](super::Layers::spectral) with R,
+    /// G, B and A, one of all else. The films are in memory as a whole. What is told is of the latter.
+    ///
+    /// # Errors
+    /// As [`Renderer::exr`].
+    #[expect(clippy::too_many_arguments, reason = "two files are written as one is")]
+    pub fn exr_and_bands(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        exr: &ExrOptions,
+        preserve: Preserve,
+        job: &Job<'_>,
+        sink: &mut (impl Write + Seek + Send),
+        bands: &mut (impl Write + Seek + Send),
+    ) -> Result<RenderedExr, RenderError> {
+        let (film, counts) = self.film_of_file(camera, options, exr, job)?;
+        let [of_bands, film] = film.apart(|channel| is_band(&channel.name), is_about_bands);
+        of_bands.write_exr_to(bands, exr)?;
+        drop(of_bands);
+        let (report, image) = film.write_exr_and_keep(sink, exr, preserve)?;
+        Ok(RenderedExr {
+            counts,
+            report,
+            image,
+        })
+    }
+
+    /// Renders the film of a file that is not written while it is rendered.
+    fn film_of_file(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        exr: &ExrOptions,
+        job: &Job<'_>,
+    ) -> Result<(Film, Counts), RenderError> {
+        let spec = self.spec(camera, options)?;
+        let pixels = if exr.full_window {
+            let whole = Window::whole(spec.resolution).count();
+            whole.saturating_add(spec.window.count())
+        } else {
+            spec.window.count()
+        };
+        let values = 4 + spec.channels.list.len() as u64;
+        look_for(pixels.saturating_mul(4 * values)).map_err(|error| error.for_what("the film"))?;
+        let (film, counts) = self.film(camera, options, job)?;
+        let film = if exr.full_window {
+            film.in_full_window()
+        } else {
+            film
+        };
+        Ok((film, counts))
     }
 
     /// Renders, and hands each tile to `sink`.

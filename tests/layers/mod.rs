@@ -2,6 +2,7 @@
 //! alone, the oracle, OpenImageIO), and that nothing else changes.
 
 mod files;
+mod terms;
 
 use candela::image::{BACKGROUND_DEPTH, Film, Window};
 use candela::oracle::Oracle;

@@ -1,6 +1,8 @@
 //! `--layers`, `--wavelengths` and `--transport`: what is rendered beside R, G, B and A, and what it
 //! asks of the way of light.
 
+use std::path::PathBuf;
+
 use candela::internal::printable;
 use candela::render::{BACKGROUND_LIGHT, Layers, MatteRanks, Relight};
 use candela::scene::diagnostic::nearest;
@@ -10,6 +12,7 @@ use candela::world::{Wavelengths, World};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::Failure;
+use super::values::named;
 
 /// A layer that is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,6 +179,11 @@ pub(super) struct LayerArguments {
     #[arg(long, value_name = "START:END:STEP", value_parser = wavelengths, allow_hyphen_values = true)]
     wavelengths: Option<Wavelengths>,
 
+    /// Write the bands of --layers spectral to a file of their own, with R, G, B and A, beside the picture: many
+    /// programs do not read a picture with dozens of channels
+    #[arg(long, value_name = "BANDS.exr", value_parser = named("exr"))]
+    pub(super) spectral_output: Option<PathBuf>,
+
     /// How light is carried, instead of what the scene says: `rgb`, `spectral`, or `auto`, which
     /// is spectral if anything in the scene is a spectrum
     #[arg(long, value_name = "NAME")]
@@ -209,6 +217,13 @@ impl LayerArguments {
             return Some(
                 "--cryptomatte-levels is about --layers cryptomatte, which is not asked for; add it, or leave \
                  --cryptomatte-levels out"
+                    .to_owned(),
+            );
+        }
+        if self.spectral_output.is_some() && !self.is_spectral() {
+            return Some(
+                "--spectral-output is where the bands of --layers spectral go, which are not asked for; add it, or \
+                 leave --spectral-output out"
                     .to_owned(),
             );
         }

@@ -21,6 +21,10 @@ pub(super) struct Request {
     pub(super) exr: ExrOptions,
     /// Whether a preview is made of the file.
     pub(super) preserve: Preserve,
+    /// Of the whole image.
+    resolution: [u32; 2],
+    /// Whether the bands of a spectral image have a file of their own.
+    has_bands_apart: bool,
 }
 
 impl Request {
@@ -51,7 +55,10 @@ impl Request {
                 },
                 compression: arguments.compression,
                 chromaticities: arguments.chromaticities,
+                full_window: arguments.full_window,
             },
+            resolution: camera.resolution(),
+            has_bands_apart: arguments.layers.spectral_output.is_some(),
             preserve: match arguments.preview {
                 Some(_) => Preserve::Image,
                 None => Preserve::Nothing,
@@ -90,11 +97,16 @@ impl Request {
         });
         let threads = rayon::current_num_threads();
         let values = 4 + channels.list.len() as u64;
-        let film = match self.options.target {
-            // The whole film is there before its header is written.
-            Some(_) => self.window.count().saturating_mul(4 * values),
-            None => 0,
+        // The whole film is there where its header says what came of it, and where it is written in another shape.
+        let films = u64::from(self.options.target.is_some())
+            + u64::from(self.exr.full_window)
+            + 2 * u64::from(self.has_bands_apart);
+        let pixels = if self.exr.full_window {
+            self.resolution.map(u64::from).into_iter().product()
+        } else {
+            self.window.count()
         };
+        let film = pixels.saturating_mul(4 * values).saturating_mul(films);
         let [pixels, all] = [Preserve::Nothing, self.preserve].map(|preserve| {
             let parts = render::memory(self.window, &channels, &self.exr, preserve, threads);
             parts.saturating_add(film)

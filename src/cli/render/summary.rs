@@ -69,6 +69,9 @@ impl Summary<'_> {
             self.seconds,
         )];
         lines.extend(self.arguments.accuracy.outcome(&self.counts.errors));
+        if let Some(bands) = &self.arguments.layers.spectral_output {
+            lines.push(format!("{}: its bands", name(bands)));
+        }
         if let (Some(preview), Some(developed)) = (&self.arguments.preview, &self.developed) {
             // What is chosen may be repeated with `tonemap`.
             let exposure = match self.arguments.development.exposure() {
