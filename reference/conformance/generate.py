@@ -1070,18 +1070,6 @@ def linear(points, nm):
     return points[-1][1]
 
 
-def d65():
-    """CIE 15: S0 + M1 S1 + M2 S2 at 6500 K · 1.4388/1.4380, linear between 5 nm."""
-    u = 1e3 / (6500.0 * 1.4388 / 1.4380)
-    x = 0.244063 + 0.09911 * u + 2.9678 * u**2 - 4.6070 * u**3
-    y = -3.0 * x * x + 2.870 * x - 0.275
-    divisor = 0.0241 + 0.2562 * x - 0.7341 * y
-    m1 = round((-1.3515 - 1.7703 * x + 5.9114 * y) / divisor, 3)
-    m2 = round((0.0300 - 31.4424 * x + 30.0717 * y) / divisor, 3)
-    points = [(nm, s0 + m1 * s1 + m2 * s2) for nm, s0, s1, s2 in csv("daylight.csv")]
-    return [linear(points, nm) for nm in GRID]
-
-
 def xyz(spectrum):
     """683 Σ S x̄, in photometric units."""
     return [683 * sum(s * row[i] for s, row in zip(spectrum, OBSERVER)) for i in (1, 2, 3)]
@@ -1098,19 +1086,14 @@ def inverse(m):
 
 
 def rec709(spectrum):
-    """Linear Rec.709 of light, adapted by Bradford so that illuminant D65 is R = G = B."""
+    """Linear Rec.709 of light: nothing is adapted, as the space's white is D65's."""
     chroma = lambda x, y: [x / y, 1.0, (1 - x - y) / y]
     primaries = [chroma(0.64, 0.33), chroma(0.30, 0.60), chroma(0.15, 0.06)]
     white = chroma(0.3127, 0.3290)
     columns = [list(row) for row in zip(*primaries)]
     strengths = apply(inverse(columns), white)
     to_xyz = [[row[i] * strengths[i] for i in range(3)] for row in columns]
-    bradford = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
-    seen = xyz(d65())
-    seen = [x / seen[1] for x in seen]
-    gains = [to / of_ for to, of_ in zip(apply(bradford, white), apply(bradford, seen))]
-    cones = [c * g for c, g in zip(apply(bradford, xyz(spectrum)), gains)]
-    return apply(inverse(to_xyz), apply(inverse(bradford), cones))
+    return apply(inverse(to_xyz), xyz(spectrum))
 
 
 def planck(kelvin):
@@ -1153,8 +1136,7 @@ def lines(pairs):
 
 spectral(
     "blackbody",
-    "100 cd of a black body of 3000 K on gray: Planck's law, the CIE's 2° observer at 1 nm, Bradford to Rec.709 with "
-    "D65 as white.",
+    "100 cd of a black body of 3000 K on gray: Planck's law, the CIE's 2° observer at 1 nm, the matrix of Rec.709.",
     "{ candela = 100, color = { blackbody = 3000 } }",
     of_candela(planck(3000.0), 100),
 )

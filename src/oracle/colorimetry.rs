@@ -177,15 +177,17 @@ mod tests {
     const ROUNDING: f64 = 1e-13;
 
     impl Colorimetry {
-        /// [`Colorimetry::weights`] by the matrix of a space alone, whose white is another than that of
-        /// illuminant D65 in the fourth decimal.
+        /// [`Colorimetry::weights`] under the CIE's D65 by the matrix of a space alone, whose white is another in the
+        /// fourth decimal.
         pub(in crate::oracle) fn weights_without_adaptation(
             &self,
             space: ColorSpace,
         ) -> [Components; 3] {
+            let d65 = daylight(6500.0 * 1.4388 / 1.4380);
             let rgb_from_xyz = inverse(&xyz_from_rgb(space));
             Self {
                 rgb_from_xyz,
+                white: d65.scaled(1.0 / self.luminous(&d65)),
                 ..self.clone()
             }
             .weights()
@@ -217,6 +219,8 @@ mod tests {
                 continue;
             };
             let spectrum = match name.split_once(' ') {
+                // Ours is that of RGB spaces.
+                None if name == "D65" => daylight(6500.0 * 1.4388 / 1.4380),
                 None => illuminant(name),
                 Some(("daylight", temperature)) => daylight(temperature.parse().unwrap()),
                 Some(("blackbody", temperature)) => blackbody(temperature.parse().unwrap()),

@@ -124,7 +124,7 @@ mod tests {
     }
 
     /// Computed with colour-science and the tabulated D65, by the matrix of Rec.709 as it stands: its
-    /// white is by 2e-4 not that of illuminant D65.
+    /// white is by 2e-4 not that of the CIE's D65.
     #[test]
     fn a_published_reflectance() {
         let colorimetry = Colorimetry::new(Observer::Cie1931, ColorSpace::Rec709);

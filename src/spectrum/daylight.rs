@@ -10,8 +10,28 @@ use super::{Curve, Spectrum, tables};
 pub fn daylight(temperature: f64) -> Spectrum {
     let [x, y] = chromaticity(temperature);
     let m = 0.0241 + 0.2562 * x - 0.7341 * y;
-    let m1 = three_decimals((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
-    let m2 = three_decimals((0.0300 - 31.4424 * x + 30.0717 * y) / m);
+    mixed([
+        three_decimals((-1.3515 - 1.7703 * x + 5.9114 * y) / m),
+        three_decimals((0.0300 - 31.4424 * x + 30.0717 * y) / m),
+    ])
+}
+
+/// M₁ and M₂ of the daylight whose chromaticity is x = 0.3127, y = 0.3290 (ITU-R BT.709-6), for the 2° observer: to
+/// three decimals they would be −0.294 and −0.690, and the D illuminant of 6504 K has −0.295 and −0.689.
+const WHITE: [f64; 2] = [-0.294_359_373_680_371, -0.690_067_533_387_034];
+
+/// The daylight that is white in RGB, relative: 100 at 560 nm.
+///
+/// It is illuminant D65, but for the rounding: the CIE rounds M₁ and M₂, and the standards of RGB spaces round its
+/// chromaticity, 0.31272, 0.32903, to 0.3127, 0.3290. With M₁ and M₂ from these four decimals, D65 is the white of
+/// the spaces, and no other light needs to be adapted to them. Its values differ from the CIE's table by at most
+/// 5e-4 of them.
+pub(super) fn white() -> Spectrum {
+    mixed(WHITE)
+}
+
+/// S₀ + M₁ S₁ + M₂ S₂
+fn mixed([m1, m2]: [f64; 2]) -> Spectrum {
     let table = tables::daylight();
     let [s0, s1, s2] = ["S0", "S1", "S2"].map(|name| table.column(name));
     let values = s0.iter().zip(s1).zip(s2);
@@ -39,7 +59,11 @@ fn three_decimals(m: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::{DMat2, DVec2};
+
+    use super::super::Observer;
     use super::*;
+    use crate::color::Primaries;
 
     /// CIE standard illuminant D65 (ISO/CIE 11664-2), some of its printed values.
     #[test]
@@ -59,6 +83,37 @@ mod tests {
             let actual = d65.at(nm);
             assert!((actual - published).abs() < 1e-3, "{nm}: {actual}");
         }
+    }
+
+    /// M₁ and M₂ from the chromaticity: x (X + Y + Z) = X and y (X + Y + Z) = Y are linear in them.
+    #[test]
+    fn white_has_the_chromaticity_of_rgb_spaces() {
+        let [x, y] = Primaries::REC709.white;
+        let remainders = |[m1, m2]: [f64; 2]| {
+            let [big_x, big_y, big_z] = Observer::Cie1931.xyz(&mixed([m1, m2]));
+            let sum = big_x + big_y + big_z;
+            DVec2::new(big_x - x * sum, big_y - y * sum)
+        };
+        let at_0 = remainders([0.0, 0.0]);
+        let slopes = DMat2::from_cols(
+            remainders([1.0, 0.0]) - at_0,
+            remainders([0.0, 1.0]) - at_0,
+        );
+        let derived = slopes.inverse() * -at_0;
+        assert!(
+            derived.abs_diff_eq(DVec2::from_array(WHITE), 1e-11),
+            "{derived:?}"
+        );
+    }
+
+    #[test]
+    fn white_is_d65_but_for_rounding() {
+        let table = daylight(6500.0 * 1.4388 / 1.4380);
+        let white = white();
+        let pairs = white.values().iter().zip(table.values());
+        let off = pairs.map(|(white, d65)| (white / d65 - 1.0).abs());
+        let worst = off.fold(0.0, f64::max);
+        assert!(worst > 4e-4 && worst < 5e-4, "{worst}");
     }
 
     #[test]

@@ -228,7 +228,7 @@ fn solve(mut a: [[f64; 3]; 3], mut b: [f64; 3]) -> Option<[f64; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Illuminant, Observer, SAMPLES};
+    use super::super::{Observer, SAMPLES, daylight};
     use super::*;
 
     /// Linear Rec.709 from XYZ (IEC 61966-2-1, as derived with more digits).
@@ -243,9 +243,10 @@ mod tests {
         unscaled_rec709().map(|weights| weights.scaled(1.0 / weights.total()))
     }
 
-    /// The same by the matrix alone, which is for a white that is rounded to four decimals.
+    /// The same by the matrix alone, which is for a white that is rounded to four decimals, and the CIE's D65, whose
+    /// own is not.
     fn unscaled_rec709() -> [Spectrum; 3] {
-        let d65 = Illuminant::D65.spectrum();
+        let d65 = daylight(6500.0 * 1.4388 / 1.4380);
         let xyz = Observer::Cie1931.color_matching();
         FROM_XYZ.map(|row| {
             let mut place = 0..SAMPLES;

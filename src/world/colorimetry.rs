@@ -3,9 +3,8 @@
 //! XYZ = K_m ∫ S(λ) (x̄, ȳ, z̄)(λ) dλ is what the observer sees, in cd/m² where S is a spectral
 //! radiance. White is D65 in every scene: the XYZ are adapted (Bradford) from the observer's own
 //! XYZ of illuminant D65 to the white of the working space, then its matrix makes them RGB. For the
-//! 2° observer and a space whose white is D65, that adaptation moves nothing by more than 3e-4: it
-//! is the difference of illuminant D65 to its chromaticity of four decimals, by which the spaces
-//! are defined. Without it, D65 on gray would not be gray.
+//! 2° observer and a space whose white is D65, nothing is adapted, as [`Illuminant::D65`] has the
+//! chromaticity by which such spaces are defined.
 
 use std::sync::Arc;
 

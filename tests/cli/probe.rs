@@ -133,8 +133,8 @@ fn a_probe_outside_of_the_image() {
 fn a_probed_spectrum_has_the_luminance_of_the_pixel() {
     /// The luminances of Rec.709's red, green and blue (ITU-R BT.709-6, more digits).
     const WEIGHTS: [f64; 3] = [0.212_639_005_9, 0.715_168_678_8, 0.072_192_315_4];
-    /// Illuminant D65 and the white of Rec.709 differ in the fourth decimal of a chromaticity.
-    const WHITE: f64 = 1.51e-5;
+    /// The weights have ten digits.
+    const WHITE: f64 = 1.29e-10;
     let mut of_white = Measured::new("luminance of a spectrum", WHITE);
     let mut of_pixel = Measured::rounding("luminance of a pixel");
     let folder = folder();
