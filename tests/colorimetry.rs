@@ -595,7 +595,11 @@ fn illuminants_have_the_chromaticities_of_colour_science() {
         } else {
             format!("{{ illuminant = \"{name}\" }}")
         };
-        let of_light = if name == "D65" { &mut of_d65 } else { &mut worst };
+        let of_light = if name == "D65" {
+            &mut of_d65
+        } else {
+            &mut worst
+        };
         of_light.see(apart(rendered_chromaticity(&color), &xy), || name.clone());
     }
     of_d65.judge();

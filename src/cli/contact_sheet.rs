@@ -1,5 +1,6 @@
 //! `candela contact-sheet`: all views of a picture, or all layers of a file, side by side.
 
+mod equations;
 mod sheet;
 
 use std::ffi::OsStr;
@@ -17,6 +18,7 @@ use super::develop::ExposureArguments;
 use super::numbers::number;
 use super::render::count;
 use super::sequence::{input_name, named_after};
+use equations::equation;
 use sheet::{Cell, GROUND, Head, Layout, sheet};
 
 /// The most layers on a sheet: more are not looked at, and take their time.
@@ -35,7 +37,8 @@ const SUFFIX: &str = "contact.png";
 ///
 /// Each picture is made small in linear light, from the file itself, and has its name below. All are at the same
 /// exposure. Of layers, those with colors are shown as light; single channels as grays over their range, which is
-/// written beside the name; vectors as colors, 0.5 + 0.5 x.
+/// written beside the name; vectors as colors, 0.5 + 0.5 x. Beside the layers of `candela render --layers` stands the
+/// equation of the lecture that they show, such as L5 or L4: V.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -212,6 +215,7 @@ fn add_warnings(warnings: &mut Vec<String>, thumbnail: &Thumbnail) {
 
 /// A layer as it is shown.
 fn cell(name: &str, thumbnail: &Thumbnail, view: View, ev: f64) -> Cell {
+    let equation = equation(name);
     let name = if name.is_empty() {
         "R, G, B".to_owned()
     } else {
@@ -220,12 +224,15 @@ fn cell(name: &str, thumbnail: &Thumbnail, view: View, ev: f64) -> Cell {
     match thumbnail.content() {
         Content::Light => Cell {
             name,
-            note: String::new(),
+            note: equation.unwrap_or_default().to_owned(),
             image: developed(thumbnail, view, ev),
         },
         Content::Vectors | Content::Numbers => Cell {
             name,
-            note: range(thumbnail),
+            note: match equation {
+                Some(equation) => format!("{equation}  {}", range(thumbnail)),
+                None => range(thumbnail),
+            },
             image: thumbnail.scaled(GROUND),
         },
     }

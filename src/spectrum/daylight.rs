@@ -95,10 +95,7 @@ mod tests {
             DVec2::new(big_x - x * sum, big_y - y * sum)
         };
         let at_0 = remainders([0.0, 0.0]);
-        let slopes = DMat2::from_cols(
-            remainders([1.0, 0.0]) - at_0,
-            remainders([0.0, 1.0]) - at_0,
-        );
+        let slopes = DMat2::from_cols(remainders([1.0, 0.0]) - at_0, remainders([0.0, 1.0]) - at_0);
         let derived = slopes.inverse() * -at_0;
         assert!(
             derived.abs_diff_eq(DVec2::from_array(WHITE), 1e-11),

@@ -273,9 +273,7 @@ fn long_layers(world: &World) -> impl Iterator<Item = Warning> {
     let lights = world.lights().iter().enumerate();
     let names = lights.map(|(light, entry)| world.light_group(light).unwrap_or(&entry.name));
     let layers = names.map(|name| format!("light_{name}"));
-    let long: BTreeSet<String> = layers
-        .filter(|layer| layer.len() > LONGEST_LAYER)
-        .collect();
+    let long: BTreeSet<String> = layers.filter(|layer| layer.len() > LONGEST_LAYER).collect();
     long.into_iter().map(|layer| Warning::LongLayer { layer })
 }
 
