@@ -487,7 +487,7 @@ fn colour_science_reads_the_bands() {
     oiiotool(folder.path(), "bands.exr -o resaved.exr");
     let pixels = 0..film.pixels().len();
     let expected: Vec<f64> = pixels
-        .flat_map(|pixel| film.values(pixel).iter().map(|&value| f64::from(value)))
+        .flat_map(|pixel| film.values(pixel).into_iter().map(f64::from))
         .collect();
     for path in [path, folder.path().join("resaved.exr")] {
         let (wavelengths, values) = read_by_colour_science(&path);

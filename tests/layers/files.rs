@@ -123,7 +123,7 @@ fn oiiotool_composes_by_depth() {
         ("wall.exr", camera[..ball_alone].to_owned() + &tilted),
         ("both.exr", camera.clone() + &tilted),
     ] {
-        let film = with_layers(&parse(&text), 1, depth);
+        let film = with_layers(&parse(&text), 1, depth.clone());
         write(&film, &folder.join(name), Precision::Float);
     }
     for order in ["ball.exr wall.exr", "wall.exr ball.exr"] {

@@ -385,7 +385,7 @@ fn layers_leave_each_other_as_they_are() {
                     of_lights + 4..of_lights + 4 + bands,
                 ),
             ] {
-                let film = with_layers(&scene, samples, layers);
+                let film = with_layers(&scene, samples, layers.clone());
                 assert!(bits(&film) == bits(&every), "{name} {layers:?}");
                 assert_eq!(film.channels().list, every.channels().list[range.clone()]);
                 let some = bits_of_every.iter().map(|bits| &bits[range.clone()]);
