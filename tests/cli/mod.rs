@@ -28,10 +28,11 @@ use tempfile::TempDir;
 
 use crate::openimageio::{decode, oiiotool};
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "render",
     "tonemap",
     "contact-sheet",
+    "relight",
     "check",
     "probe",
     "verify",
