@@ -10,6 +10,7 @@ mod interruption;
 mod layers;
 mod new;
 mod probe;
+mod relight;
 mod report;
 mod sequences;
 mod speaking;
