@@ -109,6 +109,10 @@ fn summarize(arguments: &Arguments, report: &Report, messages: &mut impl Write) 
             "values beyond the largest HALF, which became that",
         ),
         (
+            report.were_clamped,
+            "values that were beyond the largest HALF or FLOAT already, so that their light is not known",
+        ),
+        (
             report.small_in_half,
             "values of layers of light below 6.1e-5, of which HALF keeps few digits",
         ),

@@ -22,6 +22,8 @@ pub(super) struct Counts {
     pub(super) clamped_to_half: u64,
     /// Of layers in HALF: not 0, but below the smallest normal one.
     pub(super) small_in_half: u64,
+    /// The largest of their type in the old file, which stands for any larger one.
+    pub(super) were_clamped: u64,
 }
 
 impl Counts {
@@ -29,6 +31,7 @@ impl Counts {
         self.clamped_to_float += more.clamped_to_float;
         self.clamped_to_half += more.clamped_to_half;
         self.small_in_half += more.small_in_half;
+        self.were_clamped += more.were_clamped;
     }
 }
 
@@ -108,7 +111,10 @@ impl<'p> Lines<'p> {
         for (&place, output) in plan.kept.iter().zip(&plan.outputs) {
             match output {
                 Output::Copy => {}
-                Output::Linear(terms) => use_terms(&mut channels, terms),
+                Output::Linear(terms) => {
+                    channels[place].is_used = true;
+                    use_terms(&mut channels, terms);
+                }
                 Output::Sum(sum) => {
                     channels[place].is_used = true;
                     for part in &sum.parts {
@@ -163,7 +169,10 @@ impl<'p> Lines<'p> {
                     Output::Linear(terms) => combine(terms, &room.values, &mut room.sum),
                     Output::Sum(sum) => self.add_up(place, sum, room),
                 }
-                let counts = store(&room.sum, self.channels[place], new);
+                let mut counts = store(&room.sum, self.channels[place], new);
+                let columns = 0..self.width;
+                let were_clamped = columns.filter(|&x| self.is_at_limit(place, &room.values, x));
+                counts.were_clamped = were_clamped.count() as u64;
                 room.counts.add(counts);
             }
         }
@@ -251,7 +260,7 @@ impl<'p> Lines<'p> {
         for (column, total) in total.iter_mut().enumerate() {
             let (rest, bound) = self.rest(place, sum, values, column);
             let is_rounding = sum.is_complete && rest.abs() <= bound;
-            // Where the sum or a part was beyond what the file can hold, the parts are all there is.
+            // Where the sum was beyond what the file can hold, the parts are all there is.
             if !is_rounding && rest.is_finite() && !self.is_at_limit(place, values, column) {
                 *total += rest;
             }

@@ -52,6 +52,8 @@ pub struct Report {
     pub clamped_to_half: u64,
     /// Values of layers in HALF that are not 0 but below the smallest normal one, 6.1e-5.
     pub small_in_half: u64,
+    /// Values that change and were the largest of their type before: what they stand for is not known.
+    pub were_clamped: u64,
     /// What was left out and why, a sentence each.
     pub notes: Vec<String>,
     /// The file's length in bytes.
@@ -130,6 +132,7 @@ pub fn relight(
         clamped_to_float: counts.clamped_to_float,
         clamped_to_half: counts.clamped_to_half,
         small_in_half: counts.small_in_half,
+        were_clamped: counts.were_clamped,
         notes: plan.notes,
         bytes,
     })

@@ -1,6 +1,6 @@
 //! The layers of a file that are shares of its picture: of lights, of groups of lights, of the background.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::error::RelightError;
 use super::record::{self, LightRecord};
@@ -130,6 +130,13 @@ impl Shares {
                 layer: Some(layer),
                 ..Share::of_light(BACKGROUND, channels)
             }));
+        }
+        // A light may have the name of another's lobe.
+        let names: HashSet<String> = list.iter().map(|share| share.name.clone()).collect();
+        for share in &mut list {
+            for (lobe, layer) in LOBES.iter().zip(&mut share.lobes) {
+                *layer = layer.filter(|_| !names.contains(&format!("{}_{lobe}", share.name)));
+            }
         }
         if list.iter().all(|share| share.layer.is_none()) {
             return Err(RelightError::NoLayers);

@@ -201,6 +201,24 @@ fn lobes_follow_their_light() {
     );
 }
 
+/// A light may be called as a lobe of another would be.
+#[test]
+fn names_like_lobes_are_lights() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let light = |name: &str| json!({ "name": name, "kind": "point", "group": null, "candela": 1.0, "rgb": [1.0, 1.0, 1.0] });
+    let lights = json!([light("key"), light("key_diffuse")]).to_string();
+    let film = with_layer(&plain(sum(&[KEY, FILL])), "light_key", KEY);
+    let film = with_layer(&film, "light_key_diffuse", FILL);
+    relit(
+        &with_attribute(&film, "candela:lights", &lights),
+        &path,
+        &["key=2"],
+    );
+    assert_eq!(layer(&path, "light_key_diffuse"), FILL);
+    assert_eq!(layer(&path, ""), sum(&[times(2.0, KEY), FILL]));
+}
+
 /// The background's share may be a layer of its own name.
 #[test]
 fn a_background_is_a_share() {
@@ -239,6 +257,8 @@ fn what_types_cannot_hold_is_clamped_and_counted() {
     assert_eq!((report.clamped_to_half, report.clamped_to_float), (2, 0));
     assert_eq!(layer(&path, "light_fill")[1], [65504.0, 10000.0, 20000.0]);
     assert_eq!(layer(&path, "")[1][0], 65504.0);
+    // What they stand for is not known any more.
+    assert_eq!(change(&path, &["fill=0.5"]).unwrap().were_clamped, 2);
     write(&film(), &path, &half);
     let report = change(&path, &["key=1e-5"]).unwrap();
     assert_eq!(report.small_in_half, 5);

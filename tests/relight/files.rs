@@ -14,7 +14,7 @@ use half::f16;
 
 use super::{FILL, KEY, RIM, change, in_rgb, lit, planes, settings, write};
 use crate::fuzzing;
-use crate::openimageio::oiiotool;
+use crate::openimageio::{idiff_agrees_within, oiiotool};
 
 /// The text of an attribute of a file.
 pub(super) fn find_text(path: &Path, name: &str) -> Option<String> {
@@ -115,6 +115,53 @@ fn types_and_places_of_others_stay() {
         }
     }
     assert_eq!(layer.channel_data.list.len(), 8);
+}
+
+/// OpenImageIO adds the layers up to the same picture.
+#[test]
+fn oiiotool_adds_up_to_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, relit] = ["a.exr", "relit.exr"].map(|name| folder.path().join(name));
+    let film = lit(&in_rgb([KEY, FILL, RIM]), [30.0, 12.0, 20.0]);
+    write(&film, &path, &ExrOptions::default());
+    relight(
+        &path,
+        &relit,
+        &settings(&["key=2.5", "fill=off"]),
+        &Unfinished::new(),
+    )
+    .unwrap();
+    let layer = |name: &str, factor: &str| {
+        let channels = ["R", "G", "B"]
+            .map(|c| format!("{c}=light_{name}.{c}"))
+            .join(",");
+        format!("a.exr --ch {channels} --mulc {factor}")
+    };
+    let [key, rim, sky] = [
+        layer("key", "2.5"),
+        layer("rim", "1"),
+        layer("background", "1"),
+    ];
+    oiiotool(
+        folder.path(),
+        &format!("{key} {rim} --add {sky} --add -d float -o sum.exr"),
+    );
+    oiiotool(folder.path(), "relit.exr --ch R,G,B -o beauty.exr");
+    let [sum, beauty] = ["sum.exr", "beauty.exr"].map(|name| folder.path().join(name));
+    // Its sums are in f32: three roundings and a product's.
+    assert!(idiff_agrees_within(
+        &sum,
+        &beauty,
+        4.0 * 0.5_f64.powi(24),
+        0
+    ));
+    oiiotool(folder.path(), "a.exr --ch R,G,B -o beauty.exr");
+    assert!(!idiff_agrees_within(
+        &sum,
+        &beauty,
+        4.0 * 0.5_f64.powi(24),
+        0
+    ));
 }
 
 #[test]

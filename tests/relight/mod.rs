@@ -23,7 +23,7 @@ use crate::measured::Measured;
 const FLOAT: f64 = 1.2e-7;
 
 /// The same in HALF.
-const HALF: f64 = 5e-4;
+const HALF: f64 = 8.4e-4;
 
 const KEY: &str = "{ candela = 30, color = \"#ffe0c0\" }";
 const FILL: &str = "{ candela = 12, color = [0.2, 0.5, 1] }";
@@ -314,7 +314,7 @@ fn relit_files_relight_again() {
     change(&path, &["key=0.5,#ff8040"]).unwrap();
     let lights = ["{ candela = 45, color = \"#ff8040\" }", "0", RIM];
     let expected = lit(&in_rgb(lights), [45.0, 0.0, 20.0]);
-    let mut measured = Measured::new("relit twice", 1.6e-7);
+    let mut measured = Measured::new("relit twice", 1.5e-7);
     see(&mut measured, &path, &expected, "twice");
     measured.judge();
     // The header says what a render of these lights would.
@@ -421,7 +421,7 @@ fn groups_change_as_one() {
         "{ candela = 24, color = \"#4080ff\" }",
         RIM,
     ];
-    let mut measured = Measured::new("a group", FLOAT);
+    let mut measured = Measured::new("a group", 1.6e-7);
     see(
         &mut measured,
         &path,
