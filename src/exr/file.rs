@@ -1,8 +1,7 @@
 //! An EXR file that is being written: blocks of lines are compressed by many threads, in any order,
 //! and written in the order of the lines.
 
-use std::collections::BTreeMap;
-use std::io::{self, SeekFrom};
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -10,6 +9,7 @@ use exr::meta::attribute::{Compression, IntegerBounds};
 use exr::meta::header::Header;
 
 use super::head::{head, residual_place};
+use super::ordered::Ordered;
 use super::preserve::Preserved;
 use super::store::{FileChannel, Halves, residual};
 use super::zip::Zip;
@@ -32,18 +32,10 @@ pub(crate) struct ExrFile<'f> {
 
 /// The part of a file that is written.
 struct Written<'f> {
-    sink: &'f mut dyn Sink,
-    /// Where the offset table is.
-    table: u64,
+    blocks: Ordered<'f>,
     /// Where the residual of sums is, if it is in the header.
     residual_place: Option<u64>,
     residual: f64,
-    /// Where the next block goes.
-    position: u64,
-    /// Where each block is, as far as they are written.
-    offsets: Vec<u64>,
-    /// Blocks that came before one above them, by their index.
-    early: BTreeMap<usize, Vec<u8>>,
     halves: Halves,
     /// What ended the writing.
     error: Option<io::Error>,
@@ -81,19 +73,11 @@ impl<'f> ExrFile<'f> {
             Preserve::Nothing => None,
             Preserve::Image => Some(Preserved::new(spec, options, &channels)?),
         };
-        let mut head = head(&header).map_err(into_io)?;
-        let table = head.len() as u64;
-        let residual_place = residual_place(&head);
-        head.resize(head.len() + header.chunk_count * size_of::<u64>(), 0);
-        sink.write_all(&head)?;
+        let head = head(&header).map_err(into_io)?;
         let written = Written {
-            sink,
-            table,
-            residual_place,
+            residual_place: residual_place(&head),
             residual: 0.0,
-            position: head.len() as u64,
-            offsets: Vec::with_capacity(header.chunk_count),
-            early: BTreeMap::new(),
+            blocks: Ordered::begin(sink, head, header.chunk_count)?,
             halves: Halves::default(),
             error: None,
         };
@@ -163,7 +147,7 @@ impl<'f> ExrFile<'f> {
                 written.halves.add(halves);
                 written.residual = written.residual.max(residual);
                 if written.error.is_none()
-                    && let Err(error) = written.add(index, &packer.block)
+                    && let Err(error) = written.blocks.add(index, &packer.block)
                 {
                     written.error = Some(error);
                     self.has_failed.store(true, Ordering::Relaxed);
@@ -186,24 +170,15 @@ impl<'f> ExrFile<'f> {
         if let Some(error) = written.error {
             return Err(error);
         }
-        let sink = written.sink;
-        sink.seek(SeekFrom::Start(written.table))?;
-        let table: Vec<u8> = written
-            .offsets
-            .into_iter()
-            .flat_map(u64::to_le_bytes)
-            .collect();
-        sink.write_all(&table)?;
-        if let Some(place) = written.residual_place {
-            sink.seek(SeekFrom::Start(place))?;
-            sink.write_all(&(written.residual as f32).to_le_bytes())?;
-        }
-        sink.flush()?;
+        let patch = written
+            .residual_place
+            .map(|place| (place, (written.residual as f32).to_le_bytes()));
+        let bytes = written.blocks.finish(patch)?;
         let report = ExrReport {
             clamped_to_half: written.halves.clamped,
             small_in_half: written.halves.small,
             residual: written.residual,
-            bytes: written.position,
+            bytes,
         };
         Ok((report, self.preserved.map(Preserved::into_image)))
     }
@@ -260,27 +235,6 @@ impl<'f> ExrFile<'f> {
     /// A panic elsewhere ends the render in any case.
     fn written(&self) -> MutexGuard<'_, Written<'f>> {
         self.written.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Written<'_> {
-    fn add(&mut self, index: usize, block: &[u8]) -> io::Result<()> {
-        if index > self.offsets.len() {
-            self.early.insert(index, block.to_vec());
-            return Ok(());
-        }
-        self.write(block)?;
-        while let Some(block) = self.early.remove(&self.offsets.len()) {
-            self.write(&block)?;
-        }
-        Ok(())
-    }
-
-    fn write(&mut self, block: &[u8]) -> io::Result<()> {
-        self.sink.write_all(block)?;
-        self.offsets.push(self.position);
-        self.position += block.len() as u64;
-        Ok(())
     }
 }
 

@@ -2,9 +2,11 @@
 
 mod file;
 mod head;
+mod ordered;
 mod planes;
 mod preserve;
 mod read;
+mod rewrite;
 mod store;
 mod write;
 mod zip;
@@ -20,6 +22,8 @@ pub use read::{
     ChannelName, ColorMeaning, ColorTag, Content, DataWindow, ExrChannels, ExrLayers, ExrReader,
 };
 pub use read::{ExrError, ExrImage, ExrProblem, read};
+pub(crate) use read::{SampleKind, StoredExr};
+pub(crate) use rewrite::{COPIES_OF_BLOCK, RewriteError, Rewritten, rewrite};
 
 use crate::image::{Channel, ChannelKind, Channels, Window};
 
