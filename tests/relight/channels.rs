@@ -17,6 +17,7 @@ fn plain(rgb: [[f32; 3]; 2]) -> Film {
         world_to_camera: [[0.0; 4]; 4],
         world_to_ndc: [[0.0; 4]; 4],
         provenance: Vec::new(),
+        numbers: Vec::new(),
     };
     let pixels = rgb.map(|[r, g, b]| [r, g, b, 1.0]).to_vec();
     let film = Film::new([2, 1], Window::whole([2, 1]), pixels, metadata);

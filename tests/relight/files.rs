@@ -42,6 +42,7 @@ fn a_file_stays_what_it_is() {
                 precision,
                 compression,
                 chromaticities: true,
+                full_window: false,
             };
             write(&film, &a, &options);
             relight(&a, &b, &settings(&["key=1"]), &Unfinished::new()).unwrap();
