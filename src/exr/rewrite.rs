@@ -11,6 +11,7 @@ use exr::meta::attribute::{Compression, IntegerBounds};
 use exr::meta::header::Header;
 
 use super::file::into_io;
+use super::head::residual_place;
 use super::ordered::Ordered;
 use super::read::{Attribute, ExrError, SampleKind, StoredExr};
 use super::zip::Zip;
@@ -47,7 +48,8 @@ pub(crate) enum RewriteError {
 }
 
 /// Writes the file into `sink`; the length of what was written. `change` is given a block of lines as
-/// [`StoredExr::lines`] has it, and appends what the new file has instead: all channels that are kept.
+/// [`StoredExr::lines`] has it, and appends what the new file has instead: all channels that are kept. Where the head
+/// says how far sums of layers are off the image, `residual` says so anew, from the states of all threads.
 ///
 /// # Errors
 /// Whatever is wrong with the file, and what the sink reports.
@@ -57,8 +59,10 @@ pub(crate) fn rewrite<S: Send>(
     sink: &mut dyn Sink,
     state: impl Fn() -> S + Sync,
     change: impl Fn(&mut S, &[u8], &mut Vec<u8>) + Sync,
+    residual: impl FnOnce(&[S]) -> Option<f64>,
 ) -> Result<(u64, Vec<S>), RewriteError> {
     let head = head(stored, rewritten).map_err(RewriteError::Write)?;
+    let residual_place = residual_place(&head);
     let header = stored.header(rewritten.kept);
     let ordered = Ordered::begin(sink, head, stored.blocks()).map_err(RewriteError::Write)?;
     let ordered = Mutex::new(ordered);
@@ -98,8 +102,12 @@ pub(crate) fn rewrite<S: Send>(
         return Err(error);
     }
     let ordered = ordered.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let length = ordered.finish(None).map_err(RewriteError::Write)?;
-    Ok((length, states.into_iter().map(|(state, _)| state).collect()))
+    let states: Vec<S> = states.into_iter().map(|(state, _)| state).collect();
+    let number = residual_place
+        .zip(residual(&states))
+        .map(|(place, residual)| (place, (residual as f32).to_le_bytes()));
+    let length = ordered.finish(number).map_err(RewriteError::Write)?;
+    Ok((length, states))
 }
 
 /// What a thread compresses one block after the other with.

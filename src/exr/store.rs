@@ -117,6 +117,9 @@ pub(super) fn residual(
             Precision::Half => to_half(value).0.to_f32(),
         })
     };
+    if sums.is_empty() {
+        return 0.0;
+    }
     let further = rows.values.len() / rows.pixels.len();
     let mut largest = 0.0_f64;
     let lines = rows.pixels.chunks_exact(width);

@@ -57,6 +57,16 @@ pub(super) struct Lines<'p> {
     channels: Vec<Channel>,
     /// Bytes of a pixel.
     pixel: usize,
+    /// Sums that are whole: the new places of the sum and of its parts.
+    sums: Vec<(NewChannel, Vec<NewChannel>)>,
+}
+
+/// A channel of the new file.
+#[derive(Clone, Copy, Debug)]
+struct NewChannel {
+    kind: SampleKind,
+    /// Bytes of all channels before it, for each pixel.
+    start: usize,
 }
 
 /// What a thread needs for one line after the other.
@@ -66,6 +76,8 @@ pub(super) struct Room {
     sum: Vec<f64>,
     part: Vec<f64>,
     pub(super) counts: Counts,
+    /// How far whole sums are off their parts at most, in the numbers of the new file.
+    pub(super) residual: f64,
 }
 
 /// The largest difference of a sum to the sum of its parts that is more than rounding explains.
@@ -124,11 +136,34 @@ impl<'p> Lines<'p> {
                 }
             }
         }
+        let mut new: Vec<NewChannel> = Vec::new();
+        let mut start_of_new = 0;
+        for &place in &plan.kept {
+            let kind = stored.kind(place);
+            new.push(NewChannel {
+                kind,
+                start: start_of_new,
+            });
+            start_of_new += kind.bytes();
+        }
+        let place_of = |old: usize| {
+            let place = plan.kept.iter().position(|&kept| kept == old);
+            place.map(|place| new[place])
+        };
+        let sums = plan.outputs.iter().zip(&new);
+        let sums = sums.filter_map(|(output, &sum)| match output {
+            Output::Sum(parts) if parts.is_complete => {
+                let parts = parts.parts.iter().map(|part| place_of(part.old));
+                Some((sum, parts.collect::<Option<_>>()?))
+            }
+            Output::Sum(_) | Output::Copy | Output::Linear(_) => None,
+        });
         Self {
             plan,
             width: stored.size()[0] as usize,
             channels,
             pixel: start,
+            sums: sums.collect(),
         }
     }
 
@@ -142,6 +177,7 @@ impl<'p> Lines<'p> {
             sum: line(),
             part: line(),
             counts: Counts::default(),
+            residual: 0.0,
         }
     }
 
@@ -159,6 +195,7 @@ impl<'p> Lines<'p> {
     /// Appends what the new file has of some lines of the old one.
     pub(super) fn change(&self, room: &mut Room, old: &[u8], new: &mut Vec<u8>) {
         for line in old.chunks_exact(self.width * self.pixel) {
+            let first = new.len();
             self.read(room, line);
             for (&place, output) in self.plan.kept.iter().zip(&self.plan.outputs) {
                 match output {
@@ -175,6 +212,25 @@ impl<'p> Lines<'p> {
                 counts.were_clamped = were_clamped.count() as u64;
                 room.counts.add(counts);
             }
+            self.see_residual(room, &new[first..]);
+        }
+    }
+
+    /// Finds out how far sums of a new line are off their parts.
+    fn see_residual(&self, room: &mut Room, line: &[u8]) {
+        let stored = |channel: NewChannel| {
+            &line[channel.start * self.width..][..channel.kind.bytes() * self.width]
+        };
+        for (sum, parts) in &self.sums {
+            decode(stored(*sum), sum.kind, &mut room.sum);
+            for part in parts {
+                decode(stored(*part), part.kind, &mut room.part);
+                for (rest, part) in room.sum.iter_mut().zip(&room.part) {
+                    *rest -= part;
+                }
+            }
+            let rests = room.sum.iter().map(|rest| rest.abs());
+            room.residual = rests.fold(room.residual, f64::max);
         }
     }
 
@@ -225,20 +281,11 @@ impl<'p> Lines<'p> {
             if !channel.is_used {
                 continue;
             }
-            let stored = self.stored(place, line);
-            let (twos, fours) = (stored.as_chunks::<2>().0, stored.as_chunks::<4>().0);
-            let values = room.values[place].iter_mut();
-            match channel.kind {
-                SampleKind::Half => values
-                    .zip(twos)
-                    .for_each(|(value, &bytes)| *value = f16::from_ne_bytes(bytes).to_f64()),
-                SampleKind::Float => values
-                    .zip(fours)
-                    .for_each(|(value, &bytes)| *value = f32::from_ne_bytes(bytes).into()),
-                SampleKind::Uint => values
-                    .zip(fours)
-                    .for_each(|(value, &bytes)| *value = u32::from_ne_bytes(bytes).into()),
-            }
+            decode(
+                self.stored(place, line),
+                channel.kind,
+                &mut room.values[place],
+            );
         }
     }
 
@@ -299,6 +346,23 @@ impl<'p> Lines<'p> {
             SampleKind::Uint => f64::INFINITY,
         };
         values[place][column].abs() >= largest
+    }
+}
+
+/// Reads values of a kind.
+fn decode(stored: &[u8], kind: SampleKind, values: &mut [f64]) {
+    let (twos, fours) = (stored.as_chunks::<2>().0, stored.as_chunks::<4>().0);
+    let values = values.iter_mut();
+    match kind {
+        SampleKind::Half => values
+            .zip(twos)
+            .for_each(|(value, &bytes)| *value = f16::from_ne_bytes(bytes).to_f64()),
+        SampleKind::Float => values
+            .zip(fours)
+            .for_each(|(value, &bytes)| *value = f32::from_ne_bytes(bytes).into()),
+        SampleKind::Uint => values
+            .zip(fours)
+            .for_each(|(value, &bytes)| *value = u32::from_ne_bytes(bytes).into()),
     }
 }
 

@@ -35,7 +35,7 @@ use crate::memory;
 use crate::output::{self, Unfinished};
 use crate::turns::in_turn;
 use change::changes;
-use lines::{Counts, Lines, Residual};
+use lines::{Counts, Lines, Residual, Room};
 use plan::Plan;
 use shares::{ChannelMap, Shares};
 
@@ -109,7 +109,12 @@ pub fn relight(
     let mut unreadable = None;
     let written = output::write(output, unfinished, |sink| {
         let change = |room: &mut _, old: &[u8], new: &mut Vec<u8>| lines.change(room, old, new);
-        let written = exr::rewrite(&stored, &rewritten, sink, || lines.room(), change);
+        let residual = |rooms: &[Room]| {
+            let residuals = rooms.iter().map(|room| room.residual);
+            Some(residuals.fold(0.0, f64::max))
+        };
+        let room = || lines.room();
+        let written = exr::rewrite(&stored, &rewritten, sink, room, change, residual);
         written.map_err(|error| match error {
             RewriteError::Write(error) => error,
             RewriteError::Read(error) => {
