@@ -230,8 +230,12 @@ fn damaged_files_are_bounded() {
     ];
     let corpus: Vec<&[u8]> = corpus.iter().map(Vec::as_slice).collect();
     let settings = settings(&["key=2,#ff8040", "fill=off"]);
-    fuzzing::run("relight", &corpus, 300, |bytes| {
+    let outcomes = fuzzing::run("relight", &corpus, 300, |bytes| {
         fs::write(&input, bytes).unwrap();
         relight(&input, &output, &settings, &Unfinished::new())
     });
+    assert!(
+        outcomes.accepted > 0 && outcomes.refused > 0,
+        "{outcomes:?}"
+    );
 }
