@@ -30,6 +30,7 @@ mod provenance;
 mod screen;
 mod source;
 mod stream;
+mod tags;
 mod thumbnail;
 mod tiff;
 mod view;
@@ -47,12 +48,12 @@ pub use input::Input;
 pub use overlay::Overlay;
 #[doc(hidden)]
 pub use picture::Picture;
-#[doc(hidden)]
-pub use png::{ContentLight, Mastering, Tags};
 pub use screen::Screen;
 pub use stream::convert;
 #[doc(hidden)]
 pub use stream::{convert_image, convert_input};
+#[doc(hidden)]
+pub use tags::{ContentLight, Mastering, Tags};
 #[doc(hidden)]
 pub use thumbnail::Thumbnail;
 #[doc(hidden)]

@@ -11,6 +11,7 @@ use png::{
 };
 
 use super::screen::Screen;
+use super::tags::{ContentLight, Mastering, Shape, Tags};
 use super::{Bits, Image};
 use crate::color::Primaries;
 use crate::output::{self, OutputError, Unfinished};
@@ -49,37 +50,6 @@ impl Image {
     }
 }
 
-/// What a PNG says about its samples, and where it comes from.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tags {
-    /// The screen for which the code values are.
-    pub screen: Screen,
-    /// Keys, of 1 to 79 characters of Latin-1, and texts.
-    pub text: Vec<(String, String)>,
-    /// The brightest that is shown.
-    pub content_light: Option<ContentLight>,
-    /// The display that the picture was made for.
-    pub mastering: Option<Mastering>,
-}
-
-/// How bright a picture is, in cd/m² (CTA-861.3-A, annex A). Range: 0 to 429 496.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContentLight {
-    /// MaxCLL: the brightest channel of a pixel.
-    pub brightest: f64,
-    /// MaxFALL: the mean over the picture of each pixel's brightest channel.
-    pub average: f64,
-}
-
-/// The display that a picture was made for (SMPTE ST 2086:2018).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mastering {
-    /// Its primaries and white. Range: 0 to 1.31.
-    pub primaries: Primaries,
-    /// Its least and greatest luminance in cd/m². Range: 0 to 429 496.
-    pub luminance: [f64; 2],
-}
-
 /// Units of luminance in cLLI and mDCV: 0.0001 cd/m² (PNG, third edition, sections 11.3.2.8 and 11.3.2.7).
 fn luminance(value: f64) -> [u8; 4] {
     // `as` saturates.
@@ -109,16 +79,6 @@ impl Mastering {
         chunk.extend(least);
         chunk
     }
-}
-
-/// The size and kind of a PNG's samples.
-#[derive(Clone, Copy)]
-pub(super) struct Shape {
-    pub(super) resolution: [u32; 2],
-    pub(super) has_alpha: bool,
-    pub(super) bits: Bits,
-    /// How much wider than high a pixel is.
-    pub(super) pixel_aspect: f32,
 }
 
 /// A PNG that is begun: all its chunks before the pixels are written.

@@ -1,5 +1,5 @@
-//! From an EXR file to a PNG, row by row: neither picture is ever in memory as a whole. Inputs of other formats are, and so
-//! is what becomes a TIFF.
+//! From an EXR file to a PNG or a TIFF, row by row: neither picture is ever in memory as a whole. Inputs of other formats
+//! are.
 //!
 //! One part of the threads decodes the next rows while the last ones are developed and encoded.
 
@@ -12,9 +12,10 @@ use rayon::prelude::*;
 use super::develop::{Develop, Seen};
 use super::exposure::{LogSum, Meter};
 use super::picture::{Prepare, Repaired, has_uncovered_light};
-use super::png::{self, Shape, Tags, into_io, pixel_dimensions};
+use super::png::{self, into_io, pixel_dimensions};
 use super::provenance::Provenance;
 use super::source::Source;
+use super::tags::{Shape, Tags};
 use super::tiff;
 use super::{Alpha, DisplayError, Frame, Input, OutputFormat, Report, Settings};
 use crate::exr::{ExrError, ExrImage};
@@ -22,11 +23,11 @@ use crate::image::Window;
 use crate::memory::{self, OutOfMemory};
 use crate::output::{self, Sink, Unfinished};
 
-/// Bytes of the PNG that are encoded at a time, before compression.
+/// Bytes of the picture that are developed at a time, before compression.
 const ENCODED: usize = 1 << 22;
 
-/// So many rows of the PNG are in memory while it is encoded, where they are wide: a blank one, the
-/// one that is developed, and those of the encoder with its filters.
+/// So many rows are in memory while a PNG is encoded, where they are wide: a blank one, the one that is
+/// developed, and those of the encoder with its filters. A TIFF has fewer.
 const ROWS: usize = 10;
 
 /// Makes a PNG, or a TIFF where its name says so, of an EXR file or a picture of another format, whole or not at all.
@@ -155,7 +156,9 @@ fn convert_source(
     if pixel_dimensions(exr.pixel_aspect()).is_some() {
         let told = match format {
             OutputFormat::Png => "the PNG says so, in a chunk that many programs pass over",
-            OutputFormat::Tiff => "the TIFF does not say so",
+            OutputFormat::Tiff => {
+                "the TIFF says so, in its resolutions, which many programs pass over"
+            }
         };
         warnings.push(format!(
             "its pixels are not square, but {} times as wide as high; {told}",
@@ -286,13 +289,7 @@ impl Conversion<'_> {
 
     fn write_png(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
         look_for((ROWS * self.row_bytes()) as u64, "rows of the PNG")?;
-        let shape = Shape {
-            resolution: self.shown.resolution,
-            has_alpha: self.develop.has_alpha(),
-            bits: self.develop.bits(),
-            pixel_aspect: self.exr.pixel_aspect(),
-        };
-        let mut writer = png::begin(sink, shape, self.tags)?;
+        let mut writer = png::begin(sink, self.shape(), self.tags)?;
         let mut rows = writer.stream_writer().map_err(into_io)?;
         let noticed = self.rows(&mut rows)?;
         rows.finish().map_err(into_io)?;
@@ -300,20 +297,18 @@ impl Conversion<'_> {
         Ok(noticed)
     }
 
-    /// The encoder takes the picture as a whole.
     fn write_tiff(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
-        let height = u64::from(self.shown.resolution[1]);
-        let bytes = self.row_bytes() as u64 * height;
-        tiff::check(bytes)?;
-        // Rows of 4 MB that are developed beside it.
-        look_for(bytes + 2 * ENCODED as u64, "the samples of the TIFF")?;
-        let mut samples = Vec::new();
-        memory::reserve(&mut samples, bytes as usize)
-            .map_err(|error| out_of_memory(error, "the samples of the TIFF"))?;
-        let noticed = self.rows(&mut samples)?;
-        let (bits, has_alpha) = (self.develop.bits(), self.develop.has_alpha());
-        tiff::write(sink, self.shown.resolution, has_alpha, bits, &mut samples)?;
-        Ok(noticed)
+        look_for((ROWS * self.row_bytes()) as u64, "rows of the TIFF")?;
+        tiff::write(sink, self.shape(), self.tags, |rows| self.rows(rows))
+    }
+
+    fn shape(&self) -> Shape {
+        Shape {
+            resolution: self.shown.resolution,
+            has_alpha: self.develop.has_alpha(),
+            bits: self.develop.bits(),
+            pixel_aspect: self.exr.pixel_aspect(),
+        }
     }
 
     /// All rows, one after the other, from the top.
