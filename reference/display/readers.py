@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Shows candela's PNGs in other programs, and compares the code values that these read:
+"""Shows candela's PNGs and TIFFs in other programs, and compares the code values that these read:
 
     tests/setup.sh
     target/opencolorio/bin/pip install pillow
     target/opencolorio/bin/python reference/display/readers.py target/release/candela [chromium]
 
 Each PNG is of grays and saturated colors. OpenImageIO and Pillow have to read the very codes that the PNG holds, by a
-decoder of a few lines here. Chromium, where it is named, shows each PNG on a page of its own, headless, and its screenshot, in
+decoder of a few lines here, and the same ones in a TIFF, whose tags they have to understand. Chromium, where it is named, shows each PNG on a page of its own, headless, and its screenshot, in
 sRGB, has to have the codes of the same colors made for sRGB: to the code where the PNG is for sRGB, within a few codes where
 it converts. HDR it darkens for such a screen, by a curve of its own; so the picture in PQ has to look like that in HLG, and
 its grays have to be gray. The exit code is 1 where one differs by more.
@@ -35,7 +35,7 @@ def colors():
 
 
 def written(pixels, path):
-    spec = oiio.ImageSpec(SIZE, SIZE, 3, oiio.FLOAT)
+    spec = oiio.ImageSpec(SIZE, SIZE, pixels.shape[2], oiio.FLOAT)
     image = oiio.ImageBuf(spec)
     image.set_pixels(spec.roi, pixels)
     if not image.write(str(path)):
@@ -79,6 +79,36 @@ def decoded(path):
     return (codes[..., 0] if size == 1 else codes[..., 0] << 8 | codes[..., 1]), chunks
 
 
+def of_tiff(path, kind):
+    """The samples of a TIFF as OpenImageIO reads them, not multiplied by alpha, and what it says of them."""
+    as_stored = oiio.ImageSpec()
+    as_stored["oiio:UnassociatedAlpha"] = 1
+    file = oiio.ImageInput.open(str(path), as_stored)
+    if file is None:
+        sys.exit(oiio.geterror())
+    return file.read_image(kind), file.spec()
+
+
+def judge_tiff(judge, name, tiff, codes, depth):
+    """A TIFF beside the codes of the PNG that was made of the same picture in the same way; floats are what 16 bits are
+    rounded from."""
+    kind = {8: oiio.UINT8, 16: oiio.UINT16, 32: oiio.FLOAT}[depth]
+    pixels, spec = of_tiff(tiff, kind)
+    pixels = np.clip(pixels, 0, 1) * 65535 if depth == 32 else pixels
+    difference = np.abs(pixels.astype(float) - codes).max()
+    judge(f"{name}, OpenImageIO", round(float(difference), 3), 0.502 if depth == 32 else 0)
+    has_alpha = codes.shape[2] == 4
+    judge(f"{name}, not told to have alpha", int((spec.alpha_channel == 3) != has_alpha), 0)
+    judge(f"{name}, not told to be unassociated", int(bool(spec.get("oiio:UnassociatedAlpha")) != has_alpha), 0)
+    judge(f"{name}, no origin", int("candela:command: candela tonemap" not in spec.get("ImageDescription", "")), 0)
+    judge(f"{name}, no program", int(not spec.get("Software", "").startswith("candela ")), 0)
+    image = Image.open(tiff)
+    judge(f"{name}, primaries in Pillow", int(len(image.tag_v2[319]) != 6 or len(image.tag_v2[318]) != 2), 0)
+    if depth == 8:
+        difference = np.abs(np.array(image).astype(int) - codes.astype(int)).max()
+        judge(f"{name} {image.mode}, Pillow", int(difference), 0)
+
+
 def of_chromium(chromium, picture, folder):
     """The codes of a screenshot of the PNG, one pixel for one."""
     page = folder / "page.html"
@@ -111,6 +141,13 @@ def main():
         folder = Path(folder)
         source = folder / "colors.exr"
         written(colors(), source)
+        covered = folder / "covered.exr"
+        alpha = np.linspace(0.1, 1, SIZE * SIZE, dtype=np.float32).reshape(SIZE, SIZE, 1)
+        written(np.concatenate([colors() * alpha, alpha], axis=2), covered)
+        for bits in ["8", "16"]:
+            codes, _ = decoded(tonemapped(program, covered, f"covered-{bits}.png", "--bits", bits))
+            tiff = tonemapped(program, covered, f"covered-{bits}.tif", "--bits", bits)
+            judge_tiff(judge, f"TIFF with alpha, {bits} bits", tiff, codes, int(bits))
         shown = tonemapped(program, source, "shown.png")
         expected, _ = decoded(shown)
         expected = expected.astype(int)
@@ -126,6 +163,11 @@ def main():
                 if bits == "8":
                     pixels = np.array(Image.open(picture).convert("RGB")).astype(int)
                     judge(f"{name}, Pillow", np.abs(pixels - codes[..., :3]).max(), 0)
+                tiff = tonemapped(program, source, f"{display}-{bits}.tif", "--display", display, "--bits", bits)
+                judge_tiff(judge, f"{display}, TIFF of {bits} bits", tiff, codes, int(bits))
+                if bits == "16":
+                    tiff = tonemapped(program, source, f"{display}-32.tif", "--display", display, "--bits", "32")
+                    judge_tiff(judge, f"{display}, TIFF of floats", tiff, codes, 32)
                 if chromium:
                     found = of_chromium(chromium, picture, folder)
                     points = list(dict(chunks).get("cICP", b""))

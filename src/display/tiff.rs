@@ -312,7 +312,7 @@ mod tests {
     /// Bytes as a PNG has them, that change from sample to sample and from row to row.
     fn samples(shape: Shape) -> Vec<u8> {
         let count = shape.row_bytes() * shape.resolution[1] as usize;
-        (0..count).map(|place| (place * 31 >> 3) as u8).collect()
+        (0..count).map(|place| ((place * 31) >> 3) as u8).collect()
     }
 
     /// As rows of different numbers come.
