@@ -8,8 +8,9 @@
 Each PNG is of grays and saturated colors. OpenImageIO and Pillow have to read the very codes that the PNG holds, by a
 decoder of a few lines here, and the same ones in a TIFF, whose tags they have to understand. Chromium, where it is named, shows each PNG on a page of its own, headless, and its screenshot, in
 sRGB, has to have the codes of the same colors made for sRGB: to the code where the PNG is for sRGB, within a few codes where
-it converts. HDR it darkens for such a screen, by a curve of its own; so the picture in PQ has to look like that in HLG, and
-its grays have to be gray. The exit code is 1 where one differs by more.
+it converts. A picture in PQ says by cLLI that nothing in it is brighter than diffuse white, so that it is shown as the one for
+sRGB. HDR that does not say so is darkened for such a screen, by a curve of Chromium's own: the picture in HLG has to look like that in PQ
+without its cLLI, and grays have to be gray. The exit code is 1 where one differs by more.
 """
 
 import struct
@@ -102,11 +103,24 @@ def judge_tiff(judge, name, tiff, codes, depth):
     judge(f"{name}, not told to be unassociated", int(bool(spec.get("oiio:UnassociatedAlpha")) != has_alpha), 0)
     judge(f"{name}, no origin", int("candela:command: candela tonemap" not in spec.get("ImageDescription", "")), 0)
     judge(f"{name}, no program", int(not spec.get("Software", "").startswith("candela ")), 0)
+    if depth == 32:
+        # Pillow has no colors of floats.
+        return
     image = Image.open(tiff)
     judge(f"{name}, primaries in Pillow", int(len(image.tag_v2[319]) != 6 or len(image.tag_v2[318]) != 2), 0)
     if depth == 8:
         difference = np.abs(np.array(image).astype(int) - codes.astype(int)).max()
         judge(f"{name} {image.mode}, Pillow", int(difference), 0)
+
+
+def without(picture, name):
+    """A PNG without one of its chunks."""
+    data = picture.read_bytes()
+    start = data.index(name) - 4
+    (length,) = struct.unpack(">I", data[start : start + 4])
+    rest = picture.with_stem(picture.stem + "-rest")
+    rest.write_bytes(data[:start] + data[start + length + 12 :])
+    return rest
 
 
 def of_chromium(chromium, picture, folder):
@@ -124,6 +138,12 @@ def of_chromium(chromium, picture, folder):
         check=True,
     )
     return np.array(Image.open(shot).convert("RGB"))[:SIZE, :SIZE].astype(int)
+
+
+def luminance_of_pq(codes):
+    """In cd/m², of codes from 0 to 1 (SMPTE ST 2084)."""
+    power = codes ** (32 / 2523)
+    return 1e4 * (np.maximum(power - 3424 / 4096, 0) / (2413 / 128 - 2392 / 128 * power)) ** (16384 / 2610)
 
 
 def main():
@@ -151,7 +171,7 @@ def main():
         shown = tonemapped(program, source, "shown.png")
         expected, _ = decoded(shown)
         expected = expected.astype(int)
-        hdr = None
+        darkened = None
         for display in ["srgb", "p3", "rec2020-pq", "rec2020-hlg", "rec1886", "linear"]:
             for bits in ["8", "16"]:
                 picture = tonemapped(program, source, f"{display}-{bits}.png", "--display", display, "--bits", bits)
@@ -168,15 +188,22 @@ def main():
                 if bits == "16":
                     tiff = tonemapped(program, source, f"{display}-32.tif", "--display", display, "--bits", "32")
                     judge_tiff(judge, f"{display}, TIFF of floats", tiff, codes, 32)
+                if display == "rec2020-pq":
+                    told = np.array(struct.unpack(">II", dict(chunks)["cLLI"])) / 1e4
+                    light = luminance_of_pq(codes.max(axis=2) / (2 ** int(bits) - 1))
+                    expected_light = np.array([light.max(), light.mean()])
+                    judge(f"{name}, cLLI {told} cd/m²", round(float(np.abs(told - expected_light).max()), 5), 1e-4)
                 if chromium:
                     found = of_chromium(chromium, picture, folder)
                     points = list(dict(chunks).get("cICP", b""))
                     name = f"{name}, Chromium by cICP {points}"
-                    if display.startswith("rec2020"):
-                        if hdr is not None:
-                            # In 8 bits the darkest codes are coarse.
-                            judge(f"{name}, beside the first HDR picture", np.abs(found - hdr).max(), 8)
-                        hdr = found if hdr is None else hdr
+                    if display == "rec2020-pq":
+                        # In 8 bits the darkest codes are coarse.
+                        judge(name, np.abs(found - expected[..., :3]).max(), 18 if bits == "8" else 2)
+                        darkened = of_chromium(chromium, without(picture, b"cLLI"), folder)
+                        continue
+                    if display == "rec2020-hlg":
+                        judge(f"{name}, beside PQ without cLLI", np.abs(found - darkened).max(), 4)
                         grays = found[: SIZE // 2]
                         judge(f"{name}, grays", (grays.max(axis=2) - grays.min(axis=2)).max(), 1)
                         continue

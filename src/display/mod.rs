@@ -15,6 +15,7 @@
 //! same file, to the byte, for any number of threads and instruction set.
 
 mod coded;
+mod content_light;
 mod develop;
 mod dither;
 #[doc(hidden)]
