@@ -296,6 +296,7 @@ impl<'p> Lines<'p> {
             sum: total,
             part,
             counts: _,
+            residual: _,
         } = room;
         total.fill(0.0);
         for changed in &sum.parts {
