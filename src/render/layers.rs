@@ -1,12 +1,9 @@
 //! The layers that can be asked for beside R, G, B and A, and their channels.
 
 use super::cryptomatte;
-use super::shares::Shares;
+use super::shares::{BACKGROUND_LIGHT, Shares, has_background_share};
 use crate::image::{Channel, ChannelKind, Channels};
 use crate::world::{Reflectances, Wavelengths, World};
-
-/// What the background is called among the lights.
-pub const BACKGROUND_LIGHT: &str = "background";
 
 /// The layers that a render makes beside R, G, B and A. Default: none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -341,11 +338,6 @@ impl Layers {
         let twice = names.windows(2).find(|pair| pair[0] == pair[1]);
         twice.map(|pair| pair[0].to_owned())
     }
-}
-
-/// Whether the background adds to the radiance.
-pub(super) fn has_background_share(world: &World) -> bool {
-    world.background().0.0 != [0.0; 3]
 }
 
 /// Bands in the layout of Fichet, Pacanowski & Wilkie 2021, "An OpenEXR Layout for Spectral

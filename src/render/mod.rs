@@ -44,11 +44,11 @@ pub use counts::SCREEN_WHITE;
 #[doc(hidden)]
 pub use exr_sink::memory;
 pub use job::Job;
-#[doc(hidden)]
-pub use layers::BACKGROUND_LIGHT;
 pub use layers::{Layers, MatteRanks, Relight};
 pub use options::{Options, OptionsError};
 pub use renderer::{RenderError, RenderedExr, Renderer, render};
+#[doc(hidden)]
+pub use shares::BACKGROUND_LIGHT;
 pub use sink::{RenderedTile, Sink};
 
 pub use crate::simd::SimdLevel;

@@ -411,6 +411,7 @@ impl<'w> Renderer<'w> {
         let others = [
             ("camera".to_owned(), camera.description()),
             ("lights".to_owned(), world.describe_lights()),
+            ("observer".to_owned(), world.observer().name().to_owned()),
             ("transport".to_owned(), world.transport().to_owned()),
             ("plan".to_owned(), plan),
             ("scene_sha256".to_owned(), world.scene_hash().to_owned()),

@@ -2,8 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::layers::{BACKGROUND_LIGHT, has_background_share};
 use crate::world::World;
+
+/// What the background is called among the lights.
+pub const BACKGROUND_LIGHT: &str = "background";
+
+/// Whether the background adds to the radiance.
+pub(super) fn has_background_share(world: &World) -> bool {
+    world.background().0.0 != [0.0; 3]
+}
 
 /// The shares of the radiance: one for each light that has no group, one for each group of lights, in the order of the
 /// file, and one for the background unless it is black.

@@ -48,6 +48,7 @@ pub use spectra::{Bands, Spectra};
 use crate::camera::Camera;
 use crate::math::DVec3;
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
+use crate::spectrum::Observer;
 use crate::units::{Radiance, ReflectedIntensity};
 use spectra::Products;
 
@@ -72,6 +73,7 @@ pub struct World {
     /// I · k of every light on every material, where light is carried spectrally.
     products: Option<Products>,
     asked: scene::Transport,
+    observer: Observer,
     /// What in the scene is spectral.
     spectral_values: Vec<String>,
     spectra: Option<Spectra>,
@@ -267,6 +269,12 @@ impl World {
             Some(_) => scene::Transport::Spectral.name(),
             None => scene::Transport::Rgb.name(),
         }
+    }
+
+    /// Whose eye sees spectra.
+    #[doc(hidden)]
+    pub fn observer(&self) -> Observer {
+        self.observer
     }
 
     /// The lights as JSON, for who renders them with other intensities: names, groups, kinds, luminous intensities in

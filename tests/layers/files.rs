@@ -152,8 +152,8 @@ fn depth_stays_float() {
     let kinds: Vec<ChannelKind> = film.channels().list.iter().map(|c| c.kind).collect();
     let expected = [
         [ChannelKind::Light; 3].as_slice(),
-        &[ChannelKind::Data],
         &[ChannelKind::Relative; 3],
+        &[ChannelKind::Data],
     ];
     assert_eq!(kinds, expected.concat());
     let folder = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ mod terms;
 
 use candela::image::{BACKGROUND_DEPTH, Film, Window};
 use candela::oracle::Oracle;
-use candela::render::{self, Job, Layers, Options, Renderer};
+use candela::render::{self, Job, Layers, Options, Relight, Renderer};
 use candela::scene::{Scene, Transport, Value};
 use candela::world::{Wavelengths, World};
 
@@ -27,6 +27,7 @@ const F32_UNDERFLOW: f64 = 1e-45;
 fn all() -> Layers {
     Layers {
         lights: true,
+        relight: Relight::Never,
         depth: true,
         normal: true,
         ..Layers::default()
@@ -36,6 +37,7 @@ fn all() -> Layers {
 fn lights() -> Layers {
     Layers {
         lights: true,
+        relight: Relight::Never,
         ..Layers::default()
     }
 }
@@ -367,7 +369,7 @@ fn layers_leave_each_other_as_they_are() {
                         normal: false,
                         ..all()
                     },
-                    of_lights..of_lights + 1,
+                    of_lights + 3..of_lights + 4,
                 ),
                 (
                     Layers {
@@ -375,7 +377,7 @@ fn layers_leave_each_other_as_they_are() {
                         depth: false,
                         ..all()
                     },
-                    of_lights + 1..of_lights + 4,
+                    of_lights..of_lights + 3,
                 ),
                 (
                     Layers {

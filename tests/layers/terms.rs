@@ -6,7 +6,7 @@ use candela::render::{Layers, MatteRanks, Relight};
 use candela::scene::{Scene, Transport};
 
 use super::{channels, scenes, with_layers};
-use crate::images::{at_width, parse};
+use crate::images::parse;
 use crate::measured::Measured;
 
 /// Relative to the largest of the pixel: f32, and sums of a few terms.
@@ -139,6 +139,10 @@ fn sums_are_red_green_blue() {
         for transport in [Transport::Rgb, Transport::Auto] {
             let mut scene = scene.clone();
             scene.image.transport.value = transport;
+            if candela::World::new(&scene).is_err() {
+                // Some reflectances are above 1 between the wavelengths that their colors are made of.
+                continue;
+            }
             let film = with_layers(&scene, 4, every_term());
             let sums = &film.channels().sums;
             assert_eq!(sums.len(), 2, "{name}");
@@ -359,7 +363,7 @@ fn a_group_with_the_name_of_a_light_is_refused() {
 #[test]
 fn parts_have_the_terms_of_the_whole() {
     use candela::image::Window;
-    let scene = at_width(parse(LAMPS), 75);
+    let scene = parse(&LAMPS.replace("[24, 16]", "[75, 50]"));
     let all = || Layers {
         object_mattes: true,
         material_mattes: true,

@@ -10,7 +10,7 @@ use candela::exr::{ExrChannels, ExrOptions, Precision};
 use candela::image::{Channel, ChannelKind, Film};
 use candela::output::Unfinished;
 use candela::relight::{RelightError, Report, Setting, relight};
-use candela::render::{self, Layers, Options};
+use candela::render::{self, Layers, Options, Relight};
 use candela::scene::Scene;
 use candela::spectrum::Curve;
 use candela::world::World;
@@ -84,6 +84,7 @@ fn lit(scene: &Scene, candela: [f64; 3]) -> Film {
         samples: 2,
         layers: Layers {
             lights: true,
+            relight: Relight::Never,
             ..Layers::default()
         },
         ..Options::default()
@@ -502,6 +503,24 @@ fn spectral_light_is_rendered_anew() {
     let sodium = format!("{{ candela = 30, color = {lines} }}");
     let expected = lit(&in_spectra([&sodium, FILL, RIM]), [30.0, 12.0, 20.0]);
     see(&mut measured, &path, &expected, "sodium");
+    // What `render --layers lights` stores by itself.
+    let own = |lights: [&str; 3]| {
+        let (world, camera) = World::new(&in_spectra(lights)).unwrap();
+        let options = Options {
+            samples: 2,
+            layers: Layers {
+                lights: true,
+                ..Layers::default()
+            },
+            ..Options::default()
+        };
+        render::render(&world, &camera, &options).unwrap()
+    };
+    for (texts, lights, _) in CASES {
+        write(&own([KEY, FILL, RIM]), &path, &ExrOptions::default());
+        change(&path, texts).unwrap();
+        see(&mut measured, &path, &own(lights), texts[0]);
+    }
     measured.judge();
     // Without what was reflected, there is no exact answer.
     write(

@@ -199,7 +199,7 @@ impl<'w> LayerSums<'w> {
         Self {
             planes: Planes::new(requested.planes()),
             nearest: (has(Content::Depth) || has(Content::Position))
-                .then(|| Nearest::new(requested.camera, world.anchor())),
+                .then(|| Nearest::new(requested.camera, world.anchor(), has(Content::Position))),
             objects: has(Content::ObjectMattes).then(|| {
                 let names = world.objects().iter().map(|object| object.name.as_str());
                 Mattes::new(names, ranks)

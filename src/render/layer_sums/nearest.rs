@@ -5,12 +5,12 @@ use fearless_simd::Simd;
 
 use super::super::batch::{NumberedSamples, PIXELS, TilePixels};
 use super::super::sink::RenderedTile;
-use super::super::sums::narrowed;
+use super::super::sums::{least_of_column, narrowed};
 use crate::camera::Camera;
 use crate::image::BACKGROUND_DEPTH;
 use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16};
-use crate::visibility::{Column, PACKETS, Points, columns};
+use crate::visibility::{BATCH, Column, PACKETS, Points, columns};
 
 /// The nearest samples of a tile's pixels.
 pub(super) struct Nearest {
@@ -20,20 +20,20 @@ pub(super) struct Nearest {
     /// The depths of a batch.
     column: Box<Column>,
     /// Infinite where nothing is hit.
-    depths: Box<[f64; PIXELS]>,
-    /// Relative to the anchor.
-    positions: Box<[DVec3; PIXELS]>,
+    depths: Box<Column>,
+    /// Relative to the anchor, where they are asked for.
+    positions: Option<Box<[DVec3; PIXELS]>>,
 }
 
 impl Nearest {
-    pub(super) fn new(camera: &Camera, anchor: DVec3) -> Self {
+    pub(super) fn new(camera: &Camera, anchor: DVec3, has_positions: bool) -> Self {
         Self {
             eye: camera.eye().0,
             forward: camera.forward().get(),
             anchor,
             column: Box::new(Column::ZERO),
-            depths: Box::new([f64::INFINITY; PIXELS]),
-            positions: Box::new([DVec3::ZERO; PIXELS]),
+            depths: Box::new(Column([f64::INFINITY; BATCH])),
+            positions: has_positions.then(|| Box::new([DVec3::ZERO; PIXELS])),
         }
     }
 
@@ -52,12 +52,16 @@ impl Nearest {
             let depth = is_hit.select(depth, nothing);
             depth.store(&mut self.column[packet * LANES..]);
         }
+        let Some(positions) = &mut self.positions else {
+            least_of_column(simd, samples, &mut self.depths, &self.column);
+            return;
+        };
         let [xs, ys, zs] = &points.position;
         for (slot, pixel) in samples.iter() {
             let depth = self.column[slot];
             if depth < self.depths[pixel] {
                 self.depths[pixel] = depth;
-                self.positions[pixel] = DVec3::new(xs[slot], ys[slot], zs[slot]);
+                positions[pixel] = DVec3::new(xs[slot], ys[slot], zs[slot]);
             }
         }
     }
@@ -81,10 +85,10 @@ impl Nearest {
                 };
             }
         }
-        if let Some(channel) = position {
+        if let Some((channel, positions)) = position.zip(self.positions.as_ref()) {
             for axis in 0..3 {
                 let values = rendered.channels_mut(channel + axis..channel + axis + 1);
-                let nearest = self.depths.iter().zip(self.positions.iter());
+                let nearest = self.depths.iter().zip(positions.iter());
                 for (&place, (&depth, position)) in places.iter().zip(nearest) {
                     values[place as usize] = if depth == f64::INFINITY {
                         0.0

@@ -58,6 +58,8 @@ pub(in crate::scene) enum Kind {
     Pixels,
     Boolean,
     Text,
+    /// A name as those of lights.
+    LightName,
     /// One of these.
     Name(fn() -> Vec<&'static str>),
     /// A value for light or color; if it is said as RGB, its channels are at most this.

@@ -216,6 +216,7 @@ impl<'a> Builder<'a> {
             triangles: Triangles::default(),
             products: None,
             asked: self.scene.image.transport.value,
+            observer: self.scene.image.observer.value,
             spectral_values: std::mem::take(&mut self.spectral_values),
             spectra: None,
             gaps: std::mem::take(&mut self.gaps),

@@ -96,7 +96,7 @@ const INTENSITY: Key = key!(
 ]);
 
 const GROUP: Key = key!("group", "the name of a group of lights", "\"window\"")
-    .of(Kind::Text)
+    .of(Kind::LightName)
     .optional()
     .about(
         "Lights with the same `group` have one layer together, `light_GROUP`, with `--layers lights`. No light has the \
