@@ -416,15 +416,17 @@ impl<'w> Renderer<'w> {
             ("plan".to_owned(), plan),
             ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
         ];
+        let mut provenance: Vec<(String, String)> = std::iter::once(inputs)
+            .chain(layers)
+            .chain(others)
+            .chain(accuracy)
+            .collect();
+        provenance.sort();
         Metadata {
             color_space: world.color_space(),
             world_to_camera: camera.world_to_camera(),
             world_to_ndc: camera.world_to_ndc(),
-            provenance: std::iter::once(inputs)
-                .chain(layers)
-                .chain(others)
-                .chain(accuracy)
-                .collect(),
+            provenance,
             numbers: lens(camera).into_iter().chain(samples).collect(),
         }
     }
