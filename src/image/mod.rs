@@ -149,10 +149,12 @@ impl Film {
     /// are row by row from the top of the window, pixel by pixel, channel by channel within.
     ///
     /// # Panics
-    /// If the values are not as many as the pixels have channels.
+    /// If the values are not as many as the pixels have channels, or a sum has channels that are not there.
     pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
         let count = channels.list.len();
         assert_eq!(values.len(), self.pixels.len() * count);
+        let mut places = channels.sums.iter().flatten();
+        assert!(places.all(|&first| first + 3 <= count));
         let spec = ImageSpec {
             channels,
             ..self.spec

@@ -170,9 +170,10 @@ fn wrong_layers_are_wrong_usage() {
 fn layers_of_all_kinds_together() {
     let folder = folder();
     let folder = folder.path();
-    let expected = "--layers lights,depth,normal,spectral --wavelengths 400:700:100";
+    let expected = "--layers lights,no-relight,depth,normal,spectral --wavelengths 400:700:100";
     succeeds(folder, &format!("render ball.toml -o a.exr {expected}"));
-    let other = "--layers normal,spectral --layers depth,lights --wavelengths 400:700:100";
+    let other =
+        "--layers normal,spectral --layers no-relight,depth,lights --wavelengths 400:700:100";
     succeeds(
         folder,
         &format!("render ball.toml -o b.exr --threads 1 {other}"),

@@ -10,7 +10,7 @@ use crate::images::parse;
 use crate::measured::Measured;
 
 /// Relative to the largest of the pixel: f32, and sums of a few terms.
-const TERM: f64 = 1.19e-7;
+const TERM: f64 = 5.94e-8;
 
 /// Beyond all rounding, so that it is another side of an edge.
 const SIDE: f64 = 1e-5;

@@ -151,6 +151,7 @@ fn without(film: &Film, layer: &str) -> Film {
     let stays = |channel: &Channel| !channel.name.starts_with(&format!("{layer}."));
     let kept: Vec<bool> = channels.list.iter().map(stays).collect();
     channels.list.retain(stays);
+    channels.sums.clear();
     let values = all_values(film).into_iter().zip(kept.iter().cycle());
     let values = values.filter_map(|(value, kept)| kept.then_some(value));
     let values = values.collect();
