@@ -6,7 +6,7 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use candela::display::{Exposure, Image, Input, Report, Settings, Thumbnail, View};
+use candela::display::{Exposure, Image, Input, Settings, Thumbnail, View, shown_exposure};
 use candela::exr::Content;
 use candela::internal::{counted, printable, printable_path};
 use candela::output::Unfinished;
@@ -291,20 +291,6 @@ fn title(input: &Path, layer: Option<&str>) -> String {
         Some(layer) => format!("{name}  {}", printable(layer)),
         None => name,
     }
-}
-
-/// As `tonemap` says it.
-fn shown_exposure(ev: f64) -> String {
-    let report = Report {
-        ev,
-        is_auto: true,
-        resolution: [1, 1],
-        brightest: 0.0,
-        clipped: 0.0,
-        warnings: Vec::new(),
-        notes: Vec::new(),
-    };
-    report.exposure()
 }
 
 /// With two decimals at most.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::content_light::{Light, LightMeter};
 use super::develop::{Develop, Seen};
-use super::exposure::{LogSum, Meter};
+use super::exposure::{self, LogSum, Meter};
 use super::picture::{Prepare, Repaired, has_uncovered_light};
 use super::png::{self, Counted, into_io, pixel_dimensions};
 use super::provenance::Provenance;
@@ -131,7 +131,9 @@ fn convert_source(
     };
     let is_auto = settings.alpha == Alpha::Auto && exr.has_alpha();
     let has_alpha = may_have_alpha && !(is_auto && is_uncovered);
-    let done = match conversion(has_alpha).write(output, unfinished) {
+    let first = conversion(has_alpha);
+    let [white, peak] = first.develop.ends().map(|end| end / exposure::scale(ev));
+    let done = match first.write(output, unfinished) {
         // It is begun again, without alpha.
         Err(Stop::Uncovered) => {
             is_uncovered = true;
@@ -180,8 +182,13 @@ fn convert_source(
     Ok(Report {
         ev,
         is_auto: settings.exposure.is_auto(),
+        view: settings.view,
+        screen: settings.screen,
         resolution: shown.resolution,
         brightest: noticed.seen.brightest,
+        is_black: !noticed.seen.is_visible,
+        white,
+        peak,
         clipped: noticed.seen.clipped as f64 / (width * height),
         warnings,
         notes,

@@ -1,13 +1,13 @@
-//! How bright a picture is: what a PNG in PQ says of itself.
+//! How bright a picture is: what a PNG in PQ says of itself, and what is remarked under each view and on each screen.
 
 use std::fs;
 use std::io::Cursor;
 
-use candela::display::{Bits, Screen, Settings, convert};
+use candela::display::{Bits, Screen, Settings, View, convert};
 use candela::output::Unfinished;
 
-use super::NEAREST;
 use super::file::{Part, channel, row, write};
+use super::{NEAREST, shown};
 
 /// What a viewer is told, in cd/m²: MaxCLL and MaxFALL.
 fn content_light(png: &[u8]) -> Option<[f64; 2]> {
@@ -58,5 +58,82 @@ fn pictures_in_pq_say_how_bright_they_are() {
         if screen != Screen::Rec2020Pq {
             assert_eq!(content_light(&made(screen, Bits::Sixteen, 1)), None);
         }
+    }
+}
+
+/// What is said goes by what can be seen, and what has a code.
+#[test]
+fn remarks_go_by_the_view_and_the_screen() {
+    let folder = tempfile::tempdir().unwrap();
+    let remarks = |value: f32, view, screen| {
+        let part = row(2, vec![channel("Y", move |x, _| value * x as f32)]);
+        let settings = Settings {
+            view,
+            screen,
+            ..NEAREST
+        };
+        let path = write(folder.path(), &[part]);
+        let remarks = shown(&path, None, &settings).unwrap().report.remarks();
+        remarks.concat()
+    };
+    for (value, view, screen, expected) in [
+        (0.01, View::FalseColor, Screen::Srgb, ""),
+        (1e6, View::FalseColor, Screen::Srgb, ""),
+        (
+            0.0,
+            View::FalseColor,
+            Screen::Srgb,
+            "the picture is black: no pixel has any light",
+        ),
+        // Of 80 cd/m², 2 % are 1.6.
+        (1.0, View::Srgb, Screen::Srgb, ""),
+        (
+            1.0,
+            View::Absolute,
+            Screen::Srgb,
+            "the picture is black: its brightest pixel has a luminance of 1, where the screen's white is 80; \
+             try --exposure 6",
+        ),
+        (
+            100.0,
+            View::Absolute,
+            Screen::Srgb,
+            "50 % of the picture is brighter than the screen and clips; try a larger --white-nits, a lower \
+             --exposure, or another --view",
+        ),
+        (100.0, View::Absolute, Screen::Rec2020Pq, ""),
+        // 49 times diffuse white on one screen, and 4.9 times on the other.
+        (10.0, View::Srgb, Screen::Rec2020Pq, ""),
+        (
+            10.0,
+            View::Srgb,
+            Screen::Rec2020Hlg,
+            "50 % of the picture is brighter than the screen and clips; try --auto-exposure, a lower --exposure, \
+             or --view reinhard",
+        ),
+        (0.5, View::Raw, Screen::Srgb, ""),
+        (
+            0.1,
+            View::Raw,
+            Screen::Srgb,
+            "the picture is black: its numbers, as code values, are all close to 0; try --exposure 3",
+        ),
+        (
+            2.0,
+            View::Raw,
+            Screen::Srgb,
+            "50 % of the picture has numbers above 1, the largest code value, and clips; try a lower --exposure",
+        ),
+        (1e6, View::Reinhard, Screen::Srgb, ""),
+        (
+            0.001,
+            View::Reinhard,
+            Screen::Srgb,
+            "the picture is black: its brightest pixel has a luminance of 0.001, which the view `reinhard` \
+             shows as black; try --auto-exposure",
+        ),
+    ] {
+        let found = remarks(value, view, screen);
+        assert_eq!(found, expected, "{value}, {view}, {}", screen.name());
     }
 }

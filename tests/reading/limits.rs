@@ -149,7 +149,7 @@ fn black_and_blown_out_pictures_are_remarked() {
     );
     let dark = of(&[0.0, 0.0003], 0.0);
     assert!((dark.brightest - 0.0003).abs() < 1e-9);
-    assert!(dark.looks_black());
+    assert!(dark.is_black);
     assert_eq!(
         dark.remarks(),
         [
@@ -158,7 +158,7 @@ fn black_and_blown_out_pictures_are_remarked() {
         ]
     );
     let lifted = of(&[0.0, 0.0003], 10.0);
-    assert!(!lifted.looks_black() && lifted.remarks().is_empty());
+    assert!(!lifted.is_black && lifted.remarks().is_empty());
     let bright = of(&[1.0, 2.0, 0.5, f32::INFINITY, 0.2, 0.2, 0.2, 0.2], 0.0);
     assert_eq!((bright.brightest, bright.clipped), (2.0, 0.25));
     assert!(bright.remarks()[0].starts_with("25 % of the picture is brighter than the screen"));
