@@ -60,6 +60,10 @@ impl Report {
         match self.view {
             // The automatic one is for views of which 1 is white, and for light.
             View::Absolute | View::Raw => exposure,
+            // Of a range in cd/m² no exposure changes what is below.
+            View::FalseColor => {
+                "try a range that begins lower, by --view false-color=FROM:TO".to_owned()
+            }
             View::Srgb
             | View::Reinhard
             | View::ReinhardExtended
@@ -70,7 +74,6 @@ impl Report {
             | View::Agx
             | View::Aces1
             | View::Aces2
-            | View::FalseColor
             | View::Cube => {
                 // What is so faint, or has no coverage, does not count for the automatic one.
                 if self.is_auto || self.brightest <= exposure::DELTA {
@@ -281,6 +284,11 @@ mod tests {
             ..of(View::FalseColor, f64::INFINITY)
         };
         assert_eq!(colored.remarks(), [""; 0]);
+        assert_remark(
+            &of(View::FalseColor, f64::INFINITY),
+            "the picture is black: its brightest pixel has a luminance of 0.01, which the view `false-color` shows as \
+             black; try a range that begins lower, by --view false-color=FROM:TO",
+        );
         let nothing = Report {
             brightest: 0.0,
             ..of(View::Raw, 1.0)
