@@ -41,7 +41,7 @@ fn lecture(transport: Transport) -> Scene {
 /// R, G, B, A and all layers of a pixel, as bits.
 fn bits(film: &Film, pixel: usize) -> Vec<u32> {
     let values = film.pixels()[pixel].into_iter().chain(film.values(pixel));
-    values.map(|value| value.to_bits()).collect()
+    values.map(f32::to_bits).collect()
 }
 
 fn assert_same(one: &Film, other: &Film) {

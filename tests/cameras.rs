@@ -69,7 +69,7 @@ fn bits(film: &Film) -> Vec<u32> {
     let pixels = film.pixels().as_flattened().iter().copied();
     let values = film.pixels().iter().enumerate();
     let values = values.flat_map(|(pixel, _)| film.values(pixel));
-    pixels.chain(values).map(|value| value.to_bits()).collect()
+    pixels.chain(values).map(f32::to_bits).collect()
 }
 
 fn options(window: Option<Window>) -> Options {

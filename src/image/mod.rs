@@ -150,6 +150,10 @@ impl Film {
     ///
     /// # Panics
     /// If the values are not as many as the pixels have channels, or a sum has channels that are not there.
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "a film is given what it has from then on"
+    )]
     pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
         let count = channels.list.len();
         assert_eq!(values.len(), self.pixels.len() * count);

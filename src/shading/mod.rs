@@ -330,12 +330,10 @@ impl Shaded {
                 geometry.diffuse = is_lit.select(geometry.diffuse, zero);
                 geometry.specular = is_lit.select(geometry.specular, zero);
             }
-            for channel in 0..3 {
-                alone[channel].store(&mut terms.radiance[channel][first..]);
-                if detail.has_lobes {
-                    lobes.diffuse[channel].store(&mut terms.lobes.diffuse[channel][first..]);
-                    lobes.specular[channel].store(&mut terms.lobes.specular[channel][first..]);
-                }
+            store(alone, &mut terms.radiance, first);
+            if detail.has_lobes {
+                store(lobes.diffuse, &mut terms.lobes.diffuse, first);
+                store(lobes.specular, &mut terms.lobes.specular, first);
             }
             if detail.has_geometry {
                 geometry.diffuse.store(&mut terms.geometry.diffuse[first..]);
@@ -377,6 +375,14 @@ impl Lit {
         }
         geometry
     }
+}
+
+/// Puts R, G and B of a packet into their columns.
+#[inline(always)]
+fn store<S: Simd>([r, g, b]: [F64x16<S>; 3], columns: &mut [Column; 3], first: usize) {
+    r.store(&mut columns[0][first..]);
+    g.store(&mut columns[1][first..]);
+    b.store(&mut columns[2][first..]);
 }
 
 /// What is reflected by each lobe alone.
