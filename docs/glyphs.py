@@ -14,7 +14,7 @@ from fontTools.ttLib import TTFont
 
 HERE = Path(__file__).resolve().parent
 OUT = HERE.parent / "src/cli/drawing/glyphs.txt"
-CHARACTERS = [chr(code) for code in range(32, 127)] + list("²³·×°±µεΔ−–—…≤≥≈√∝→□äöüéÄÖÜ")
+CHARACTERS = [chr(code) for code in range(32, 127)] + list("²³·×°±µεΔΣᵢ−–—…≤≥≈√∝→□äöüéÄÖÜ")
 
 font = TTFont(sys.argv[1])
 names, glyphs = font.getBestCmap(), font.getGlyphSet()

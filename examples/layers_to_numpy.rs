@@ -63,8 +63,7 @@ pub(crate) fn run(scene: &Path, folder: &Path) -> Result<Vec<PathBuf>, Box<dyn E
         let last = first + channels.len();
         // What a pixel has beside R, G, B, A, in the order of the channels.
         let values: Vec<f32> = (0..film.pixels().len())
-            .flat_map(|pixel| &film.values(pixel)[first..last])
-            .copied()
+            .flat_map(|pixel| film.values(pixel)[first..last].to_vec())
             .collect();
         files.push(write(
             folder,

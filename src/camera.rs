@@ -91,6 +91,35 @@ impl Camera {
         self.projection
     }
 
+    /// What it is, as JSON: its kind, and of a perspective one the vertical field of view in degrees, of an
+    /// orthographic one the height of the image in scene units.
+    pub(crate) fn description(&self) -> String {
+        let description = match self.projection {
+            Projection::Perspective { half_height } => serde_json::json!({
+                "kind": "perspective",
+                "vertical_fov": 2.0 * libm::atan(half_height).to_degrees(),
+            }),
+            Projection::Orthographic { half_height } => serde_json::json!({
+                "kind": "orthographic",
+                "height": 2.0 * half_height,
+            }),
+        };
+        description.to_string()
+    }
+
+    /// The focal length that a perspective camera has with a sensor as wide as 35 mm film, and the size of that sensor,
+    /// all in mm.
+    pub(crate) fn lens(&self) -> Option<(f64, [f64; 2])> {
+        /// The width of a frame of 35 mm film in mm (ISO 1007).
+        const SENSOR: f64 = 36.0;
+        let Projection::Perspective { half_height } = self.projection else {
+            return None;
+        };
+        let [width, height] = self.resolution.map(f64::from);
+        let sensor = [SENSOR, SENSOR * height / width];
+        Some((sensor[1] / 2.0 / half_height, sensor))
+    }
+
     /// Image space (pixels, (0, 0) the top left corner of the image) to the image plane, with the
     /// image's vertical extent from −1 to 1, y up.
     fn image_plane(&self, x: f64, y: f64) -> [f64; 2] {

@@ -48,6 +48,7 @@
 //! | [`exr`] | images to OpenEXR and back |
 //! | `image_file` | PNG, JPEG, TIFF and Radiance HDR to linear light |
 //! | [`mod@render`] | tiles, their samples, the box filter, and where finished tiles go |
+//! | [`mod@relight`] | pictures with layers of lights to pictures in other light |
 //! | [`display`] | EXR to PNG: exposure, view, sRGB |
 //! | `compare` | how far an image is from a reference: errors of numbers, relative ones, ꟻLIP |
 //! | [`oracle`] | the equations by brute force, places in twice f64's length, from the scene as written: the truth for tests, `candela verify` and `candela probe`; it shares nothing else with the renderer but the CIE's tables |
@@ -136,6 +137,7 @@ pub mod oracle;
 pub mod output;
 mod printable;
 mod quadrature;
+pub mod relight;
 pub mod render;
 pub mod scene;
 mod shading;

@@ -9,19 +9,18 @@ use candela::world::World;
 
 const RESOLUTION: [u32; 2] = [75, 45];
 
-const WITH_ERRORS: Layers = Layers {
-    lights: false,
-    depth: false,
-    normal: false,
-    spectral: None,
-    error: true,
-    samples: true,
-};
+fn with_errors() -> Layers {
+    Layers {
+        error: true,
+        samples: true,
+        ..Layers::default()
+    }
+}
 
 fn options(relative: f64) -> Options {
     Options {
         target: Some(ErrorTarget::new(relative)),
-        layers: WITH_ERRORS,
+        layers: with_errors(),
         ..Options::default()
     }
 }
@@ -41,8 +40,8 @@ fn lecture(transport: Transport) -> Scene {
 
 /// R, G, B, A and all layers of a pixel, as bits.
 fn bits(film: &Film, pixel: usize) -> Vec<u32> {
-    let values = film.pixels()[pixel].iter().chain(film.values(pixel));
-    values.map(|value| value.to_bits()).collect()
+    let values = film.pixels()[pixel].into_iter().chain(film.values(pixel));
+    values.map(f32::to_bits).collect()
 }
 
 fn assert_same(one: &Film, other: &Film) {
@@ -100,7 +99,7 @@ fn layers_that_are_made_of_samples_take_samples() {
     let layers = Layers {
         lights: true,
         depth: true,
-        ..WITH_ERRORS
+        ..with_errors()
     };
     let options = Options {
         layers,
@@ -292,7 +291,7 @@ fn targets_out_of_range_are_refused() {
         );
     }
     let options = Options {
-        layers: WITH_ERRORS,
+        layers: with_errors(),
         ..Options::default()
     };
     let error = film(&scene, &options).unwrap_err();

@@ -66,10 +66,10 @@ fn cameras() -> Vec<scene::Camera> {
 }
 
 fn bits(film: &Film) -> Vec<u32> {
-    let pixels = film.pixels().as_flattened().iter();
+    let pixels = film.pixels().as_flattened().iter().copied();
     let values = film.pixels().iter().enumerate();
     let values = values.flat_map(|(pixel, _)| film.values(pixel));
-    pixels.chain(values).map(|value| value.to_bits()).collect()
+    pixels.chain(values).map(f32::to_bits).collect()
 }
 
 fn options(window: Option<Window>) -> Options {
@@ -80,9 +80,7 @@ fn options(window: Option<Window>) -> Options {
             lights: true,
             depth: true,
             normal: true,
-            spectral: None,
-            error: false,
-            samples: false,
+            ..Layers::default()
         },
         ..Options::default()
     }

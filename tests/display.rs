@@ -354,6 +354,7 @@ fn exr_of(pixels: &[[f32; 4]]) -> Vec<u8> {
         world_to_camera: [[0.0; 4]; 4],
         world_to_ndc: [[0.0; 4]; 4],
         provenance: Vec::new(),
+        numbers: Vec::new(),
     };
     let film = Film::new([width, 1], window, pixels.to_vec(), metadata);
     let options = ExrOptions {

@@ -88,7 +88,7 @@ fn numpy_reads_the_layers() {
         .iter()
         .map(|file| file.file_stem().unwrap().to_str().unwrap())
         .collect();
-    assert_eq!(names, ["rgba", "light_key", "light_fill", "Z", "N"]);
+    assert_eq!(names, ["rgba", "light_key", "light_fill", "N", "Z"]);
     let script = "\
 import numpy as np
 rgba, key, fill, z, n = (np.load(f'{name}.npy') for name in ('rgba', 'light_key', 'light_fill', 'Z', 'N'))

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use candela::exr::{Compression, ExrOptions, Precision, read};
-use candela::image::{Channel, ChannelKind, Channels, Film, Metadata, Window};
+use candela::image::{Channel, ChannelKind, Channels, Film, Metadata, Number, Window};
 use candela::output::{OutputProblem, Unfinished};
 use candela::scene::ColorSpace;
 use half::f16;
@@ -38,12 +38,15 @@ fn metadata() -> Metadata {
             [0.0, 0.0, 1.0, 0.5],
             [0.0, 0.0, 1.0, 0.0],
         ],
-        provenance: [
-            ("plan", "rgb, 3 lights"),
-            ("samples", "16"),
-            ("scene", "größe"),
+        provenance: [("plan", "rgb, 3 lights"), ("scene", "größe")]
+            .map(|(key, value)| (key.to_string(), value.to_string()))
+            .to_vec(),
+        numbers: [
+            ("candela:samples", Number::Integer(16)),
+            ("pinholeFocalLength", Number::Float(35.5)),
+            ("sensorOverallDimensions", Number::Pair([36.0, 24.0])),
         ]
-        .map(|(key, value)| (key.to_string(), value.to_string()))
+        .map(|(name, number)| (name.to_string(), number))
         .to_vec(),
     }
 }
@@ -89,6 +92,7 @@ fn options(precision: Precision, compression: Compression) -> ExrOptions {
         precision,
         compression,
         chromaticities: false,
+        full_window: false,
     }
 }
 
@@ -126,7 +130,9 @@ fn header_as_oiiotool_prints_it() {
         "worldToNDC: 2, 0, 0, 0, 0, 3, 0, 0, 0.25, 0.75, 1, 1, 0, 0, 0.5, 0",
         &format!("software: \"candela {version}\""),
         "candela:plan: \"rgb, 3 lights\"",
-        "candela:samples: \"16\"",
+        "candela:samples: 16",
+        "pinholeFocalLength: 35.5",
+        "sensorOverallDimensions: 36, 24",
         "candela:scene: \"größe\"",
         "openexr:lineOrder: \"increasingY\"",
         "oiio:subimages: 1",
@@ -344,10 +350,11 @@ fn channels_beside_rgba_come_back_in_every_compression() {
         list: vec![
             channel("light_key.R", ChannelKind::Light),
             channel("Z", ChannelKind::Data),
-            channel("N.X", ChannelKind::Direction),
+            channel("N.X", ChannelKind::Relative),
             channel("B2", ChannelKind::Light),
         ],
         attributes: vec![("about".to_owned(), "the layers".to_owned())],
+        sums: Vec::new(),
     };
     // Beyond HALF's range and digits; each channel differs.
     let values = |pixel: usize| {
@@ -405,6 +412,7 @@ fn two_channels_of_one_name_are_refused() {
             kind: ChannelKind::Light,
         }],
         attributes: Vec::new(),
+        sums: Vec::new(),
     };
     let film = smooth().with_channels(channels, vec![0.0; SIZE]);
     let error = film.write_exr_to(&mut Cursor::new(Vec::new()), &ExrOptions::default());

@@ -78,16 +78,14 @@ fn shown(renderer: &Renderer<'_>, camera: &candela::Camera) -> Vec<u32> {
             lights: true,
             depth: true,
             normal: true,
-            spectral: None,
-            error: false,
-            samples: false,
+            ..Layers::default()
         },
         ..Options::default()
     };
     let (film, _): (Film, _) = renderer.film(camera, &options, &Job::new()).unwrap();
     let values = (0..film.pixels().len()).flat_map(|pixel| film.values(pixel));
-    let all = film.pixels().as_flattened().iter().chain(values);
-    all.map(|value| value.to_bits()).collect()
+    let all = film.pixels().as_flattened().iter().copied().chain(values);
+    all.map(f32::to_bits).collect()
 }
 
 /// A camera that moves around a mesh builds nothing: trees are built with the renderer, and it counts them.

@@ -13,7 +13,7 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 25] = [
+const MAY_USE: [(&str, &[&str]); 26] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
@@ -96,6 +96,19 @@ const MAY_USE: [(&str, &[&str]); 25] = [
             "memory",
             "output",
             "printable",
+        ],
+    ),
+    (
+        "relight",
+        &[
+            "world",
+            "scene",
+            "spectrum",
+            "exr",
+            "output",
+            "printable",
+            "turns",
+            "memory",
         ],
     ),
     ("bench", &["world", "visibility", "math", "simd"]),

@@ -37,6 +37,7 @@ mod oracle;
 mod package;
 mod properties;
 mod reading;
+mod relight;
 mod scenes_in_code;
 mod schema;
 mod spectral_image;

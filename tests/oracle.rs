@@ -206,7 +206,7 @@ fn compare(scene: &Scene) -> Comparison {
         if error > TOLERANCE {
             let rendered = Rendered {
                 pixel: actual,
-                shares: layered.get_or_init(|| with_shares(scene)).values(index),
+                shares: &layered.get_or_init(|| with_shares(scene)).values(index),
             };
             if is_flip(&oracle, scene, pixel, &rendered, floor) {
                 comparison.flips += 1;

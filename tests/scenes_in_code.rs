@@ -48,6 +48,7 @@ fn lamp(intensity: Value) -> Light {
     Light::Point {
         position: [1.0, 2.0, 3.0].into(),
         intensity: intensity.into(),
+        group: None,
     }
 }
 

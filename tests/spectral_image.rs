@@ -324,7 +324,7 @@ fn one_nm_integrates_to_the_picture() {
         let film = bands_of(&chart(color), 1, every_nm());
         for (pixel, &[r, g, b, _]) in film.pixels().iter().enumerate() {
             let picture = DVec3::new(r.into(), g.into(), b.into());
-            let error = (rgb_of(film.values(pixel), every_nm()) - picture).abs();
+            let error = (rgb_of(&film.values(pixel), every_nm()) - picture).abs();
             // Each band and channel is rounded by itself; RGB has negative coefficients, so that
             // the errors of XYZ can come out up to 5 times as large.
             let bound = 5.0 * F32_ROUNDING * picture.abs().max_element();
@@ -404,7 +404,7 @@ fn quadrature_errors_are_those_of_the_docs() {
             let differences: Vec<f64> = patches
                 .iter()
                 .map(|&pixel| {
-                    let integrated = to_xyz * rgb_of(film.values(pixel), wavelengths);
+                    let integrated = to_xyz * rgb_of(&film.values(pixel), wavelengths);
                     let lab = |xyz| Lab::from_xyz(xyz, white);
                     delta_e_2000(lab(integrated), lab(picture(pixel)))
                 })
@@ -487,7 +487,7 @@ fn colour_science_reads_the_bands() {
     oiiotool(folder.path(), "bands.exr -o resaved.exr");
     let pixels = 0..film.pixels().len();
     let expected: Vec<f64> = pixels
-        .flat_map(|pixel| film.values(pixel).iter().map(|&value| f64::from(value)))
+        .flat_map(|pixel| film.values(pixel).into_iter().map(f64::from))
         .collect();
     for path in [path, folder.path().join("resaved.exr")] {
         let (wavelengths, values) = read_by_colour_science(&path);
@@ -533,9 +533,7 @@ fn the_header_says_what_the_bands_are() {
 fn values_that_half_holds_badly_are_counted() {
     let film = bands_of(&parse(FLOOR), 1, Wavelengths::default());
     let small = (0..81).flat_map(|pixel| film.values(pixel));
-    let small = small
-        .filter(|&&value| value > 0.0 && value < 6.1e-5)
-        .count() as u64;
+    let small = small.filter(|&value| value > 0.0 && value < 6.1e-5).count() as u64;
     assert!(small > 0);
     let report = |precision| {
         let options = ExrOptions {

@@ -214,13 +214,11 @@ fn the_image_that_is_preserved_is_what_the_file_shows() {
         lights: true,
         depth: true,
         normal: true,
-        spectral: None,
-        error: false,
-        samples: false,
+        ..Layers::default()
     };
     for compression in Compression::ALL {
         for precision in [Precision::Float, Precision::Half] {
-            for (window, layers) in [(None, Layers::default()), (Some(CROP), layers)] {
+            for (window, layers) in [(None, Layers::default()), (Some(CROP), layers.clone())] {
                 let options = Options {
                     window,
                     layers,
@@ -230,6 +228,7 @@ fn the_image_that_is_preserved_is_what_the_file_shows() {
                     compression,
                     precision,
                     chromaticities: false,
+                    full_window: false,
                 };
                 let mut file = Cursor::new(Vec::new());
                 let rendered = renderer.exr(

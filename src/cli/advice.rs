@@ -61,7 +61,7 @@ const OPTIONS: [Advice; 20] = [
         "threads are `--threads N`",
     ),
     (
-        &["render", "tonemap", "contact-sheet"],
+        &["render", "tonemap", "contact-sheet", "relight"],
         &[
             "--out",
             "--outfile",

@@ -1,13 +1,14 @@
 //! `candela contact-sheet`: all views of a picture, or all layers of a file, side by side.
 
+mod equations;
 mod sheet;
 
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use candela::display::{Exposure, Image, Report, Settings, Thumbnail, View};
-use candela::exr::{Content, ExrLayers, ExrReader};
+use candela::display::{Exposure, Image, Input, Settings, Thumbnail, View, shown_exposure};
+use candela::exr::Content;
 use candela::internal::{counted, printable, printable_path};
 use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
@@ -17,6 +18,7 @@ use super::develop::ExposureArguments;
 use super::numbers::number;
 use super::render::count;
 use super::sequence::{input_name, named_after};
+use equations::equation;
 use sheet::{Cell, GROUND, Head, Layout, sheet};
 
 /// The most layers on a sheet: more are not looked at, and take their time.
@@ -28,14 +30,17 @@ const WIDEST: u32 = 4096;
 /// A small picture is at most so many times as high as wide may be.
 const HIGHEST: u32 = 4;
 
-/// What the sheet's name has in place of the file's `exr`.
+/// What the sheet's name has in place of the file's extension.
 const SUFFIX: &str = "contact.png";
 
 /// Make a sheet of small pictures of an EXR: all views of it, or all its layers
 ///
+/// Of a PNG, JPEG, TIFF or Radiance HDR too, as `candela tonemap` reads it, all views.
+///
 /// Each picture is made small in linear light, from the file itself, and has its name below. All are at the same
 /// exposure. Of layers, those with colors are shown as light; single channels as grays over their range, which is
-/// written beside the name; vectors as colors, 0.5 + 0.5 x.
+/// written beside the name; vectors as colors, 0.5 + 0.5 x. Beside the layers of `candela render --layers` stands the
+/// equation of the lecture that they show, such as L5 or L4: V.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -50,7 +55,7 @@ Examples:
   candela contact-sheet scene.exr --layer light_key
       What one light adds, in each view")]
 pub(crate) struct Arguments {
-    /// The EXR file; - is standard input
+    /// The EXR file, or a PNG, JPEG, TIFF or Radiance HDR; - is standard input
     #[arg(value_name = "IN.exr")]
     input: PathBuf,
 
@@ -141,10 +146,10 @@ struct Found {
 
 /// One picture in all views.
 fn views(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
-    let reader = ExrReader::open(&arguments.input, arguments.layer.as_deref())?;
+    let input = Input::open(&arguments.input, arguments.layer.as_deref())?;
     super::refuse_same_files(&[&arguments.input], &[output])?;
-    let picture = small(arguments.width, &reader);
-    let thumbnail = Thumbnail::new(&reader, picture, arguments.exposure.exposure())?;
+    let picture = small(arguments.width, &input);
+    let thumbnail = Thumbnail::new(&input, picture, arguments.exposure.exposure())?;
     let ev = thumbnail.ev();
     let cell = |view: View| Cell {
         name: view.name().to_owned(),
@@ -152,7 +157,7 @@ fn views(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
         image: developed(&thumbnail, view, ev),
     };
     Ok(Found {
-        resolution: reader.resolution(),
+        resolution: input.resolution(),
         ev,
         picture,
         cells: View::ALL.into_iter().map(cell).collect(),
@@ -162,7 +167,7 @@ fn views(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
 
 /// All layers of a file.
 fn layers(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
-    let file = ExrLayers::open(&arguments.input)?;
+    let file = Input::layers(&arguments.input)?;
     super::refuse_same_files(&[&arguments.input], &[output])?;
     let view = arguments.view.unwrap_or_default();
     let mut warnings = Vec::new();
@@ -181,14 +186,14 @@ fn layers(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
     };
 
     // The first one says how large the pictures are, and at which exposure.
-    let reader = file.reader(0)?;
-    let (resolution, picture) = (reader.resolution(), small(arguments.width, &reader));
-    let thumbnail = Thumbnail::new(&reader, picture, arguments.exposure.exposure())?;
+    let input = Input::from(file.reader(0)?);
+    let (resolution, picture) = (input.resolution(), small(arguments.width, &input));
+    let thumbnail = Thumbnail::new(&input, picture, arguments.exposure.exposure())?;
     let ev = thumbnail.ev();
     let mut cells = vec![cell(first, &thumbnail, view, ev)];
     add_warnings(&mut warnings, &thumbnail);
     for (number, name) in (1..).zip(rest) {
-        let thumbnail = Thumbnail::new(&file.reader(number)?, picture, Exposure::Ev(ev))?;
+        let thumbnail = Thumbnail::new(&file.reader(number)?.into(), picture, Exposure::Ev(ev))?;
         cells.push(cell(name, &thumbnail, view, ev));
         add_warnings(&mut warnings, &thumbnail);
     }
@@ -212,6 +217,7 @@ fn add_warnings(warnings: &mut Vec<String>, thumbnail: &Thumbnail) {
 
 /// A layer as it is shown.
 fn cell(name: &str, thumbnail: &Thumbnail, view: View, ev: f64) -> Cell {
+    let equation = equation(name);
     let name = if name.is_empty() {
         "R, G, B".to_owned()
     } else {
@@ -220,12 +226,15 @@ fn cell(name: &str, thumbnail: &Thumbnail, view: View, ev: f64) -> Cell {
     match thumbnail.content() {
         Content::Light => Cell {
             name,
-            note: String::new(),
+            note: equation.unwrap_or_default().to_owned(),
             image: developed(thumbnail, view, ev),
         },
         Content::Vectors | Content::Numbers => Cell {
             name,
-            note: range(thumbnail),
+            note: match equation {
+                Some(equation) => format!("{equation}  {}", range(thumbnail)),
+                None => range(thumbnail),
+            },
             image: thumbnail.scaled(GROUND),
         },
     }
@@ -260,15 +269,15 @@ fn digits(value: f64) -> String {
 
 /// Width and height of a small picture: as wide as asked, unless that makes it too high. Pictures that are smaller are
 /// made larger by a whole factor, so that their pixels stay sharp.
-fn small(width: u32, reader: &ExrReader) -> [u32; 2] {
-    let aspect = f64::from(reader.pixel_aspect());
+fn small(width: u32, input: &Input) -> [u32; 2] {
+    let aspect = f64::from(input.pixel_aspect());
     // As a range, which holds no NaN.
     let aspect = if (0.1..=10.0).contains(&aspect) {
         aspect
     } else {
         1.0
     };
-    small_size(width, reader.resolution(), aspect)
+    small_size(width, input.resolution(), aspect)
 }
 
 fn small_size(width: u32, resolution: [u32; 2], aspect: f64) -> [u32; 2] {
@@ -289,20 +298,6 @@ fn title(input: &Path, layer: Option<&str>) -> String {
         Some(layer) => format!("{name}  {}", printable(layer)),
         None => name,
     }
-}
-
-/// As `tonemap` says it.
-fn shown_exposure(ev: f64) -> String {
-    let report = Report {
-        ev,
-        is_auto: true,
-        resolution: [1, 1],
-        brightest: 0.0,
-        clipped: 0.0,
-        warnings: Vec::new(),
-        notes: Vec::new(),
-    };
-    report.exposure()
 }
 
 /// With two decimals at most.

@@ -126,8 +126,14 @@ impl DisplayServer {
 impl Sink for DisplayServer {
     fn take(&self, tile: &RenderedTile) -> ControlFlow<()> {
         let further = self.channels.len() - OWN_CHANNELS;
+        let count = tile.pixels().len();
         let values = tile.pixels().iter().enumerate().flat_map(|(place, pixel)| {
-            let further = &tile.values()[place * further..][..further];
+            let further = tile
+                .values()
+                .iter()
+                .skip(place)
+                .step_by(count)
+                .take(further);
             pixel.iter().chain(further).copied()
         });
         self.update(tile.window(), values);

@@ -15,6 +15,7 @@ mod man;
 mod new;
 mod numbers;
 mod probe;
+mod relight;
 mod render;
 mod report;
 mod schema;
@@ -59,6 +60,8 @@ Examples:
       Render a scene, and make a picture of it
   candela contact-sheet scene.exr --layers
       All layers of an image on one sheet
+  candela relight scene.exr -o relit.exr --light key=2 --light fill=off
+      Other light on an image, without rendering
   candela check scene.toml
       Is it legal, what will be computed, what will it cost
   candela probe scene.toml --pixel 640,360
@@ -88,6 +91,7 @@ enum Command {
     Render(render::Arguments),
     Tonemap(tonemap::Arguments),
     ContactSheet(contact_sheet::Arguments),
+    Relight(relight::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
     Verify(verify::Arguments),
@@ -127,6 +131,9 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         }),
         Command::ContactSheet(arguments) => with_threads(None, || {
             contact_sheet::run(arguments, unfinished, &mut io::stderr())
+        }),
+        Command::Relight(arguments) => with_threads(None, || {
+            relight::run(arguments, unfinished, &mut io::stderr())
         }),
         Command::Check(arguments) => with_threads(None, || check::run(arguments, &mut output)),
         Command::Probe(arguments) => with_threads(None, || probe(arguments, &mut output)),

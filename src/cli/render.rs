@@ -75,7 +75,9 @@ Examples:
   candela render scene.toml --layers lights,depth,normal
       Also each light by itself, the distance and the normal, for compositing
   candela render scene.toml --layers spectral --wavelengths 400:700:10
-      A spectral image: R, G, B, A and 31 bands")]
+      A spectral image: R, G, B, A and 31 bands
+  candela render scene.toml --layers lights=key,fill,shadow,cryptomatte
+      The shares of two lights, where they reach, and mattes of objects and materials")]
 pub(crate) struct Arguments {
     /// The scene file; `-` is standard input [default: the built-in lecture scene]
     #[arg(value_name = "SCENE.toml")]
@@ -132,9 +134,15 @@ pub(crate) struct Arguments {
         .try_map(|name| name.parse::<Compression>()))]
     compression: Compression,
 
-    /// Also write the `chromaticities` attribute, for software that does not know `colorInteropID`
+    /// Also write the `chromaticities` attribute in Rec.709, where software that does not know `colorInteropID` takes it
+    /// for granted; in other spaces it is written in any case
     #[arg(long)]
     chromaticities: bool,
+
+    /// Write the part of --crop into a data window of the whole image, black around it, for software that loses the
+    /// place of a part (Blender, GIMP, OpenCV, three.js)
+    #[arg(long, requires = "crop")]
+    full_window: bool,
 
     /// Also show the picture in tev while it is rendered, which listens at HOST:PORT, such as 127.0.0.1:14158
     #[arg(long, value_name = "HOST:PORT")]
@@ -187,19 +195,42 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         None => job,
     };
     let mut is_too_dark = false;
+    let mut of_bands = None;
     let written = output::write(&outputs.exr, unfinished, |mut sink| {
-        let rendered = renderer.exr(
-            &camera,
-            &request.options,
-            &request.exr,
-            request.preserve,
-            &job,
-            &mut sink,
-        );
+        let Request {
+            options,
+            exr,
+            preserve,
+            ..
+        } = &request;
+        let rendered = match &outputs.bands {
+            None => renderer.exr(&camera, options, exr, *preserve, &job, &mut sink),
+            Some(path) => {
+                let mut rendered = None;
+                let written = output::write(path, unfinished, |mut bands| {
+                    let both = renderer.exr_and_bands(
+                        &camera, options, exr, *preserve, &job, &mut sink, &mut bands,
+                    );
+                    rendered = Some(both);
+                    Ok(())
+                });
+                match (written, rendered) {
+                    (Ok(()), Some(rendered)) => rendered,
+                    (Err(error), _) => {
+                        of_bands = Some(error);
+                        return Err(io::Error::other("stopped"));
+                    }
+                    (Ok(()), None) => unreachable!("what is written was rendered"),
+                }
+            }
+        };
         is_too_dark = matches!(rendered, Err(RenderError::TooDark));
         Ok(rendered?)
     });
     seconds.render = progress.finish();
+    if let Some(error) = of_bands {
+        return Err(error.into());
+    }
     if is_too_dark {
         return Err(TOO_DARK.into());
     }

@@ -39,6 +39,7 @@ fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
         | Command::Report(_)
         | Command::Diff(_)
         | Command::ContactSheet(_)
+        | Command::Relight(_)
         | Command::New(_)
         | Command::Completions(_)
         | Command::Schema(_)

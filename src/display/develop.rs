@@ -5,14 +5,14 @@ use super::gamut::Compression;
 use super::lanes::{Matrix, PIECE, Planes, transform};
 use super::screen::Transfer;
 use super::view::Rendering;
-use super::{Bits, Dither, Gamut, Overlay, Settings, code_of_8, code_of_16, exposure};
+use super::{Bits, Dither, Gamut, LOOKS_BLACK, Overlay, Settings, code_of_8, code_of_16, exposure};
 use crate::color::Primaries;
 use crate::color::adaptation::cat16;
 use crate::simd::SimdLevel;
 use glam::DVec3;
 
-/// A channel above this, times the view's white, is brighter than the screen: as it is, it would have a code of
-/// 256 or more.
+/// A channel above this, times what becomes the largest code, clips: as it is, it would have a code of 256 or more
+/// in sRGB.
 const CLIPS: f64 = 1.009;
 
 /// What is brighter, infinities among it, is taken for this: of a size that views can square and multiply.
@@ -22,8 +22,14 @@ const INFINITE: f64 = 1e30;
 pub(super) struct Develop<'a> {
     level: SimdLevel,
     scale: f64,
-    /// A channel above this clips.
+    /// The exposed radiance that becomes white, and that which has the largest code.
+    white: f64,
+    peak: f64,
+    /// A channel above this clips: of light, where more radiance is more light for as long as there are codes; else of
+    /// exposed radiance.
     clips: f64,
+    /// A code value of a channel that can be seen.
+    visible: f64,
     /// What makes white of another color.
     balance: Option<Matrix>,
     /// Before the view where it works on the screen's primaries, else after it.
@@ -48,6 +54,8 @@ pub(super) struct Develop<'a> {
 pub(super) struct Seen {
     /// The largest finite luminance, before the exposure.
     pub(super) brightest: f64,
+    /// Whether there is a channel that can be seen on the screen.
+    pub(super) is_visible: bool,
     /// Pixels of which a channel clips.
     pub(super) clipped: u64,
 }
@@ -56,6 +64,7 @@ impl Seen {
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             brightest: self.brightest.max(other.brightest),
+            is_visible: self.is_visible || other.is_visible,
             clipped: self.clipped + other.clipped,
         }
     }
@@ -72,14 +81,28 @@ impl<'a> Develop<'a> {
         let headroom = screen.peak().map_or(1.0, |peak| peak / white);
         let view = Rendering::new(settings, white, ev);
         let is_coded = settings.view.is_coded();
+        let level = SimdLevel::default();
+        let shown_white = view.white();
         Self {
-            level: SimdLevel::default(),
+            level,
             scale: exposure::scale(ev),
+            white: shown_white,
+            peak: shown_white * if view.is_linear() { headroom } else { 1.0 },
             clips: if settings.bits == Bits::ThirtyTwo {
                 // Floats hold what is brighter.
                 f64::INFINITY
             } else {
-                CLIPS * view.white() * if view.is_linear() { headroom } else { 1.0 }
+                CLIPS
+                    * if view.is_linear() {
+                        headroom
+                    } else {
+                        shown_white
+                    }
+            },
+            visible: {
+                let mut gray = [[LOOKS_BLACK; PIECE]; 3];
+                transform(level, &screen.transfer(white), &mut gray, 1);
+                gray[0][0]
             },
             balance: settings.white.map(balance),
             to_screen: if is_coded {
@@ -113,6 +136,11 @@ impl<'a> Develop<'a> {
         self.has_alpha
     }
 
+    /// The exposed radiance that is shown as white, and that above which a picture clips; infinite where none is.
+    pub(super) const fn ends(&self) -> [f64; 2] {
+        [self.white, self.peak]
+    }
+
     /// Bits of each sample.
     pub(super) const fn bits(&self) -> Bits {
         self.bits
@@ -141,7 +169,7 @@ impl<'a> Develop<'a> {
         let pieces = pixels.chunks(PIECE).zip(samples.chunks_mut(PIECE * bytes));
         for ((pixels, samples), x) in pieces.zip((left..).step_by(PIECE)) {
             self.expose(pixels, &mut planes, &mut seen);
-            self.show(&mut planes, pixels.len());
+            self.show(&mut planes, pixels.len(), &mut seen);
             if self.shows_invalid {
                 mark_invalid(pixels, &mut planes);
             }
@@ -154,10 +182,14 @@ impl<'a> Develop<'a> {
     }
 
     /// From exposed radiance in Rec.709 to the screen's code values, of the first `count` colors.
-    fn show(&self, planes: &mut Planes, count: usize) {
+    fn show(&self, planes: &mut Planes, count: usize, seen: &mut Seen) {
         let level = self.level;
         if let Some(balance) = &self.balance {
             transform(level, balance, planes, count);
+        }
+        let is_linear = self.view.is_linear();
+        if !is_linear {
+            seen.clipped += beyond(planes, count, self.clips);
         }
         if !self.is_per_channel {
             self.view.apply(level, planes, count);
@@ -171,13 +203,16 @@ impl<'a> Develop<'a> {
         if self.is_per_channel {
             self.view.apply(level, planes, count);
         }
+        if is_linear {
+            seen.clipped += beyond(planes, count, self.clips);
+        }
         transform(level, &self.transfer, planes, count);
+        seen.is_visible = seen.is_visible || beyond(planes, count, self.visible) > 0;
     }
 
     /// Exposed radiance by which no coverage is multiplied.
     fn expose(&self, pixels: &[[f32; 4]], [red, green, blue]: &mut Planes, seen: &mut Seen) {
         let [of_red, of_green, of_blue] = self.weights;
-        let clips = self.clips;
         for (place, pixel) in pixels.iter().enumerate() {
             let [r, g, b, alpha] = pixel.map(f64::from);
             let per_coverage = if self.has_alpha && alpha > 0.0 && alpha.is_finite() {
@@ -191,7 +226,6 @@ impl<'a> Develop<'a> {
                 seen.brightest = luminance;
             }
             let exposed = [r, g, b].map(|radiance| radiance * self.scale);
-            seen.clipped += u64::from(exposed.iter().any(|&channel| channel > clips));
             [red[place], green[place], blue[place]] =
                 exposed.map(|channel| channel.clamp(-INFINITE, INFINITE));
         }
@@ -245,6 +279,14 @@ impl<'a> Develop<'a> {
     }
 }
 
+/// How many of the first `count` colors have a channel above a limit.
+fn beyond([red, green, blue]: &Planes, count: usize, limit: f64) -> u64 {
+    let colors = red.iter().zip(green).zip(blue).take(count);
+    // Without a branch, several at a time.
+    let is_beyond = colors.map(|((&r, &g), &b)| u64::from((r > limit) | (g > limit) | (b > limit)));
+    is_beyond.sum()
+}
+
 /// In Rec.709, what makes the screen's white of light of a chromaticity, by CAT16.
 fn balance([x, y]: [f64; 2]) -> Matrix {
     let space = Primaries::REC709;
@@ -263,5 +305,95 @@ fn mark_invalid(pixels: &[[f32; 4]], [red, green, blue]: &mut Planes) {
             continue;
         };
         [red[place], green[place], blue[place]] = color;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::display::{FalseColor, Screen, View};
+
+    fn seen(settings: &Settings<'_>, pixels: &[[f32; 4]]) -> Seen {
+        let develop = Develop::new(settings, 0.0, false, [0, 0]);
+        let mut row = vec![0; pixels.len() * develop.pixel_bytes()];
+        develop.row(0, 0, pixels, &mut row)
+    }
+
+    fn of(view: View, screen: Screen) -> Settings<'static> {
+        Settings {
+            view,
+            screen,
+            ..Settings::new()
+        }
+    }
+
+    fn gray(value: f32) -> [f32; 4] {
+        [value, value, value, 1.0]
+    }
+
+    /// 2 % of the white of each view: of 203 cd/m², of 80, and by reinhard's curve.
+    #[test]
+    fn what_is_shown_is_seen() {
+        for (view, screen, border) in [
+            (View::Srgb, Screen::Srgb, 0.02),
+            (View::Srgb, Screen::P3, 0.02),
+            (View::Srgb, Screen::Rec2020Pq, 0.02),
+            (View::Srgb, Screen::Rec2020Hlg, 0.02),
+            (View::Srgb, Screen::Rec1886, 0.02),
+            (View::Srgb, Screen::Linear, 0.02),
+            (View::Absolute, Screen::Srgb, 1.6),
+            (View::Absolute, Screen::Rec2020Pq, 4.06),
+            (View::Reinhard, Screen::Srgb, 0.02 / 0.98),
+            // The code of 2 %, by the formula of sRGB.
+            (View::Raw, Screen::Srgb, 0.151_699),
+        ] {
+            let settings = of(view, screen);
+            let is_visible = |light| seen(&settings, &[gray(0.0), gray(light)]).is_visible;
+            assert!(is_visible(border * 1.001), "{view} on {}", screen.name());
+            assert!(!is_visible(border * 0.999), "{view} on {}", screen.name());
+        }
+        // A color for everything, no light and infinite light among it.
+        for false_color in [FalseColor::STOPS, FalseColor::luminance(1.0, 10.0).unwrap()] {
+            let settings = Settings {
+                false_color,
+                ..of(View::FalseColor, Screen::Srgb)
+            };
+            let seen = seen(&settings, &[gray(0.0), gray(f32::INFINITY)]);
+            assert!(seen.is_visible);
+            assert_eq!(seen.clipped, 0);
+        }
+        // Blue has little luminance, and is seen.
+        let blue = seen(&of(View::Srgb, Screen::Srgb), &[[0.0, 0.0, 0.1, 1.0]]);
+        assert!(blue.is_visible && blue.brightest < 0.02);
+    }
+
+    #[test]
+    fn what_has_no_code_clips() {
+        for (view, screen, border) in [
+            (View::Srgb, Screen::Srgb, 1.0),
+            (View::Srgb, Screen::Rec2020Pq, 10_000.0 / 203.0),
+            (View::Srgb, Screen::Rec2020Hlg, 1000.0 / 203.0),
+            (View::Absolute, Screen::Srgb, 80.0),
+            (View::Absolute, Screen::Rec1886, 100.0),
+            (View::Absolute, Screen::Rec2020Pq, 10_000.0),
+            (View::Raw, Screen::Rec2020Pq, 1.0),
+            (View::ReinhardExtended, Screen::Srgb, 4.0),
+        ] {
+            let clipped = |light| seen(&of(view, screen), &[gray(light), gray(0.1)]).clipped;
+            assert_eq!(clipped(border * 1.02), 1, "{view} on {}", screen.name());
+            assert_eq!(clipped(border * 1.001), 0, "{view} on {}", screen.name());
+        }
+        for view in [View::Reinhard, View::PbrNeutral] {
+            assert_eq!(seen(&of(view, Screen::Srgb), &[gray(1e30)]).clipped, 0);
+        }
+        // The red of P3 is outside of Rec.709, and on its own screen.
+        let red = [1.2249, -0.0420, -0.0196, 1.0];
+        assert_eq!(seen(&of(View::Srgb, Screen::Srgb), &[red]).clipped, 1);
+        assert_eq!(seen(&of(View::Srgb, Screen::P3), &[red]).clipped, 0);
+        let floats = Settings {
+            bits: Bits::ThirtyTwo,
+            ..of(View::Srgb, Screen::Srgb)
+        };
+        assert_eq!(seen(&floats, &[gray(9.0)]).clipped, 0);
     }
 }

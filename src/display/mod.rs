@@ -15,6 +15,7 @@
 //! same file, to the byte, for any number of threads and instruction set.
 
 mod coded;
+mod content_light;
 mod develop;
 mod dither;
 #[doc(hidden)]
@@ -27,9 +28,11 @@ mod overlay;
 mod picture;
 mod png;
 mod provenance;
+mod report;
 mod screen;
 mod source;
 mod stream;
+mod tags;
 mod thumbnail;
 mod tiff;
 mod view;
@@ -47,12 +50,15 @@ pub use input::Input;
 pub use overlay::Overlay;
 #[doc(hidden)]
 pub use picture::Picture;
+pub use report::Report;
 #[doc(hidden)]
-pub use png::{ContentLight, Mastering, Tags};
+pub use report::{LOOKS_BLACK, MANY_CLIPPED, digits, shown_exposure};
 pub use screen::Screen;
 pub use stream::convert;
 #[doc(hidden)]
 pub use stream::{convert_image, convert_input};
+#[doc(hidden)]
+pub use tags::{ContentLight, Mastering, Tags};
 #[doc(hidden)]
 pub use thumbnail::Thumbnail;
 #[doc(hidden)]
@@ -272,112 +278,6 @@ impl Image {
     }
 }
 
-/// What was done with an EXR file, and what was noticed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Report {
-    /// The exposure in EV.
-    pub ev: f64,
-    /// Whether it was chosen from the picture.
-    pub is_auto: bool,
-    /// Width and height of the PNG.
-    pub resolution: [u32; 2],
-    /// The largest luminance Y of a pixel as the file has it, before the exposure, in Rec.709, RGB divided
-    /// by A where the PNG keeps alpha: cd/m² in candela's files. Infinite values do not count. 0
-    /// where there is no light.
-    pub brightest: f64,
-    /// The share of the picture's pixels, 0 to 1, of which a channel is brighter than the screen
-    /// and clips. 0 under a view that does not clip.
-    pub clipped: f64,
-    /// What the user should know about the file, a sentence each.
-    pub warnings: Vec<String>,
-    /// What was taken for granted, a sentence each.
-    pub notes: Vec<String>,
-}
-
-/// Exposed luminance below this is coded below 39 of 255: where nothing is brighter, there is nothing
-/// to see.
-#[doc(hidden)]
-pub const LOOKS_BLACK: f64 = 0.02;
-
-/// A larger share of clipped pixels is more than highlights.
-#[doc(hidden)]
-pub const MANY_CLIPPED: f64 = 0.05;
-
-impl Report {
-    /// Whether nothing can be seen in the picture: the brightest pixel, exposed, is below 2 % of the
-    /// screen's white.
-    pub fn looks_black(&self) -> bool {
-        self.brightest * exposure::scale(self.ev) < LOOKS_BLACK
-    }
-
-    /// The exposure as it is shown, such as `-1.250 EV`; what rounds to 0 has no sign.
-    pub fn exposure(&self) -> String {
-        let thousandths = (self.ev * 1000.0).round();
-        // −0 + 0 is 0.
-        format!("{:.3} EV", thousandths / 1000.0 + 0.0)
-    }
-
-    /// What to try where [`Report::looks_black`].
-    pub fn way_out_of_black(&self) -> String {
-        // What is so faint, or has no coverage, does not count for the automatic one.
-        if self.is_auto || self.brightest <= exposure::DELTA {
-            format!("try --exposure {:.0}", -self.brightest.log2())
-        } else {
-            "try --auto-exposure".to_owned()
-        }
-    }
-
-    /// What to try where much of the picture clips.
-    pub fn way_out_of_clipping(&self) -> String {
-        if self.is_auto {
-            format!("try --view reinhard, or an --exposure below {:.1}", self.ev)
-        } else {
-            "try --auto-exposure, a lower --exposure, or --view reinhard".to_owned()
-        }
-    }
-
-    /// What there is to say of a picture that is black or blown out, with the way out; a sentence
-    /// each.
-    pub fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
-        if self.brightest == 0.0 {
-            remarks.push("the picture is black: no pixel has any light".to_owned());
-        } else if self.looks_black() {
-            remarks.push(format!(
-                "the picture is black: its brightest pixel has a luminance of {}, where the \
-                 screen's white is {}; {}",
-                digits(self.brightest),
-                digits(1.0 / exposure::scale(self.ev)),
-                self.way_out_of_black(),
-            ));
-        }
-        if self.clipped >= MANY_CLIPPED {
-            remarks.push(format!(
-                "{:.0} % of the picture is brighter than the screen and clips; {}",
-                100.0 * self.clipped,
-                self.way_out_of_clipping(),
-            ));
-        }
-        remarks
-    }
-}
-
-/// About two significant digits of a number above 0, without an exponent where that is short.
-#[doc(hidden)]
-pub fn digits(number: f64) -> String {
-    let magnitude = number.log10().floor();
-    match magnitude {
-        -5.0..1.0 => {
-            let decimals = (1.0 - magnitude) as usize;
-            let text = format!("{number:.decimals$}");
-            let text = text.trim_end_matches('0');
-            text.trim_end_matches('.').to_owned()
-        }
-        1.0..=6.0 => format!("{number:.0}"),
-        _ => format!("{number:.1e}"),
-    }
-}
-
 /// A picture could not be shown.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -479,26 +379,6 @@ mod tests {
 
     fn samples(pixels: &[[f32; 4]], has_alpha: bool, settings: Settings<'_>) -> Vec<u8> {
         tonemap(&row(pixels, has_alpha), &settings).samples
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        for (number, expected) in [
-            (0.000_31, "0.00031"),
-            (0.000_3, "0.0003"),
-            (0.019, "0.019"),
-            (1.0, "1"),
-            (2.54, "2.5"),
-            (10.0, "10"),
-            (9.96, "10"),
-            (16.0, "16"),
-            (1024.0, "1024"),
-            (3.2e-9, "3.2e-9"),
-            (1e20, "1.0e20"),
-            (0.0, "0.0e0"),
-        ] {
-            assert_eq!(digits(number), expected);
-        }
     }
 
     #[test]

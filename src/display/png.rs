@@ -1,7 +1,8 @@
 //! Writes an image as PNG: what its samples mean, and where it comes from, in chunks before the pixels.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use png::chunk::ChunkType;
 use png::text_metadata::{ITXtChunk, TEXtChunk};
@@ -11,6 +12,7 @@ use png::{
 };
 
 use super::screen::Screen;
+use super::tags::{ContentLight, Mastering, Shape, Tags};
 use super::{Bits, Image};
 use crate::color::Primaries;
 use crate::output::{self, OutputError, Unfinished};
@@ -49,37 +51,6 @@ impl Image {
     }
 }
 
-/// What a PNG says about its samples, and where it comes from.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tags {
-    /// The screen for which the code values are.
-    pub screen: Screen,
-    /// Keys, of 1 to 79 characters of Latin-1, and texts.
-    pub text: Vec<(String, String)>,
-    /// The brightest that is shown.
-    pub content_light: Option<ContentLight>,
-    /// The display that the picture was made for.
-    pub mastering: Option<Mastering>,
-}
-
-/// How bright a picture is, in cd/m² (CTA-861.3-A, annex A). Range: 0 to 429 496.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContentLight {
-    /// MaxCLL: the brightest channel of a pixel.
-    pub brightest: f64,
-    /// MaxFALL: the mean over the picture of each pixel's brightest channel.
-    pub average: f64,
-}
-
-/// The display that a picture was made for (SMPTE ST 2086:2018).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mastering {
-    /// Its primaries and white. Range: 0 to 1.31.
-    pub primaries: Primaries,
-    /// Its least and greatest luminance in cd/m². Range: 0 to 429 496.
-    pub luminance: [f64; 2],
-}
-
 /// Units of luminance in cLLI and mDCV: 0.0001 cd/m² (PNG, third edition, sections 11.3.2.8 and 11.3.2.7).
 fn luminance(value: f64) -> [u8; 4] {
     // `as` saturates.
@@ -109,16 +80,6 @@ impl Mastering {
         chunk.extend(least);
         chunk
     }
-}
-
-/// The size and kind of a PNG's samples.
-#[derive(Clone, Copy)]
-pub(super) struct Shape {
-    pub(super) resolution: [u32; 2],
-    pub(super) has_alpha: bool,
-    pub(super) bits: Bits,
-    /// How much wider than high a pixel is.
-    pub(super) pixel_aspect: f32,
 }
 
 /// A PNG that is begun: all its chunks before the pixels are written.
@@ -158,9 +119,6 @@ pub(super) fn begin<'a, W: Write + 'a>(
     if let Some(mastering) = tags.mastering {
         chunk(*b"mDCV", &mastering.chunk()).map_err(into_io)?;
     }
-    if let Some(content_light) = tags.content_light {
-        chunk(*b"cLLI", &content_light.chunk()).map_err(into_io)?;
-    }
     for (key, text) in &tags.text {
         let written = if text.is_ascii() {
             writer.write_text_chunk(&TEXtChunk::new(key.as_str(), text.as_str()))
@@ -169,7 +127,67 @@ pub(super) fn begin<'a, W: Write + 'a>(
         };
         written.map_err(into_io)?;
     }
+    // The last before the pixels: where it ends, what is written so far ends.
+    if let Some(content_light) = tags.content_light {
+        let written = writer.write_chunk(ChunkType(CONTENT_LIGHT), &content_light.chunk());
+        written.map_err(into_io)?;
+    }
     Ok(writer)
+}
+
+/// The name of the chunk with [`ContentLight`].
+const CONTENT_LIGHT: [u8; 4] = *b"cLLI";
+
+/// The bytes of that chunk behind its name: two numbers and its checksum.
+const CONTENT_LIGHT_LENGTH: u64 = 12;
+
+/// Counts the bytes that go through.
+pub(super) struct Counted<'c, W> {
+    pub(super) sink: W,
+    pub(super) count: &'c AtomicU64,
+}
+
+impl<W: Write> Write for Counted<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.sink.write(bytes)?;
+        self.count.fetch_add(written as u64, Ordering::Relaxed);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.sink.flush()
+    }
+}
+
+/// Says how bright the picture is in a PNG that is written already: its chunk of that, whatever is in it, is the last
+/// before the pixels, which begin at `pixels`. The sink is at its end, before and after.
+///
+/// # Errors
+/// What the sink reports.
+pub(super) fn tell_content_light(
+    sink: &mut (impl Write + Seek + ?Sized),
+    pixels: u64,
+    content_light: ContentLight,
+) -> io::Result<()> {
+    let content = content_light.chunk();
+    let checksum = checksum(&[&CONTENT_LIGHT[..], &content].concat());
+    sink.seek(SeekFrom::Start(pixels - CONTENT_LIGHT_LENGTH))?;
+    sink.write_all(&content)?;
+    sink.write_all(&checksum.to_be_bytes())?;
+    sink.seek(SeekFrom::End(0)).map(drop)
+}
+
+/// The checksum of a chunk's name and content: CRC-32 (PNG, third edition, section 5.5 and annex D; ISO 3309).
+fn checksum(bytes: &[u8]) -> u32 {
+    /// x³² + x²⁶ + … + 1, the lowest power in the highest bit.
+    const POLYNOMIAL: u32 = 0xEDB8_8320;
+    let rest = bytes.iter().fold(u32::MAX, |rest, &byte| {
+        (0..8).fold(rest ^ u32::from(byte), |rest, _| {
+            let is_odd = rest & 1 == 1;
+            rest >> 1 ^ if is_odd { POLYNOMIAL } else { 0 }
+        })
+    });
+    !rest
 }
 
 /// Why a PNG of floats is refused.
@@ -364,7 +382,7 @@ mod tests {
         assert_eq!(
             names,
             [
-                "IHDR", "cHRM", "cICP", "mDCV", "cLLI", "tEXt", "iTXt", "IDAT", "IEND"
+                "IHDR", "cHRM", "cICP", "mDCV", "tEXt", "iTXt", "cLLI", "IDAT", "IEND"
             ]
         );
         let places = [35_400, 14_600, 8500, 39_850, 6550, 2300, 15_635, 16_450_u16];
@@ -375,10 +393,10 @@ mod tests {
         expected.extend([40_000_000, 1_u32].map(u32::to_be_bytes).as_flattened());
         assert_eq!(chunks[3].1, expected);
         let expected = [10_000_000, 2500_u32].map(u32::to_be_bytes);
-        assert_eq!(chunks[4].1, expected.as_flattened());
-        assert_eq!(chunks[5].1, b"Software\0candela");
+        assert_eq!(chunks[6].1, expected.as_flattened());
+        assert_eq!(chunks[4].1, b"Software\0candela");
         assert_eq!(
-            chunks[6].1,
+            chunks[5].1,
             "candela:command\0\0\0\0\0--layer 'Lämpchen'".as_bytes()
         );
         // And as the crate reads it.
@@ -401,6 +419,49 @@ mod tests {
                 .transfer_function,
             16
         );
+    }
+
+    /// As if it had been known: the same bytes, checksums among them.
+    #[test]
+    fn content_light_is_told_afterwards() {
+        let image = Image::opaque([2, 1], vec![[1, 2, 3]; 2]);
+        let with = |brightest, average| Tags {
+            screen: Screen::Rec2020Pq,
+            text: vec![("key".to_owned(), "cLLI".to_owned())],
+            content_light: Some(ContentLight { brightest, average }),
+            mastering: None,
+        };
+        let known = with(203.0, 1.5);
+        let mut expected = Vec::new();
+        image.write_tagged_png_to(&mut expected, &known).unwrap();
+
+        let mut file = io::Cursor::new(b"before".to_vec());
+        file.seek(SeekFrom::End(0)).unwrap();
+        let start = file.position();
+        let count = AtomicU64::new(0);
+        let sink = Counted {
+            sink: &mut file,
+            count: &count,
+        };
+        let shape = Shape {
+            resolution: image.resolution,
+            has_alpha: false,
+            bits: Bits::Eight,
+            pixel_aspect: 1.0,
+        };
+        let mut writer = begin(sink, shape, &with(0.0, 0.0)).unwrap();
+        let pixels = start + count.load(Ordering::Relaxed);
+        writer.write_image_data(&image.samples).unwrap();
+        writer.finish().unwrap();
+        tell_content_light(&mut file, pixels, known.content_light.unwrap()).unwrap();
+        assert_eq!(file.stream_position().unwrap(), 6 + expected.len() as u64);
+        assert_eq!(&file.get_ref()[6..], expected);
+    }
+
+    /// The check value of CRC-32/ISO-HDLC.
+    #[test]
+    fn checksums() {
+        assert_eq!(checksum(b"123456789"), 0xCBF4_3926);
     }
 
     #[test]

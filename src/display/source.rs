@@ -50,6 +50,14 @@ impl Source<'_> {
         }
     }
 
+    /// What it is a picture of.
+    pub(super) fn content(self) -> Content {
+        match self {
+            Self::File(file) => file.content(),
+            Self::Image(_) | Self::Decoded(_) => Content::Light,
+        }
+    }
+
     /// Whether there is a channel A.
     pub(super) fn has_alpha(self) -> bool {
         match self {

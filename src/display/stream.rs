@@ -1,32 +1,35 @@
-//! From an EXR file to a PNG, row by row: neither picture is ever in memory as a whole. Inputs of other formats are, and so
-//! is what becomes a TIFF.
+//! From an EXR file to a PNG or a TIFF, row by row: neither picture is ever in memory as a whole. Inputs of other formats
+//! are.
 //!
 //! One part of the threads decodes the next rows while the last ones are developed and encoded.
 
 use std::io::{self, Write};
 use std::ops::Range;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use super::content_light::{Light, LightMeter};
 use super::develop::{Develop, Seen};
-use super::exposure::{LogSum, Meter};
+use super::exposure::{self, LogSum, Meter};
 use super::picture::{Prepare, Repaired, has_uncovered_light};
-use super::png::{self, Shape, Tags, into_io, pixel_dimensions};
+use super::png::{self, Counted, into_io, pixel_dimensions};
 use super::provenance::Provenance;
 use super::source::Source;
+use super::tags::{ContentLight, Shape, Tags};
 use super::tiff;
-use super::{Alpha, DisplayError, Frame, Input, OutputFormat, Report, Settings};
+use super::{Alpha, DisplayError, Frame, Input, OutputFormat, Report, Screen, Settings};
 use crate::exr::{ExrError, ExrImage};
 use crate::image::Window;
 use crate::memory::{self, OutOfMemory};
 use crate::output::{self, Sink, Unfinished};
 
-/// Bytes of the PNG that are encoded at a time, before compression.
+/// Bytes of the picture that are developed at a time, before compression.
 const ENCODED: usize = 1 << 22;
 
-/// So many rows of the PNG are in memory while it is encoded, where they are wide: a blank one, the
-/// one that is developed, and those of the encoder with its filters.
+/// So many rows are in memory while a PNG is encoded, where they are wide: a blank one, the one that is
+/// developed, and those of the encoder with its filters. A TIFF has fewer.
 const ROWS: usize = 10;
 
 /// Makes a PNG, or a TIFF where its name says so, of an EXR file or a picture of another format, whole or not at all.
@@ -106,20 +109,31 @@ fn convert_source(
         screen: settings.screen,
         text: provenance.texts(settings, ev),
         mastering: settings.view.mastering(settings.screen),
-        content_light: None,
+        // Unknown, until the pixels are written.
+        content_light: has_content_light(format, settings.screen).then_some(ContentLight {
+            brightest: 0.0,
+            average: 0.0,
+        }),
     };
-    let conversion = |has_alpha| Conversion {
-        exr,
-        format,
-        tags: &tags,
-        shown,
-        prepare,
-        develop: Develop::new(settings, ev, has_alpha, shown.origin),
-        stops_at_uncovered: settings.alpha == Alpha::Auto && has_alpha,
+    let conversion = |has_alpha| {
+        let develop = Develop::new(settings, ev, has_alpha, shown.origin);
+        let meter = || LightMeter::new(develop.bits(), develop.channels());
+        Conversion {
+            exr,
+            format,
+            tags: &tags,
+            shown,
+            prepare,
+            light: tags.content_light.and_then(|_| meter()),
+            develop,
+            stops_at_uncovered: settings.alpha == Alpha::Auto && has_alpha,
+        }
     };
     let is_auto = settings.alpha == Alpha::Auto && exr.has_alpha();
     let has_alpha = may_have_alpha && !(is_auto && is_uncovered);
-    let done = match conversion(has_alpha).write(output, unfinished) {
+    let first = conversion(has_alpha);
+    let [white, peak] = first.develop.ends().map(|end| end / exposure::scale(ev));
+    let done = match first.write(output, unfinished) {
         // It is begun again, without alpha.
         Err(Stop::Uncovered) => {
             is_uncovered = true;
@@ -155,7 +169,9 @@ fn convert_source(
     if pixel_dimensions(exr.pixel_aspect()).is_some() {
         let told = match format {
             OutputFormat::Png => "the PNG says so, in a chunk that many programs pass over",
-            OutputFormat::Tiff => "the TIFF does not say so",
+            OutputFormat::Tiff => {
+                "the TIFF says so, in its resolutions, which many programs pass over"
+            }
         };
         warnings.push(format!(
             "its pixels are not square, but {} times as wide as high; {told}",
@@ -166,12 +182,29 @@ fn convert_source(
     Ok(Report {
         ev,
         is_auto: settings.exposure.is_auto(),
+        view: settings.view,
+        screen: settings.screen,
         resolution: shown.resolution,
         brightest: noticed.seen.brightest,
+        is_black: !noticed.seen.is_visible,
+        white,
+        peak,
         clipped: noticed.seen.clipped as f64 / (width * height),
         warnings,
         notes,
     })
+}
+
+/// Whether a file says how bright it is in cd/m²: that of HLG depends on who looks at it.
+const fn has_content_light(format: OutputFormat, screen: Screen) -> bool {
+    match (format, screen) {
+        (OutputFormat::Png, Screen::Rec2020Pq) => true,
+        (
+            OutputFormat::Png,
+            Screen::Srgb | Screen::P3 | Screen::Rec2020Hlg | Screen::Rec1886 | Screen::Linear,
+        )
+        | (OutputFormat::Tiff, _) => false,
+    }
 }
 
 /// The exposure of a file by a meter, and whether there is light without coverage.
@@ -206,6 +239,7 @@ struct Noticed {
     seen: Seen,
     repaired: Repaired,
     is_uncovered: bool,
+    light: Light,
 }
 
 impl Noticed {
@@ -214,6 +248,7 @@ impl Noticed {
             seen: self.seen.and(other.seen),
             repaired: self.repaired.and(other.repaired),
             is_uncovered: self.is_uncovered || other.is_uncovered,
+            light: self.light.and(other.light),
         }
     }
 }
@@ -254,6 +289,8 @@ struct Conversion<'a> {
     shown: Shown,
     prepare: Prepare,
     develop: Develop<'a>,
+    /// Where the file says how bright it is.
+    light: Option<LightMeter>,
     /// Whether light without coverage is not to be written.
     stops_at_uncovered: bool,
 }
@@ -286,49 +323,49 @@ impl Conversion<'_> {
 
     fn write_png(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
         look_for((ROWS * self.row_bytes()) as u64, "rows of the PNG")?;
-        let shape = Shape {
-            resolution: self.shown.resolution,
-            has_alpha: self.develop.has_alpha(),
-            bits: self.develop.bits(),
-            pixel_aspect: self.exr.pixel_aspect(),
+        let (start, count) = (sink.stream_position()?, AtomicU64::new(0));
+        let counted = Counted {
+            sink: &mut *sink,
+            count: &count,
         };
-        let mut writer = png::begin(sink, shape, self.tags)?;
+        let mut writer = png::begin(counted, self.shape(), self.tags)?;
+        let pixels = start + count.load(Ordering::Relaxed);
         let mut rows = writer.stream_writer().map_err(into_io)?;
         let noticed = self.rows(&mut rows)?;
         rows.finish().map_err(into_io)?;
         writer.finish().map_err(into_io)?;
+        if self.light.is_some() {
+            let [width, height] = self.shown.resolution.map(u64::from);
+            let content = noticed.light.content(width * height);
+            png::tell_content_light(sink, pixels, content)?;
+        }
         Ok(noticed)
     }
 
-    /// The encoder takes the picture as a whole.
     fn write_tiff(&self, sink: &mut dyn Sink) -> Result<Noticed, Halt> {
-        let height = u64::from(self.shown.resolution[1]);
-        let bytes = self.row_bytes() as u64 * height;
-        tiff::check(bytes)?;
-        // Rows of 4 MB that are developed beside it.
-        look_for(bytes + 2 * ENCODED as u64, "the samples of the TIFF")?;
-        let mut samples = Vec::new();
-        memory::reserve(&mut samples, bytes as usize)
-            .map_err(|error| out_of_memory(error, "the samples of the TIFF"))?;
-        let noticed = self.rows(&mut samples)?;
-        let (bits, has_alpha) = (self.develop.bits(), self.develop.has_alpha());
-        tiff::write(sink, self.shown.resolution, has_alpha, bits, &mut samples)?;
-        Ok(noticed)
+        look_for((ROWS * self.row_bytes()) as u64, "rows of the TIFF")?;
+        tiff::write(sink, self.shape(), self.tags, |rows| self.rows(rows))
+    }
+
+    fn shape(&self) -> Shape {
+        Shape {
+            resolution: self.shown.resolution,
+            has_alpha: self.develop.has_alpha(),
+            bits: self.develop.bits(),
+            pixel_aspect: self.exr.pixel_aspect(),
+        }
     }
 
     /// All rows, one after the other, from the top.
     fn rows(&self, rows: &mut (dyn Write + Send)) -> Result<Noticed, Halt> {
         let height = self.shown.resolution[1];
         Ok(match self.shown.window {
-            None => {
-                self.blank(rows, 0..height)?;
-                Noticed::default()
-            }
+            None => self.blank(rows, 0..height)?,
             Some(window) => {
-                self.blank(rows, 0..window.y)?;
+                let above = self.blank(rows, 0..window.y)?;
                 let noticed = self.window(rows, window)?;
-                self.blank(rows, window.y + window.height..height)?;
-                noticed
+                let below = self.blank(rows, window.y + window.height..height)?;
+                above.and(noticed).and(below)
             }
         })
     }
@@ -338,13 +375,21 @@ impl Conversion<'_> {
     }
 
     /// Rows that no data covers.
-    fn blank(&self, rows: &mut (dyn Write + Send), blank: Range<u32>) -> Result<(), Halt> {
+    fn blank(&self, rows: &mut (dyn Write + Send), blank: Range<u32>) -> Result<Noticed, Halt> {
         let mut row = vec![0; self.row_bytes()];
+        let mut noticed = Noticed::default();
         for y in blank {
             self.develop.row(y, 0, &[], &mut row);
+            // There may be a legend.
+            noticed.light = noticed.light.and(self.light_of(&row));
             rows.write_all(&row)?;
         }
-        Ok(())
+        Ok(noticed)
+    }
+
+    fn light_of(&self, row: &[u8]) -> Light {
+        let light = self.light.as_ref().map(|meter| meter.of_row(row));
+        light.unwrap_or_default()
     }
 
     /// Rows with data.
@@ -393,10 +438,12 @@ impl Conversion<'_> {
             let here = lines.enumerate().map(|(line, (samples, pixels))| {
                 let repaired = self.prepare.apply(pixels);
                 let y = top + line as u32;
+                let seen = self.develop.row(y, window.x, pixels, samples);
                 Noticed {
-                    seen: self.develop.row(y, window.x, pixels, samples),
+                    seen,
                     repaired,
                     is_uncovered: self.stops_at_uncovered && has_uncovered_light(pixels),
+                    light: self.light_of(samples),
                 }
             });
             noticed = noticed.and(here.reduce(Noticed::default, Noticed::and));

@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use super::exposure::{Exposure, LogSum, Meter};
 use super::picture::{Prepare, Repaired};
-use super::{Alpha, DisplayError, Frame, Image, Picture, Settings, tonemap};
-use crate::exr::{ColorTag, Content, ExrImage, ExrReader};
+use super::source::Source;
+use super::{Alpha, DisplayError, Frame, Image, Input, Picture, Settings, tonemap};
+use crate::exr::{ColorTag, Content, ExrImage};
 use crate::image::{BACKGROUND_DEPTH, Window};
 use crate::memory;
 
@@ -52,10 +53,11 @@ impl Thumbnail {
     /// # Errors
     /// If the file cannot be read, or there is no memory for so many pixels.
     pub fn new(
-        exr: &ExrReader,
+        input: &Input,
         resolution: [u32; 2],
         exposure: Exposure,
     ) -> Result<Self, DisplayError> {
+        let exr = Source::from(input);
         let meter = Meter::new(exposure);
         exr.check_resolution()?;
         let resolution = resolution.map(|side| side.max(1));
@@ -75,7 +77,7 @@ impl Thumbnail {
         let window = exr.window();
         let (width, left, top) = window.map_or((1, 0, 0), |w| (w.width as usize, w.x, w.y));
         for band in exr.bands() {
-            let mut pixels = exr.new_rows(band.clone())?;
+            let mut pixels = exr.rows(band.clone())?;
             let rows = pixels.par_chunks_mut(width).map(|row| {
                 let (repaired, ends) = match content {
                     Content::Light => (prepare.apply(row), None),

@@ -1,17 +1,17 @@
 //! An EXR file that is being written: blocks of lines are compressed by many threads, in any order,
 //! and written in the order of the lines.
 
-use std::collections::BTreeMap;
-use std::io::{self, SeekFrom};
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use exr::meta::attribute::{Compression, IntegerBounds};
 use exr::meta::header::Header;
 
-use super::head::head;
+use super::head::{head, residual_place};
+use super::ordered::Ordered;
 use super::preserve::Preserved;
-use super::store::{FileChannel, Halves};
+use super::store::{FileChannel, Halves, residual};
 use super::zip::Zip;
 use super::{ExrImage, ExrOptions, ExrReport, Precision, Preserve};
 use crate::image::{ImageSpec, Rows};
@@ -21,6 +21,10 @@ use crate::output::Sink;
 pub(crate) struct ExrFile<'f> {
     header: Header,
     channels: Vec<FileChannel<'f>>,
+    /// Sums of layers that are the image.
+    sums: &'f [Vec<usize>],
+    /// Of light.
+    precision: Precision,
     preserved: Option<Preserved>,
     has_failed: AtomicBool,
     written: Mutex<Written<'f>>,
@@ -28,15 +32,10 @@ pub(crate) struct ExrFile<'f> {
 
 /// The part of a file that is written.
 struct Written<'f> {
-    sink: &'f mut dyn Sink,
-    /// Where the offset table is.
-    table: u64,
-    /// Where the next block goes.
-    position: u64,
-    /// Where each block is, as far as they are written.
-    offsets: Vec<u64>,
-    /// Blocks that came before one above them, by their index.
-    early: BTreeMap<usize, Vec<u8>>,
+    blocks: Ordered<'f>,
+    /// Where the residual of sums is, if it is in the header.
+    residual_place: Option<u64>,
+    residual: f64,
     halves: Halves,
     /// What ended the writing.
     error: Option<io::Error>,
@@ -48,6 +47,8 @@ pub(crate) struct Packer {
     raw: Vec<u8>,
     /// A block as it goes into the file.
     block: Vec<u8>,
+    /// A line of sums.
+    sums: Vec<f64>,
     /// Where the compression is of that kind.
     zip: Option<Zip>,
 }
@@ -72,22 +73,19 @@ impl<'f> ExrFile<'f> {
             Preserve::Nothing => None,
             Preserve::Image => Some(Preserved::new(spec, options, &channels)?),
         };
-        let mut head = head(&header).map_err(into_io)?;
-        let table = head.len() as u64;
-        head.resize(head.len() + header.chunk_count * size_of::<u64>(), 0);
-        sink.write_all(&head)?;
+        let head = head(&header).map_err(into_io)?;
         let written = Written {
-            sink,
-            table,
-            position: head.len() as u64,
-            offsets: Vec::with_capacity(header.chunk_count),
-            early: BTreeMap::new(),
+            residual_place: residual_place(&head),
+            residual: 0.0,
+            blocks: Ordered::begin(sink, head, header.chunk_count)?,
             halves: Halves::default(),
             error: None,
         };
         Ok(Self {
             header,
             channels,
+            sums: &spec.channels.sums,
+            precision: options.precision,
             preserved,
             has_failed: AtomicBool::new(false),
             written: Mutex::new(written),
@@ -130,6 +128,7 @@ impl<'f> ExrFile<'f> {
         Packer {
             raw: Vec::new(),
             block: Vec::new(),
+            sums: Vec::new(),
             zip,
         }
     }
@@ -143,11 +142,12 @@ impl<'f> ExrFile<'f> {
     /// without a gap. What goes wrong is told by [`ExrFile::finish`].
     pub(crate) fn add(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) {
         match self.pack(index, rows, packer) {
-            Ok(halves) => {
+            Ok((halves, residual)) => {
                 let mut written = self.written();
                 written.halves.add(halves);
+                written.residual = written.residual.max(residual);
                 if written.error.is_none()
-                    && let Err(error) = written.add(index, &packer.block)
+                    && let Err(error) = written.blocks.add(index, &packer.block)
                 {
                     written.error = Some(error);
                     self.has_failed.store(true, Ordering::Relaxed);
@@ -170,30 +170,32 @@ impl<'f> ExrFile<'f> {
         if let Some(error) = written.error {
             return Err(error);
         }
-        let sink = written.sink;
-        sink.seek(SeekFrom::Start(written.table))?;
-        let table: Vec<u8> = written
-            .offsets
-            .into_iter()
-            .flat_map(u64::to_le_bytes)
-            .collect();
-        sink.write_all(&table)?;
-        sink.flush()?;
+        let patch = written
+            .residual_place
+            .map(|place| (place, (written.residual as f32).to_le_bytes()));
+        let bytes = written.blocks.finish(patch)?;
         let report = ExrReport {
             clamped_to_half: written.halves.clamped,
             small_in_half: written.halves.small,
-            bytes: written.position,
+            residual: written.residual,
+            bytes,
         };
         Ok((report, self.preserved.map(Preserved::into_image)))
     }
 
     /// Makes a block as the file has it: its first line, its length, and its pixels.
-    fn pack(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) -> io::Result<Halves> {
-        let Packer { raw, block, zip } = packer;
+    fn pack(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) -> io::Result<(Halves, f64)> {
+        let Packer {
+            raw,
+            block,
+            sums,
+            zip,
+        } = packer;
         let width = self.header.layer_size.width();
         let top = index * self.lines_per_block();
         raw.clear();
         let halves = rows.store(&self.channels, width, raw);
+        let residual = residual(rows, self.sums, width, self.precision, sums);
         if let Some(preserved) = self.preserved.as_ref().filter(|kept| kept.is_lossless()) {
             preserved.add(top, raw);
         }
@@ -227,33 +229,12 @@ impl<'f> ExrFile<'f> {
         }
         let length = (block.len() - start) as i32;
         block[start - size_of::<i32>()..start].copy_from_slice(&length.to_le_bytes());
-        Ok(halves)
+        Ok((halves, residual))
     }
 
     /// A panic elsewhere ends the render in any case.
     fn written(&self) -> MutexGuard<'_, Written<'f>> {
         self.written.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Written<'_> {
-    fn add(&mut self, index: usize, block: &[u8]) -> io::Result<()> {
-        if index > self.offsets.len() {
-            self.early.insert(index, block.to_vec());
-            return Ok(());
-        }
-        self.write(block)?;
-        while let Some(block) = self.early.remove(&self.offsets.len()) {
-            self.write(&block)?;
-        }
-        Ok(())
-    }
-
-    fn write(&mut self, block: &[u8]) -> io::Result<()> {
-        self.sink.write_all(block)?;
-        self.offsets.push(self.position);
-        self.position += block.len() as u64;
-        Ok(())
     }
 }
 

@@ -10,7 +10,8 @@ use exr::prelude::{SmallVec, Vec2};
 
 use super::store::FileChannel;
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, Precision};
-use crate::image::{Channels, ImageSpec, Metadata};
+use crate::color::ColorSpace;
+use crate::image::{Channels, ImageSpec, Metadata, Number};
 
 impl ImageSpec {
     pub(super) fn header(&self, options: &ExrOptions, channels: &[FileChannel<'_>]) -> Header {
@@ -29,7 +30,7 @@ impl ImageSpec {
 
         let mut image =
             ImageAttributes::new(IntegerBounds::from_dimensions((width as _, height as _)));
-        if options.chromaticities {
+        if options.chromaticities || self.metadata.color_space != ColorSpace::Rec709 {
             image.chromaticities = Some(chromaticities(&self.metadata));
         }
         Header::new(
@@ -82,6 +83,16 @@ pub(super) fn head(header: &Header) -> exr::error::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The attribute that says how far sums of layers are off the image.
+const RESIDUAL: &str = "candela:residual";
+
+/// Where in a head the number of [`RESIDUAL`] is, if it is there.
+pub(super) fn residual_place(head: &[u8]) -> Option<u64> {
+    let start = [RESIDUAL.as_bytes(), b"\0float\0\x04\0\0\0"].concat();
+    let place = head.windows(start.len()).position(|bytes| bytes == start)?;
+    Some((place + start.len()) as u64)
+}
+
 /// What the header says beside windows and channels. The film's unit is cd/m², hence
 /// `whiteLuminance` = 1.
 fn attributes(metadata: &Metadata, channels: &Channels) -> LayerAttributes {
@@ -101,6 +112,20 @@ fn attributes(metadata: &Metadata, channels: &Channels) -> LayerAttributes {
     let provenance = provenance.map(|(key, value)| (text(&format!("candela:{key}")), value));
     let of_channels = channels.attributes.iter();
     let of_channels = of_channels.map(|(name, value)| (text(name), value));
+    for (name, number) in &metadata.numbers {
+        let value = match *number {
+            Number::Integer(value) => AttributeValue::I32(value),
+            Number::Float(value) => AttributeValue::F32(value),
+            Number::Pair([x, y]) => AttributeValue::FloatVec2(Vec2(x, y)),
+        };
+        attributes.other.insert(text(name), value);
+    }
+    if !channels.sums.is_empty() {
+        // It is known when all is written.
+        attributes
+            .other
+            .insert(text(RESIDUAL), AttributeValue::F32(0.0));
+    }
     for (name, value) in provenance.chain(of_channels) {
         attributes
             .other

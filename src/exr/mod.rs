@@ -2,9 +2,11 @@
 
 mod file;
 mod head;
+mod ordered;
 mod planes;
 mod preserve;
 mod read;
+mod rewrite;
 mod store;
 mod write;
 mod zip;
@@ -20,8 +22,10 @@ pub use read::{
     ChannelName, ColorMeaning, ColorTag, Content, DataWindow, ExrChannels, ExrLayers, ExrReader,
 };
 pub use read::{ExrError, ExrImage, ExrProblem, read};
+pub(crate) use read::{SampleKind, StoredExr};
+pub(crate) use rewrite::{COPIES_OF_BLOCK, RewriteError, Rewritten, rewrite};
 
-use crate::image::{ChannelKind, Channels, Window};
+use crate::image::{Channel, ChannelKind, Channels, Window};
 
 /// How a film is stored as OpenEXR.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,9 +35,12 @@ pub struct ExrOptions {
     pub precision: Precision,
     /// Default: [`Compression::Zip`].
     pub compression: Compression,
-    /// Whether a `chromaticities` attribute goes beside `colorInteropID`, for readers older than
-    /// the latter. Default: no, as the ASWF Color Interop Forum recommends.
+    /// Whether a `chromaticities` attribute goes beside `colorInteropID` in Rec.709, too, where readers that do not know
+    /// the latter take it for granted. In other spaces it is there in any case. Default: no.
     pub chromaticities: bool,
+    /// Whether a part of an image is written with a data window of the whole image, for readers that lose its place:
+    /// outside of the part nothing is hit, and there is no light. Default: no.
+    pub full_window: bool,
 }
 
 impl ExrOptions {
@@ -46,12 +53,20 @@ impl ExrOptions {
     ///
     /// # Errors
     /// Where the blocks of lines that are compressed together are too large, as thousands of
-    /// columns with hundreds of channels are under the compressions of 32 lines and more.
-    pub fn check(&self, window: Window, channels: &Channels) -> Result<(), LargeBlocks> {
+    /// columns with hundreds of channels are under the compressions of 32 lines and more; and where numbers that stand
+    /// for names would lose digits.
+    pub fn check(&self, window: Window, channels: &Channels) -> Result<(), ExrOptionsError> {
+        let is_matte = |channel: &Channel| match channel.kind {
+            ChannelKind::Matte => true,
+            ChannelKind::Light | ChannelKind::Relative | ChannelKind::Data => false,
+        };
+        if channels.list.iter().any(is_matte) && !self.compression.is_lossless(Precision::Float) {
+            return Err(ExrOptionsError::LossyMattes(self.compression));
+        }
         let bytes = |precision: Precision| precision.bytes() as u64;
         let further = channels.list.iter().map(|channel| match channel.kind {
-            ChannelKind::Light | ChannelKind::Direction => bytes(self.precision),
-            ChannelKind::Data => bytes(Precision::Float),
+            ChannelKind::Light | ChannelKind::Relative => bytes(self.precision),
+            ChannelKind::Data | ChannelKind::Matte => bytes(Precision::Float),
         });
         let pixel: u64 = 4 * bytes(self.precision) + further.sum::<u64>();
         let block = |compression: Compression| {
@@ -64,12 +79,27 @@ impl ExrOptions {
             return Ok(());
         }
         let others = [Compression::Zip, Compression::Zips];
-        Err(LargeBlocks {
+        Err(ExrOptionsError::LargeBlocks(LargeBlocks {
             compression: self.compression,
             gigabytes: block(self.compression) as f64 / 1e9,
             other: others.into_iter().find(|&other| fits(other)),
-        })
+        }))
     }
+}
+
+/// A file cannot be written like that.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExrOptionsError {
+    /// Its blocks would be too large.
+    #[error(transparent)]
+    LargeBlocks(LargeBlocks),
+    /// Numbers that stand for names would be others.
+    #[error(
+        "compression {0} loses digits, and the ids of a Cryptomatte would be others; choose zip, zips, piz, rle or \
+         none, or leave the layer `cryptomatte` out"
+    )]
+    LossyMattes(Compression),
 }
 
 /// So many channels do not fit the blocks of a compression.
@@ -88,13 +118,16 @@ pub struct LargeBlocks {
 }
 
 /// What was written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExrReport {
     /// Values beyond ±65 504, stored as that; always 0 with [`Precision::Float`].
     pub clamped_to_half: u64,
     /// Values of light beside R, G, B, A that are not 0 but below the smallest normal half, 6.1e-5,
     /// where it has fewer digits; always 0 with [`Precision::Float`].
     pub small_in_half: u64,
+    /// How far the sums of layers that are R, G and B are off these at most, in cd/m²: `candela:residual`. 0 where there
+    /// are none.
+    pub residual: f64,
     /// The file's length in bytes.
     pub bytes: u64,
 }
@@ -217,7 +250,6 @@ const COLOR_INTEROP_ID: &str = "colorInteropID";
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Channel;
 
     #[test]
     fn blocks_have_a_limit() {
@@ -238,7 +270,7 @@ mod tests {
         }
         let channels = Channels {
             list: every_nm.collect(),
-            attributes: Vec::new(),
+            ..Channels::default()
         };
         assert!(fits(Compression::Zip, &channels));
         // 32 lines of 65536 pixels of 475 values of 4 bytes are 4 GB.

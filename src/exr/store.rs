@@ -52,13 +52,13 @@ impl ImageSpec {
         let further = further.map(|(place, channel)| FileChannel {
             name: &channel.name,
             precision: match channel.kind {
-                ChannelKind::Light | ChannelKind::Direction => precision,
-                ChannelKind::Data => Precision::Float,
+                ChannelKind::Light | ChannelKind::Relative => precision,
+                ChannelKind::Data | ChannelKind::Matte => Precision::Float,
             },
             stored_in: StoredIn::Values(place),
             is_small_counted: match channel.kind {
                 ChannelKind::Light => true,
-                ChannelKind::Direction | ChannelKind::Data => false,
+                ChannelKind::Relative | ChannelKind::Data | ChannelKind::Matte => false,
             },
         });
         let mut channels: Vec<_> = rgba.chain(further).collect();
@@ -79,6 +79,7 @@ impl Rows<'_> {
         let mut halves = Halves::default();
         for start in (0..self.pixels.len()).step_by(width) {
             let row = start..start + width;
+            let values = &self.values[start * further..];
             for channel in channels {
                 let precision = channel.precision;
                 let stored = match channel.stored_in {
@@ -88,9 +89,8 @@ impl Rows<'_> {
                         store(values, precision, bytes)
                     }
                     StoredIn::Values(place) => {
-                        let pixels = row.clone();
-                        let values = pixels.map(|pixel| self.values[pixel * further + place]);
-                        store(values, precision, bytes)
+                        let values = &values[place * width..][..width];
+                        store(values.iter().copied(), precision, bytes)
                     }
                 };
                 halves.clamped += stored.clamped;
@@ -101,6 +101,44 @@ impl Rows<'_> {
         }
         halves
     }
+}
+
+/// How far sums of layers are off the image at most, in the numbers that the file has.
+pub(super) fn residual(
+    rows: Rows<'_>,
+    sums: &[Vec<usize>],
+    width: usize,
+    precision: Precision,
+    space: &mut Vec<f64>,
+) -> f64 {
+    let stored = |value: f32| {
+        f64::from(match precision {
+            Precision::Float => value,
+            Precision::Half => to_half(value).0.to_f32(),
+        })
+    };
+    if sums.is_empty() {
+        return 0.0;
+    }
+    let further = rows.values.len() / rows.pixels.len();
+    let mut largest = 0.0_f64;
+    let lines = rows.pixels.chunks_exact(width);
+    for (pixels, values) in lines.zip(rows.values.chunks_exact(width * further)) {
+        for layers in sums {
+            for channel in 0..3 {
+                space.clear();
+                space.extend(pixels.iter().map(|pixel| -stored(pixel[channel])));
+                for first in layers {
+                    let values = &values[(first + channel) * width..][..width];
+                    for (sum, &value) in space.iter_mut().zip(values) {
+                        *sum += stored(value);
+                    }
+                }
+                largest = space.iter().fold(largest, |most, sum| most.max(sum.abs()));
+            }
+        }
+    }
+    largest
 }
 
 /// Values that halves do not hold well.

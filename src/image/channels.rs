@@ -11,6 +11,9 @@ pub struct Channels {
     pub list: Vec<Channel>,
     /// Text attributes, as name and value.
     pub attributes: Vec<(String, String)>,
+    /// Sums that are R, G and B: of each, the places in `list` of the first of three channels R, G, B that follow each
+    /// other, which together are the image.
+    pub sums: Vec<Vec<usize>>,
 }
 
 /// A channel beside R, G, B and A.
@@ -28,9 +31,11 @@ pub struct Channel {
 pub enum ChannelKind {
     /// Light, or a share of it: in the precision that is asked for, as R, G and B.
     Light,
-    /// Components of unit vectors: in the precision that is asked for. Small ones are small beside
-    /// 1, so that nothing is lost where halves hold them with few digits.
-    Direction,
+    /// Numbers beside 1, such as reflectances and components of unit vectors: in the precision that is asked for.
+    /// Nothing is lost where halves hold small ones with few digits.
+    Relative,
     /// Anything whose digits all count, such as a distance: always FLOAT.
     Data,
+    /// Numbers that stand for names: always FLOAT, and never under a compression that loses digits.
+    Matte,
 }

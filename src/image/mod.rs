@@ -27,8 +27,8 @@ pub struct Film {
     spec: ImageSpec,
     /// R, G, B, A, row by row from the top of the spec's window.
     pixels: Vec<[f32; 4]>,
-    /// The values of the spec's channels, row by row, pixel by pixel, channel by channel within;
-    /// empty where there are none.
+    /// The values of the spec's channels, row by row, channel by channel within, pixel by pixel within that, as a
+    /// file has them; empty where there are none.
     values: Vec<f32>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct ImageSpec {
 pub(crate) struct Rows<'f> {
     /// R, G, B, A, row by row.
     pub(crate) pixels: &'f [[f32; 4]],
-    /// The values of further channels, row by row, pixel by pixel, channel by channel within.
+    /// The values of further channels, row by row, channel by channel within, pixel by pixel within that.
     pub(crate) values: &'f [f32],
 }
 
@@ -68,6 +68,19 @@ pub struct Metadata {
     pub world_to_ndc: [[f64; 4]; 4],
     /// `candela:KEY` = value, sorted by key.
     pub provenance: Vec<(String, String)>,
+    /// Attributes that are numbers, as name and value.
+    pub numbers: Vec<(String, Number)>,
+}
+
+/// A number in the header, of a type of OpenEXR's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// `int`
+    Integer(i32),
+    /// `float`
+    Float(f32),
+    /// `v2f`
+    Pair([f32; 2]),
 }
 
 impl Window {
@@ -136,18 +149,113 @@ impl Film {
     /// are row by row from the top of the window, pixel by pixel, channel by channel within.
     ///
     /// # Panics
-    /// If the values are not as many as the pixels have channels.
+    /// If the values are not as many as the pixels have channels, or a sum has channels that are not there.
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "a film is given what it has from then on"
+    )]
     pub fn with_channels(self, channels: Channels, values: Vec<f32>) -> Self {
-        assert_eq!(values.len(), self.pixels.len() * channels.list.len());
+        let count = channels.list.len();
+        assert_eq!(values.len(), self.pixels.len() * count);
+        let mut places = channels.sums.iter().flatten();
+        assert!(places.all(|&first| first + 3 <= count));
         let spec = ImageSpec {
             channels,
             ..self.spec
         };
+        let width = spec.window.width as usize;
+        let rows = values.chunks((width * count).max(1));
+        let values = rows
+            .flat_map(|row| {
+                let of_channel = move |channel| row.iter().skip(channel).step_by(count).copied();
+                (0..count).flat_map(of_channel)
+            })
+            .collect();
         Self {
             spec,
             values,
             ..self
         }
+    }
+
+    /// The same film in a window that is the whole image: outside of its own nothing is hit, and there is no light.
+    pub(crate) fn in_full_window(self) -> Self {
+        let Window {
+            x,
+            y,
+            width,
+            height,
+        } = self.spec.window;
+        let whole = Window::whole(self.spec.resolution);
+        if self.spec.window == whole {
+            return self;
+        }
+        let channels = self.spec.channels.list.len();
+        let mut film = Self::black(ImageSpec {
+            window: whole,
+            ..self.spec.clone()
+        });
+        let [x, width, columns] = [x, width, whole.width].map(|side| side as usize);
+        for (channel, of_channel) in film.spec.channels.list.iter().enumerate() {
+            if of_channel.name == "Z" {
+                for row in film.values.chunks_exact_mut(columns * channels) {
+                    row[channel * columns..][..columns].fill(BACKGROUND_DEPTH);
+                }
+            }
+        }
+        for row in 0..height as usize {
+            let (from, to) = (row * width, (row + y as usize) * columns);
+            film.pixels[to + x..][..width].copy_from_slice(&self.pixels[from..][..width]);
+            for channel in 0..channels {
+                let values = &self.values[from * channels + channel * width..][..width];
+                film.values[to * channels + channel * columns + x..][..width]
+                    .copy_from_slice(values);
+            }
+        }
+        film
+    }
+
+    /// Two films with the same R, G, B and A: one with some channels and the attributes about them, one with all others.
+    pub(crate) fn apart(
+        self,
+        is_apart: impl Fn(&Channel) -> bool,
+        are_theirs: impl Fn(&str) -> bool,
+    ) -> [Self; 2] {
+        let width = self.spec.window.width as usize;
+        let count = self.spec.channels.list.len();
+        [true, false].map(|which| {
+            let places: Vec<usize> = (0..count)
+                .filter(|&place| is_apart(&self.spec.channels.list[place]) == which)
+                .collect();
+            let list = &self.spec.channels.list;
+            let attributes = self.spec.channels.attributes.iter();
+            // Sums stay where all that they are made of stays.
+            let place_of = |old: &usize| places.iter().position(|place| place == old);
+            let sums = self.spec.channels.sums.iter();
+            let sums = sums.filter_map(|sum| sum.iter().map(place_of).collect());
+            let channels = Channels {
+                list: places.iter().map(|&place| list[place].clone()).collect(),
+                attributes: attributes
+                    .filter(|(name, _)| are_theirs(name) == which)
+                    .cloned()
+                    .collect(),
+                sums: sums.collect(),
+            };
+            let rows = self.values.chunks((width * count).max(1));
+            let values = rows.flat_map(|row| {
+                places
+                    .iter()
+                    .flat_map(|place| &row[place * width..][..width])
+            });
+            Self {
+                pixels: self.pixels.clone(),
+                values: values.copied().collect(),
+                spec: ImageSpec {
+                    channels,
+                    ..self.spec.clone()
+                },
+            }
+        })
     }
 
     /// Width and height of the whole image, of which [`Film::window`] is a part.
@@ -171,9 +279,12 @@ impl Film {
     }
 
     /// The values of [`Film::channels`] of a pixel, by its place in [`Film::pixels`].
-    pub fn values(&self, pixel: usize) -> &[f32] {
+    pub fn values(&self, pixel: usize) -> Vec<f32> {
+        let width = self.spec.window.width as usize;
         let count = self.spec.channels.list.len();
-        &self.values[pixel * count..][..count]
+        let row = &self.values[pixel / width * width * count..];
+        let of_channel = |channel| row[channel * width + pixel % width];
+        (0..count).map(of_channel).collect()
     }
 
     /// What the EXR header says about the image.

@@ -42,7 +42,7 @@ impl ImageFileError {
             ImageFileProblem::Io(error) => is_transient(error),
             ImageFileProblem::NoMemory(_) => true,
             ImageFileProblem::Unknown
-            | ImageFileProblem::NoLayers(_)
+            | ImageFileProblem::NoLayers(..)
             | ImageFileProblem::Unsupported(_)
             | ImageFileProblem::Damaged(_)
             | ImageFileProblem::TooLarge(..) => false,
@@ -60,9 +60,9 @@ pub enum ImageFileProblem {
     /// None of the formats that are read.
     #[error("it is not an OpenEXR file, nor a PNG, JPEG, TIFF or Radiance HDR")]
     Unknown,
-    /// A layer is asked for, which only OpenEXR has.
-    #[error("it is a {}, which has no layers; leave --layer away", .0.name())]
-    NoLayers(ImageFormat),
+    /// Layers are asked for, by this option, which only OpenEXR has.
+    #[error("it is a {}, which has no layers; leave {} away", .0.name(), .1)]
+    NoLayers(ImageFormat, &'static str),
     /// Legal, but of a kind that is not read.
     #[error("{0}")]
     Unsupported(String),

@@ -529,6 +529,7 @@ impl Lamp {
             Light::Point {
                 position,
                 intensity,
+                group: _,
             } => Self {
                 name: name.to_owned(),
                 position: subtract(widened(position.value), widened(reference)),
@@ -542,6 +543,7 @@ impl Lamp {
                 inner,
                 outer,
                 falloff,
+                group: _,
             } => {
                 let angles = [inner.value, outer.value];
                 let cone = Cone::new(position.value, aim, angles, *falloff);

@@ -93,11 +93,13 @@ impl Geometry {
         }
     }
 
-    /// Adds what a light does at those of some points that it reaches, by their weights of a share.
+    /// Adds what a light does at some points that it reaches, of the packet that starts at `first`, by their weights
+    /// of a share.
     pub(super) fn add(
         &mut self,
         Place(place): Place,
         of_light: &LightTerms,
+        first: usize,
         share: &Share,
         points: u32,
     ) {
@@ -106,10 +108,10 @@ impl Geometry {
             mut diffuse,
             mut specular,
         } = *sum;
-        for lane in ones(of_light.points & points) {
+        for lane in ones(points) {
             let weight = share.weight(lane);
-            diffuse += of_light.geometry.diffuse[lane] * weight;
-            specular += of_light.geometry.specular[lane] * weight;
+            diffuse += of_light.geometry.diffuse[first + lane] * weight;
+            specular += of_light.geometry.specular[first + lane] * weight;
         }
         // At a light the terms are as large as f64 holds; infinity times black would be NaN.
         *sum = Lobes {
@@ -200,7 +202,6 @@ pub(super) fn add_scaled(sum: &mut [f64], factor: f64, bands: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::LANES;
 
     #[test]
     fn a_pixel_has_one_place_for_each_material() {
@@ -221,17 +222,10 @@ mod tests {
             reflectance: 0,
             weights: None,
         };
-        let of_light = LightTerms {
-            light: 0,
-            points: 0b11,
-            geometry: Lobes {
-                diffuse: [f64::MAX; LANES],
-                specular: [0.0; LANES],
-            },
-            radiance: [[0.0; LANES]; 3],
-        };
+        let mut of_light = LightTerms::default();
+        of_light.geometry.diffuse.fill(f64::MAX);
         for _ in 0..2 {
-            geometry.add(place, &of_light, &share, 0b11);
+            geometry.add(place, &of_light, 0, &share, 0b11);
             assert_eq!(geometry.sums[0].diffuse, f64::MAX);
         }
     }

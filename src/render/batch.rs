@@ -35,6 +35,8 @@ pub(super) struct TilePixels {
     count: usize,
     /// Column and row of each in the tile.
     in_tile: [PerPixel; 2],
+    /// The place of each, counted row by row.
+    row_major: PerPixel,
 }
 
 impl Default for TilePixels {
@@ -43,6 +45,7 @@ impl Default for TilePixels {
             window: Window::whole([0, 0]),
             count: 0,
             in_tile: [[0; PIXELS]; 2],
+            row_major: [0; PIXELS],
         }
     }
 }
@@ -61,9 +64,15 @@ impl TilePixels {
             if column < window.width && row < window.height {
                 self.in_tile[0][self.count] = column;
                 self.in_tile[1][self.count] = row;
+                self.row_major[self.count] = row * window.width + column;
                 self.count += 1;
             }
         }
+    }
+
+    /// The place of each in the tile, counted row by row.
+    pub(super) fn row_major(&self) -> &[u32] {
+        &self.row_major[..self.count]
     }
 
     /// The tile's place in the image.
@@ -370,6 +379,7 @@ impl Batch {
             range: self.range(),
             start: self.start,
             numbers: &self.pixels.numbers,
+            is_over_all: self.is_over_all(),
         }
     }
 }
@@ -465,9 +475,25 @@ pub(super) struct NumberedSamples<'b> {
     /// The first sample of each pixel.
     start: usize,
     numbers: &'b PerPixel,
+    is_over_all: bool,
 }
 
 impl NumberedSamples<'_> {
+    /// Samples of a pixel, and the numbers of the pixels, where these follow each other and have no samples in another
+    /// batch.
+    #[inline(always)]
+    pub(super) fn whole_pixels(self) -> Option<(usize, Range<usize>)> {
+        self.range.whole_pixels().filter(|_| self.is_over_all)
+    }
+
+    /// The samples of pixel after pixel, by their numbers.
+    pub(super) fn runs(self) -> impl Iterator<Item = Run> {
+        self.range.runs().map(move |Run { pixel, slots }| Run {
+            pixel: self.numbers[pixel] as usize,
+            slots,
+        })
+    }
+
     /// The slot of each sample and its pixel.
     pub(super) fn iter(self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.range.len).map(move |slot| (slot, self.pixel(slot)))

@@ -74,6 +74,7 @@ pub(super) struct ExrSink<'s, 'f> {
 #[derive(Debug, Default)]
 struct Strip {
     pixels: Vec<[f32; 4]>,
+    /// As those of [`Rows`].
     values: Vec<f32>,
     /// Of its pixels, those that are rendered.
     count: usize,

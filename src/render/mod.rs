@@ -17,6 +17,7 @@ mod adaptive;
 mod bands;
 mod batch;
 mod counts;
+mod cryptomatte;
 mod exr_sink;
 mod film_sink;
 mod job;
@@ -26,6 +27,7 @@ mod options;
 mod renderer;
 mod sampling;
 mod scheduler;
+mod shares;
 mod sink;
 mod statistics;
 mod sums;
@@ -42,11 +44,11 @@ pub use counts::SCREEN_WHITE;
 #[doc(hidden)]
 pub use exr_sink::memory;
 pub use job::Job;
-#[doc(hidden)]
-pub use layers::BACKGROUND_LIGHT;
-pub use layers::Layers;
+pub use layers::{Layers, MatteRanks, Relight};
 pub use options::{Options, OptionsError};
 pub use renderer::{RenderError, RenderedExr, Renderer, render};
+#[doc(hidden)]
+pub use shares::BACKGROUND_LIGHT;
 pub use sink::{RenderedTile, Sink};
 
 pub use crate::simd::SimdLevel;

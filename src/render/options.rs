@@ -8,7 +8,7 @@ use crate::simd::SimdLevel;
 use crate::world::World;
 
 /// How to render.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Samples of each pixel. 1 samples pixel centers and nothing else; more are a fixed pattern
     /// that differs from pixel to pixel. Range: 1 to [`MAX_SAMPLES`]. Default 1.

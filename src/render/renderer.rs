@@ -9,6 +9,7 @@ use super::exr_sink::ExrSink;
 use super::film_sink::FilmSink;
 use super::job::Job;
 use super::layer_sums::RequestedLayers;
+use super::layers::{is_about_bands, is_band};
 use super::options::{Options, OptionsError};
 use super::sampling::Sampler;
 use super::scheduler::{render_tiles, windows};
@@ -16,7 +17,7 @@ use super::sink::{ErrorChannels, Sink};
 use super::tile::{Kept, Setup, Space, Tile};
 use crate::camera::Camera;
 use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve};
-use crate::image::{Film, ImageSpec, Metadata, Window};
+use crate::image::{Film, ImageSpec, Metadata, Number, Window};
 use crate::memory::{OutOfMemory, look_for};
 use crate::visibility::Visibility;
 use crate::world::{Bands, Plan, World};
@@ -188,7 +189,8 @@ impl<'w> Renderer<'w> {
 
     /// Renders and writes OpenEXR into `sink`, from the sink's start: blocks are compressed and written
     /// while others are still being rendered, and the film is never there as a whole, unless it is rendered to an
-    /// error: the header, which comes first, says what came of it. The bytes are those that [`Renderer::film`] and
+    /// error, where the header, which comes first, says what came of it, or written with
+    /// [`ExrOptions::full_window`]. The bytes are those that [`Renderer::film`] and
     /// [`Film::write_exr_to`] make one after the other.
     ///
     /// # Errors
@@ -203,12 +205,8 @@ impl<'w> Renderer<'w> {
         sink: &mut (impl Write + Seek + Send),
     ) -> Result<RenderedExr, RenderError> {
         let spec = self.spec(camera, options)?;
-        if options.target.is_some() {
-            let values = 4 + spec.channels.list.len() as u64;
-            let bytes = spec.window.count().saturating_mul(4 * values);
-            look_for(bytes)
-                .map_err(|error| error.for_what("the film that is rendered to an error"))?;
-            let (film, counts) = self.film(camera, options, job)?;
+        if options.target.is_some() || exr.full_window {
+            let (film, counts) = self.film_of_file(camera, options, exr, job)?;
             let (report, image) = film.write_exr_and_keep(sink, exr, preserve)?;
             return Ok(RenderedExr {
                 counts,
@@ -227,6 +225,60 @@ impl<'w> Renderer<'w> {
             report,
             image,
         })
+    }
+
+    /// Renders, and writes two OpenEXR files: one of the bands of [`Layers::spectral`](super::Layers::spectral) with R,
+    /// G, B and A, one of all else. The films are in memory as a whole. What is told is of the latter.
+    ///
+    /// # Errors
+    /// As [`Renderer::exr`].
+    #[expect(clippy::too_many_arguments, reason = "two files are written as one is")]
+    pub fn exr_and_bands(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        exr: &ExrOptions,
+        preserve: Preserve,
+        job: &Job<'_>,
+        sink: &mut (impl Write + Seek + Send),
+        bands: &mut (impl Write + Seek + Send),
+    ) -> Result<RenderedExr, RenderError> {
+        let (film, counts) = self.film_of_file(camera, options, exr, job)?;
+        let [of_bands, film] = film.apart(|channel| is_band(&channel.name), is_about_bands);
+        of_bands.write_exr_to(bands, exr)?;
+        drop(of_bands);
+        let (report, image) = film.write_exr_and_keep(sink, exr, preserve)?;
+        Ok(RenderedExr {
+            counts,
+            report,
+            image,
+        })
+    }
+
+    /// Renders the film of a file that is not written while it is rendered.
+    fn film_of_file(
+        &self,
+        camera: &Camera,
+        options: &Options,
+        exr: &ExrOptions,
+        job: &Job<'_>,
+    ) -> Result<(Film, Counts), RenderError> {
+        let spec = self.spec(camera, options)?;
+        let pixels = if exr.full_window {
+            let whole = Window::whole(spec.resolution).count();
+            whole.saturating_add(spec.window.count())
+        } else {
+            spec.window.count()
+        };
+        let values = 4 + spec.channels.list.len() as u64;
+        look_for(pixels.saturating_mul(4 * values)).map_err(|error| error.for_what("the film"))?;
+        let (film, counts) = self.film(camera, options, job)?;
+        let film = if exr.full_window {
+            film.in_full_window()
+        } else {
+            film
+        };
+        Ok((film, counts))
     }
 
     /// Renders, and hands each tile to `sink`.
@@ -314,13 +366,14 @@ impl<'w> Renderer<'w> {
             .target
             .map_or(options.samples, |target| target.max_samples);
         let sampler = Sampler::new(most);
+        let layers = RequestedLayers::new(self.world, camera, &options.layers, bands.as_ref());
         let setup = Setup {
             world: self.world,
             camera,
             visibility: &self.visibility,
             simd: options.simd,
             sampler: &sampler,
-            layers: RequestedLayers::new(self.world, camera, options.layers, bands.as_ref()),
+            layers: layers.as_ref(),
             sums,
             goal: None,
         };
@@ -344,25 +397,54 @@ impl<'w> Renderer<'w> {
         let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
         let inputs = ("inputs_sha256".to_owned(), world.inputs_hash().to_owned());
         let accuracy = match options.target {
-            None => vec![("samples".to_owned(), options.samples.to_string())],
+            None => vec![],
             Some(target) => vec![
                 ("max_error".to_owned(), target.relative.to_string()),
                 ("max_samples".to_owned(), target.max_samples.to_string()),
             ],
         };
+        let samples = options.target.is_none().then(|| {
+            // At most 65 536.
+            let samples = Number::Integer(options.samples as i32);
+            ("candela:samples".to_owned(), samples)
+        });
         let others = [
+            ("camera".to_owned(), camera.description()),
+            ("lights".to_owned(), world.describe_lights()),
+            ("observer".to_owned(), world.observer().name().to_owned()),
+            ("transport".to_owned(), world.transport().to_owned()),
             ("plan".to_owned(), plan),
             ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
         ];
+        let mut provenance: Vec<(String, String)> = std::iter::once(inputs)
+            .chain(layers)
+            .chain(others)
+            .chain(accuracy)
+            .collect();
+        provenance.sort();
         Metadata {
             color_space: world.color_space(),
             world_to_camera: camera.world_to_camera(),
             world_to_ndc: camera.world_to_ndc(),
-            provenance: std::iter::once(inputs)
-                .chain(layers)
-                .chain(others)
-                .chain(accuracy)
-                .collect(),
+            provenance,
+            numbers: lens(camera).into_iter().chain(samples).collect(),
         }
     }
+}
+
+/// OpenEXR's attributes for the lens of a perspective camera. It is a pinhole, so that there is no aperture.
+fn lens(camera: &Camera) -> Vec<(String, Number)> {
+    let Some((focal_length, sensor)) = camera.lens() else {
+        return Vec::new();
+    };
+    let attributes = [
+        ("pinholeFocalLength", Number::Float(focal_length as f32)),
+        (
+            "sensorOverallDimensions",
+            Number::Pair(sensor.map(|side| side as f32)),
+        ),
+    ];
+    attributes
+        .map(|(name, number)| (name.to_owned(), number))
+        .to_vec()
 }

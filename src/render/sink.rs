@@ -1,7 +1,8 @@
 //! Where rendered tiles go.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
+use super::sums::narrowed;
 use crate::image::Window;
 
 /// What takes rendered tiles: a film in memory, a file, a window on the screen.
@@ -20,7 +21,7 @@ pub struct RenderedTile {
     pixels: Vec<[f32; 4]>,
     /// How many channels there are beside these.
     channels: usize,
-    /// Their values, row by row, pixel by pixel, channel by channel within.
+    /// Their values, channel by channel, row by row within.
     values: Vec<f32>,
     /// Which of the last of these channels are about errors.
     error_channels: ErrorChannels,
@@ -72,7 +73,7 @@ impl RenderedTile {
         &self.pixels
     }
 
-    /// The values of further channels of its pixels, row by row, pixel by pixel, channel by channel within.
+    /// The values of further channels of its pixels, channel by channel, row by row within.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
@@ -83,10 +84,30 @@ impl RenderedTile {
         self.pixels[(row * self.window.width + column) as usize] = pixel;
     }
 
-    /// The values of the pixel at a column and row of the tile.
-    pub(super) fn values_mut(&mut self, [column, row]: [u32; 2]) -> &mut [f32] {
+    /// The values of some channels that follow each other, channel by channel, row by row within.
+    pub(super) fn channels_mut(&mut self, channels: Range<usize>) -> &mut [f32] {
+        let count = self.pixels.len();
+        &mut self.values[channels.start * count..channels.end * count]
+    }
+
+    /// Sets channels of the pixel at a column and row of the tile to sums over so many samples; how many means are
+    /// beyond the largest f32.
+    pub(super) fn set_values(
+        &mut self,
+        [column, row]: [u32; 2],
+        first: usize,
+        sums: &[f64],
+        samples: f64,
+    ) -> u64 {
+        let count = self.pixels.len();
         let pixel = (row * self.window.width + column) as usize;
-        &mut self.values[pixel * self.channels..][..self.channels]
+        let mut clamped = 0;
+        for (channel, sum) in (first..).zip(sums) {
+            let (value, is_clamped) = narrowed(sum / samples);
+            self.values[channel * count + pixel] = value;
+            clamped += u64::from(is_clamped);
+        }
+        clamped
     }
 
     /// R, G, B, A of the pixel at a column and row of the tile.
@@ -100,28 +121,30 @@ impl RenderedTile {
     }
 
     /// Sets what is asked for of a pixel's error in cd/m², its kind and the samples taken.
-    pub(super) fn set_error(&mut self, place: [u32; 2], error: f32, is_bound: bool, samples: u32) {
+    pub(super) fn set_error(
+        &mut self,
+        [column, row]: [u32; 2],
+        error: f32,
+        is_bound: bool,
+        samples: u32,
+    ) {
         let channels = self.error_channels;
         let first = self.channels - channels.count();
-        let mut values = self.values_mut(place)[first..].iter_mut();
+        let pixel = (row * self.window.width + column) as usize;
         let kind = if is_bound { 0.0 } else { 1.0 };
         let error = channels.error.then_some([error, kind]);
         let samples = channels.samples.then_some(samples as f32);
-        for value in error.into_iter().flatten().chain(samples) {
-            if let Some(place) = values.next() {
-                *place = value;
-            }
+        let count = self.pixels.len();
+        for (channel, value) in (first..).zip(error.into_iter().flatten().chain(samples)) {
+            self.values[channel * count + pixel] = value;
         }
     }
 
     /// Sets the samples taken of all pixels, where that is asked for.
     pub(super) fn set_samples(&mut self, samples: u32) {
         if self.error_channels.samples {
-            for values in self.values.chunks_exact_mut(self.channels) {
-                if let Some(last) = values.last_mut() {
-                    *last = samples as f32;
-                }
-            }
+            let last = self.channels - 1;
+            self.channels_mut(last..last + 1).fill(samples as f32);
         }
     }
 
@@ -134,14 +157,17 @@ impl RenderedTile {
         pixels: &mut [[f32; 4]],
         values: &mut [f32],
     ) {
-        let (columns, channels) = (self.window.width as usize, self.channels);
+        let [columns, width] = [self.window.width, window.width].map(|side| side as usize);
         let left = (self.window.x - window.x) as usize;
         let first = (self.window.y - top) as usize;
         for row in 0..self.window.height as usize {
-            let (from, to) = (row * columns, (first + row) * window.width as usize + left);
-            pixels[to..][..columns].copy_from_slice(&self.pixels[from..][..columns]);
-            values[to * channels..][..columns * channels]
-                .copy_from_slice(&self.values[from * channels..][..columns * channels]);
+            let (from, to) = (row * columns, (first + row) * width);
+            pixels[to + left..][..columns].copy_from_slice(&self.pixels[from..][..columns]);
+            let values = values[to * self.channels..].chunks_exact_mut(width);
+            let of_tile = self.values.chunks_exact(self.pixels.len());
+            for (values, of_tile) in values.zip(of_tile) {
+                values[left..][..columns].copy_from_slice(&of_tile[from..][..columns]);
+            }
         }
     }
 }

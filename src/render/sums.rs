@@ -1,8 +1,10 @@
 //! The box filter: the mean over the samples of each pixel of a tile.
 
+use std::ops::Range;
+
 use fearless_simd::Simd;
 
-use super::batch::{PIXELS, Run, SampleRange};
+use super::batch::{NumberedSamples, PIXELS, Run, SampleRange};
 use super::counts::{BEYOND_WHITE, Counts};
 use crate::simd::{F32x16, F64x16, LANES, Mask32x16, U32x16, every_nth, side_by_side};
 use crate::visibility::{BATCH, Column, Points};
@@ -87,18 +89,7 @@ impl PixelSums {
     ) {
         let pixels = range.whole_pixels();
         for (sums, column) in self.radiance.iter_mut().zip(radiance) {
-            match pixels.clone() {
-                Some((1, pixels)) => add_each::<S, 1>(simd, &mut sums[pixels.start..], column),
-                Some((2, pixels)) => add_each::<S, 2>(simd, &mut sums[pixels.start..], column),
-                Some((4, pixels)) => add_each::<S, 4>(simd, &mut sums[pixels.start..], column),
-                Some((8, pixels)) => add_each::<S, 8>(simd, &mut sums[pixels.start..], column),
-                Some((16, pixels)) => add_each::<S, 16>(simd, &mut sums[pixels.start..], column),
-                _ => {
-                    for Run { pixel, slots } in range.runs() {
-                        sums[pixel] = column[slots].iter().fold(sums[pixel], |sum, l| sum + l);
-                    }
-                }
-            }
+            fold_runs::<S, Sum, _>(simd, pixels.clone(), || range.runs(), sums, column);
         }
         match pixels {
             Some((samples, pixels)) if points.all_hit() => {
@@ -165,19 +156,112 @@ impl PixelSums {
     }
 }
 
-/// Adds to each sum N numbers of its own, one after the other.
+/// Adds a number of each sample to the sum of its pixel, those of each pixel in their order.
+#[inline(never)]
+pub(super) fn add_column<S: Simd>(
+    simd: S,
+    samples: NumberedSamples<'_>,
+    sums: &mut Column,
+    column: &Column,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let runs = || samples.runs();
+            fold_runs::<S, Sum, _>(simd, samples.whole_pixels(), runs, sums, column);
+        },
+    );
+}
+
+/// Takes the least of a number of each sample and of what its pixel has.
+#[inline(never)]
+pub(super) fn least_of_column<S: Simd>(
+    simd: S,
+    samples: NumberedSamples<'_>,
+    least: &mut Column,
+    column: &Column,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let runs = || samples.runs();
+            fold_runs::<S, Least, _>(simd, samples.whole_pixels(), runs, least, column);
+        },
+    );
+}
+
+/// What becomes of the numbers of a pixel.
+trait Fold {
+    fn lanes<S: Simd>(one: F64x16<S>, other: F64x16<S>) -> F64x16<S>;
+    fn number(one: f64, other: f64) -> f64;
+}
+
+struct Sum;
+
+impl Fold for Sum {
+    #[inline(always)]
+    fn lanes<S: Simd>(one: F64x16<S>, other: F64x16<S>) -> F64x16<S> {
+        one + other
+    }
+
+    #[inline(always)]
+    fn number(one: f64, other: f64) -> f64 {
+        one + other
+    }
+}
+
+struct Least;
+
+impl Fold for Least {
+    #[inline(always)]
+    fn lanes<S: Simd>(one: F64x16<S>, other: F64x16<S>) -> F64x16<S> {
+        one.min(other)
+    }
+
+    #[inline(always)]
+    fn number(one: f64, other: f64) -> f64 {
+        one.min(other)
+    }
+}
+
+/// Folds the numbers of the samples of each pixel into what it has, in their order: of whole pixels that follow each
+/// other sixteen at a time.
 #[inline(always)]
-fn add_each<S: Simd, const N: usize>(simd: S, sums: &mut [f64], column: &Column) {
-    for (first, sums) in (0..BATCH).step_by(N * LANES).zip(sums.chunks_mut(LANES)) {
+fn fold_runs<S: Simd, F: Fold, R: Iterator<Item = Run>>(
+    simd: S,
+    whole_pixels: Option<(usize, Range<usize>)>,
+    runs: impl FnOnce() -> R,
+    folded: &mut Column,
+    column: &Column,
+) {
+    match whole_pixels {
+        Some((1, pixels)) => fold_each::<S, F, 1>(simd, &mut folded[pixels.start..], column),
+        Some((2, pixels)) => fold_each::<S, F, 2>(simd, &mut folded[pixels.start..], column),
+        Some((4, pixels)) => fold_each::<S, F, 4>(simd, &mut folded[pixels.start..], column),
+        Some((8, pixels)) => fold_each::<S, F, 8>(simd, &mut folded[pixels.start..], column),
+        Some((16, pixels)) => fold_each::<S, F, 16>(simd, &mut folded[pixels.start..], column),
+        _ => {
+            for Run { pixel, slots } in runs() {
+                let numbers = column[slots].iter();
+                folded[pixel] = numbers.fold(folded[pixel], |all, &one| F::number(all, one));
+            }
+        }
+    }
+}
+
+/// Folds into each of some numbers N of its own, one after the other.
+#[inline(always)]
+fn fold_each<S: Simd, F: Fold, const N: usize>(simd: S, folded: &mut [f64], column: &Column) {
+    for (first, folded) in (0..BATCH).step_by(N * LANES).zip(folded.chunks_mut(LANES)) {
         let mut rows = [F64x16::splat(simd, 0.0); N];
         for (place, row) in rows.iter_mut().enumerate() {
             *row = F64x16::load(simd, &column[first + place * LANES..]);
         }
-        let mut sum = F64x16::load(simd, sums);
+        let mut all = F64x16::load(simd, folded);
         for row in every_nth(rows) {
-            sum = sum + row;
+            all = F::lanes(all, row);
         }
-        sum.store(sums);
+        all.store(folded);
     }
 }
 

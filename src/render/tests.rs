@@ -6,7 +6,7 @@ use super::batch::{PIXELS, Selection};
 use super::scheduler::windows;
 use super::sink::{ErrorChannels, RenderedTile};
 use super::tile::{Kept, Setup, Space, Tile};
-use super::{Layers, Options, OptionsError, Renderer};
+use super::{Layers, Options, OptionsError, Relight, Renderer};
 use crate::camera::Camera;
 use crate::image::Window;
 use crate::scene::{Scene, Transport};
@@ -15,14 +15,26 @@ use crate::world::{Wavelengths, World};
 /// Whole tiles, and such that are cut off.
 const RESOLUTION: [u32; 2] = [37, 21];
 
-const ALL: Layers = Layers {
-    lights: true,
-    depth: true,
-    normal: true,
-    spectral: None,
-    error: false,
-    samples: false,
-};
+/// Every layer that is made of samples.
+fn all() -> Layers {
+    Layers {
+        lights: true,
+        light_diffuse: true,
+        light_specular: true,
+        relight: Relight::Always,
+        diffuse: true,
+        specular: true,
+        albedo: true,
+        irradiance: true,
+        depth: true,
+        position: true,
+        normal: true,
+        shadow: true,
+        object_mattes: true,
+        material_mattes: true,
+        ..Layers::default()
+    }
+}
 
 /// The lecture's scene, small, with a background that has a share of its own.
 fn world(transport: Transport) -> (World, Camera) {
@@ -42,7 +54,7 @@ fn for_each_tile(samples: u32, kept: Kept, work: impl Fn(&Setup<'_>, Window)) {
             samples,
             layers: Layers {
                 spectral: is_spectral.then(Wavelengths::default),
-                ..ALL
+                ..all()
             },
             ..Options::default()
         };
@@ -76,10 +88,10 @@ fn means<'w>(setup: &Setup<'w>, tile: &mut Tile<'w>) -> RenderedTile {
 /// R, G, B, A and all further channels of each pixel of a tile, by its number.
 fn pixels(tile: &Tile<'_>, rendered: &RenderedTile) -> Vec<Vec<u32>> {
     let width = rendered.window().width;
-    let channels = rendered.values().len() / rendered.pixels().len();
+    let count = rendered.pixels().len();
     let of_pixel = |[column, row]: [u32; 2]| {
         let place = (row * width + column) as usize;
-        let values = &rendered.values()[place * channels..][..channels];
+        let values = rendered.values().iter().skip(place).step_by(count);
         let all = rendered.pixels()[place].iter().chain(values);
         all.map(|value| value.to_bits()).collect()
     };
@@ -271,10 +283,10 @@ fn options_that_do_not_fit_are_refused() {
     let options = Options {
         layers: Layers {
             spectral: Some(Wavelengths::default()),
-            ..ALL
+            ..all()
         },
         ..Options::default()
     };
-    assert_eq!(check(options), OptionsError::Bands);
+    assert_eq!(check(options.clone()), OptionsError::Bands);
     assert!(super::render(&world, &camera, &options).is_err());
 }

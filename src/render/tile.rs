@@ -15,9 +15,9 @@ use super::statistics::Statistics;
 use super::sums::PixelSums;
 use crate::camera::Camera;
 use crate::image::Window;
-use crate::shading::{self, Shaded};
+use crate::shading::{self, LightTerms, Shaded};
 use crate::simd::{Kernel, LANES, SimdLevel};
-use crate::visibility::{PACKETS, Points, Visibility, Workspace};
+use crate::visibility::{Points, Visibility, Workspace};
 use crate::world::World;
 
 /// What all tiles have in common.
@@ -29,7 +29,7 @@ pub(super) struct Setup<'w> {
     pub(super) simd: SimdLevel,
     /// Where all samples of a pixel are, of which a pass takes a range.
     pub(super) sampler: &'w Sampler,
-    pub(super) layers: Option<RequestedLayers<'w>>,
+    pub(super) layers: Option<&'w RequestedLayers<'w>>,
     pub(super) sums: Kept,
     /// Where pixels are rendered to an error, which.
     pub(super) goal: Option<&'w Goal>,
@@ -79,6 +79,7 @@ pub(super) struct Space {
     tracing: Workspace,
     points: Points,
     shaded: Shaded,
+    terms: LightTerms,
 }
 
 impl<'w> Tile<'w> {
@@ -88,7 +89,13 @@ impl<'w> Tile<'w> {
         self.taken.0.fill(0);
         self.sums.clear();
         let pixels = self.pixels.iter().len();
-        self.layers = setup.layers.map(|layers| layers.sums(pixels));
+        match setup.layers {
+            None => self.layers = None,
+            Some(requested) => {
+                let layers = self.layers.get_or_insert_with(|| LayerSums::new(requested));
+                layers.begin(pixels);
+            }
+        }
         self.keep(setup.sums);
     }
 
@@ -152,19 +159,13 @@ impl<'w> Tile<'w> {
     pub(super) fn taken(&self, pixel: usize) -> u32 {
         self.taken.0[pixel]
     }
-
-    /// Whether anything is made of the terms of L9.
-    fn wants_terms(&self) -> bool {
-        self.layers.as_ref().is_some_and(LayerSums::want_terms)
-    }
 }
 
 #[cfg(test)]
 impl Setup<'_> {
     /// Channels beside R, G, B, A.
     pub(super) fn channels(&self) -> usize {
-        let layers = self.layers.map(|layers| layers.sums(0).channels());
-        layers.unwrap_or(0)
+        self.layers.map_or(0, RequestedLayers::channels)
     }
 }
 
@@ -262,22 +263,24 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
         tracing,
         points,
         shaded,
+        terms,
         ..
     } = space;
     visibility.nearest(simd, &batch.rays(simd, camera), tracing, points);
     if let Some(layers) = &mut tile.layers {
-        layers.see(batch.numbered(), points);
+        layers.see(simd, batch.numbered(), points);
     }
-    if tile.wants_terms() {
-        shading::ask_lights(simd, world, visibility, points, tracing, shaded);
-        for packet in 0..PACKETS {
-            let terms = shading::packet_terms(simd, world, points, packet, shaded);
-            if let Some(layers) = &mut tile.layers {
-                layers.add(batch.numbered(), &terms);
+    match &mut tile.layers {
+        Some(layers) if layers.requested().wants_light() => {
+            let detail = layers.requested().detail();
+            shading::begin_terms(simd, world, visibility, points, tracing, shaded);
+            layers.begin_lights(batch.numbered(), shaded);
+            for lit in 0..shaded.lit() {
+                shading::light_terms(simd, world, points, lit, detail, shaded, terms);
+                layers.add_light(simd, batch.numbered(), shaded, terms);
             }
         }
-    } else {
-        shading::radiance(simd, world, visibility, points, tracing, shaded);
+        _ => shading::radiance(simd, world, visibility, points, tracing, shaded),
     }
     Counts {
         primary_rays: batch.len() as u64,
@@ -327,11 +330,7 @@ impl Kernel for Means<'_, '_> {
             counts = counts.and(met);
         }
         if let Some(layers) = layers {
-            for (pixel, place) in pixels.iter().enumerate() {
-                let misses = taken[pixel] - sums.hits[pixel];
-                let values = rendered.values_mut(place);
-                counts.clamped += layers.means(pixel, misses, taken[pixel], values);
-            }
+            counts.clamped += layers.means(simd, pixels, taken, &sums.hits, rendered);
         }
         counts
     }

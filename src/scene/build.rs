@@ -232,6 +232,7 @@ impl Light {
         Self::Point {
             position: position.into(),
             intensity: intensity.into().into(),
+            group: None,
         }
     }
 
@@ -257,6 +258,7 @@ impl Light {
             inner: inner.into(),
             outer: outer.into(),
             falloff: Falloff::default(),
+            group: None,
         }
     }
 }

@@ -155,6 +155,8 @@ pub enum Light {
         position: Spanned<[f64; 3]>,
         /// I: a number and `[r, g, b]` in candela, a curve in W·sr⁻¹·nm⁻¹. Range: 0 or more.
         intensity: Spanned<Value>,
+        /// Lights of one group have one layer, by its name. Default: none.
+        group: Option<Spanned<String>>,
     },
     /// `[lights.NAME.spot]`: a point that shines into a cone.
     Spot {
@@ -171,6 +173,8 @@ pub enum Light {
         outer: Spanned<f64>,
         /// How it falls off between them. Default [`Falloff::Smooth`].
         falloff: Falloff,
+        /// Lights of one group have one layer, by its name. Default: none.
+        group: Option<Spanned<String>>,
     },
 }
 
@@ -188,6 +192,13 @@ impl Light {
     pub fn intensity(&self) -> &Spanned<Value> {
         match self {
             Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+        }
+    }
+
+    /// The group that it is in, if any.
+    pub fn group(&self) -> Option<&Spanned<String>> {
+        match self {
+            Self::Point { group, .. } | Self::Spot { group, .. } => group.as_ref(),
         }
     }
 

@@ -13,12 +13,14 @@ use fearless_simd::Simd;
 use groups::Groups;
 pub(crate) use groups::Share;
 use reflectance::{Ends, geometry};
-pub(crate) use terms::{LightTerms, Terms};
+pub(crate) use terms::{Detail, LightTerms};
 
 use crate::math::Point;
 use crate::simd::{F64x16, LANES, Mask64x16};
 use crate::units::ReflectedIntensity;
-use crate::visibility::{Column, Facing, PACKETS, Points, SegmentBatch, Visibility, Workspace};
+use crate::visibility::{
+    Column, Facing, PACKETS, Points, SegmentBatch, Visibility, Workspace, columns,
+};
 use crate::world::{Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
@@ -34,8 +36,8 @@ pub(crate) struct Shaded {
     pub singular: u64,
     lit: Vec<Lit>,
     groups: Groups,
-    /// Of the last packet whose terms were kept.
-    terms: Vec<LightTerms>,
+    /// What each packet is made of, where light is told light by light.
+    packets: Vec<Groups>,
     recent: RecentProducts,
 }
 
@@ -63,7 +65,7 @@ impl Default for Shaded {
             singular: 0,
             lit: Vec::new(),
             groups: Groups::default(),
-            terms: Vec::new(),
+            packets: Vec::new(),
             recent: RecentProducts::default(),
         }
     }
@@ -84,15 +86,16 @@ pub(crate) fn radiance<S: Simd>(
         || {
             shaded.ask(simd, world, visibility, points, space);
             for packet in 0..PACKETS {
-                shaded.sum(simd, world, points, packet, KeepsTerms::No);
+                shaded.sum(simd, world, points, packet);
             }
         },
     );
 }
 
-/// L4 alone: which lights reach the points of a batch, for [`packet_terms`] after it.
+/// Begins a batch whose light is told light by light: finds out which lights reach which points (L4), and what the
+/// points are made of. [`light_terms`] of each of [`Shaded::lit`], in order, then comes to what [`radiance`] does.
 #[inline(never)]
-pub(crate) fn ask_lights<S: Simd>(
+pub(crate) fn begin_terms<S: Simd>(
     simd: S,
     world: &World,
     visibility: &Visibility<'_>,
@@ -102,36 +105,28 @@ pub(crate) fn ask_lights<S: Simd>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || shaded.ask(simd, world, visibility, points, space),
+        || {
+            shaded.ask(simd, world, visibility, points, space);
+            shaded.begin(simd, world, points);
+        },
     );
 }
 
-/// L9 over the points of a packet of the batch, and the terms of the sum that are not hidden (L4).
+/// Adds one of the lights that are above any point to the radiance of a batch (L9), and tells its terms.
 #[inline(never)]
-pub(crate) fn packet_terms<'s, S: Simd>(
+pub(crate) fn light_terms<S: Simd>(
     simd: S,
     world: &World,
     points: &Points,
-    packet: usize,
-    shaded: &'s mut Shaded,
-) -> Terms<'s> {
+    lit: usize,
+    detail: Detail,
+    shaded: &mut Shaded,
+    terms: &mut LightTerms,
+) {
     simd.vectorize(
         #[inline(always)]
-        || shaded.sum(simd, world, points, packet, KeepsTerms::Yes),
+        || shaded.add_light(simd, world, points, lit, detail, terms),
     );
-    Terms {
-        first: packet * LANES,
-        hit: points.hit[packet],
-        shares: shaded.groups.shares(),
-        lights: &shaded.terms,
-    }
-}
-
-/// Whether a sum keeps its terms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum KeepsTerms {
-    No,
-    Yes,
 }
 
 impl Shaded {
@@ -189,16 +184,9 @@ impl Shaded {
         }
     }
 
-    /// Sums the terms of the lights that reach the points of a packet.
+    /// Sums the light that reaches the points of a packet.
     #[inline(always)]
-    fn sum<S: Simd>(
-        &mut self,
-        simd: S,
-        world: &World,
-        points: &Points,
-        packet: usize,
-        keeps: KeepsTerms,
-    ) {
+    fn sum<S: Simd>(&mut self, simd: S, world: &World, points: &Points, packet: usize) {
         let hit = points.hit[packet];
         let first = packet * LANES;
         if hit != 0 {
@@ -206,11 +194,10 @@ impl Shaded {
             let is_uniform = points.is_uniform[packet];
             self.groups.take(world, materials, hit, is_uniform);
         }
-        self.terms.clear();
         let sums = if hit == 0 {
             [F64x16::splat(simd, 0.0); 3]
         } else {
-            self.sum_lights(simd, world, points, packet, keeps)
+            self.sum_lights(simd, world, points, packet)
         };
         let is_hit = Mask64x16::from_bits(simd, hit);
         let background = world.background().0.0;
@@ -229,64 +216,189 @@ impl Shaded {
         world: &World,
         points: &Points,
         packet: usize,
-        keeps: KeepsTerms,
     ) -> [F64x16<S>; 3] {
-        let zero = F64x16::splat(simd, 0.0);
-        let mut sums = [zero; 3];
+        let mut sums = [F64x16::splat(simd, 0.0); 3];
         let ends = Ends::load(simd, points, packet);
         let Self {
             lit,
             groups,
-            terms,
             recent,
             ..
         } = self;
-        for Lit {
-            light,
-            origin,
-            points: lit,
-            transmitted,
-        } in lit.iter()
-        {
-            let (light, bits) = (*light, lit[packet]);
+        for lit in lit.iter() {
+            let bits = lit.points[packet];
             if bits == 0 {
                 continue;
             }
-            let source = &world.lights()[light].value;
-            let mut geometry = geometry(simd, &ends, source, *origin, groups.get());
-            if let Some(transmitted) = transmitted {
-                let part = F64x16::load(simd, &transmitted[packet * LANES..]);
-                geometry.diffuse = geometry.diffuse * part;
-                geometry.specular = geometry.specular * part;
-            }
-            let mut reflected = world.reflected_from(light, Some(recent));
-            let mut alone = [zero; 3];
+            let geometry = lit.geometry(simd, world, &ends, groups, packet);
+            let mut reflected = world.reflected_from(lit.light, Some(recent));
             for share in groups.shares() {
                 let reflected = reflected(share.reflectance as usize);
-                let lit = Mask64x16::from_bits(simd, bits & share.members);
-                add_share(simd, share, lit, &geometry, &reflected, &mut sums);
-                if keeps == KeepsTerms::Yes {
-                    add_share(simd, share, lit, &geometry, &reflected, &mut alone);
-                }
-            }
-            if keeps == KeepsTerms::Yes {
-                terms.push(LightTerms {
-                    light,
-                    points: bits,
-                    geometry: Lobes {
-                        diffuse: geometry.diffuse.to_array(),
-                        specular: geometry.specular.to_array(),
-                    },
-                    radiance: [
-                        alone[0].to_array(),
-                        alone[1].to_array(),
-                        alone[2].to_array(),
-                    ],
-                });
+                let is_lit = Mask64x16::from_bits(simd, bits & share.members);
+                add_share(simd, share, is_lit, &geometry, &reflected, &mut sums);
             }
         }
         sums
     }
+
+    /// The background's radiance where nothing is hit, elsewhere 0; and what each packet is made of.
+    #[inline(always)]
+    fn begin<S: Simd>(&mut self, simd: S, world: &World, points: &Points) {
+        self.packets.resize_with(PACKETS, Groups::default);
+        let zero = F64x16::splat(simd, 0.0);
+        let background = world.background().0.0;
+        for (packet, groups) in self.packets.iter_mut().enumerate() {
+            let hit = points.hit[packet];
+            let first = packet * LANES;
+            if hit == 0 {
+                groups.clear();
+            } else {
+                let materials = &points.material[first..first + LANES];
+                groups.take(world, materials, hit, points.is_uniform[packet]);
+            }
+            let is_hit = Mask64x16::from_bits(simd, hit);
+            for channel in 0..3 {
+                let background = F64x16::splat(simd, background[channel]);
+                let radiance = is_hit.select(zero, background);
+                radiance.store(&mut self.radiance[channel][first..]);
+            }
+        }
+    }
+
+    /// Adds a light to the radiance, and tells its terms.
+    #[inline(always)]
+    fn add_light<S: Simd>(
+        &mut self,
+        simd: S,
+        world: &World,
+        points: &Points,
+        lit: usize,
+        detail: Detail,
+        terms: &mut LightTerms,
+    ) {
+        let Self {
+            lit: all,
+            packets,
+            recent,
+            radiance,
+            ..
+        } = self;
+        let lit = &all[lit];
+        terms.light = lit.light;
+        terms.points = lit.points;
+        let zero = F64x16::splat(simd, 0.0);
+        for (packet, groups) in packets.iter().enumerate() {
+            let bits = lit.points[packet];
+            let first = packet * LANES;
+            let mut alone = [zero; 3];
+            let mut lobes = Lobes {
+                diffuse: [zero; 3],
+                specular: [zero; 3],
+            };
+            let mut geometry = Lobes {
+                diffuse: zero,
+                specular: zero,
+            };
+            if bits != 0 {
+                let ends = Ends::load(simd, points, packet);
+                geometry = lit.geometry(simd, world, &ends, groups, packet);
+                let mut reflected = world.reflected_from(lit.light, Some(recent));
+                let [r, g, b] = columns(radiance, packet).map(|column| F64x16::load(simd, column));
+                let mut sums = [r, g, b];
+                for share in groups.shares() {
+                    let reflected = reflected(share.reflectance as usize);
+                    let is_lit = Mask64x16::from_bits(simd, bits & share.members);
+                    add_share(simd, share, is_lit, &geometry, &reflected, &mut sums);
+                    add_share(simd, share, is_lit, &geometry, &reflected, &mut alone);
+                    if detail.has_lobes {
+                        let [diffuse, specular] = apart(&reflected);
+                        add_share(simd, share, is_lit, &geometry, &diffuse, &mut lobes.diffuse);
+                        add_share(
+                            simd,
+                            share,
+                            is_lit,
+                            &geometry,
+                            &specular,
+                            &mut lobes.specular,
+                        );
+                    }
+                }
+                for channel in 0..3 {
+                    sums[channel].store(&mut radiance[channel][first..]);
+                }
+                let is_lit = Mask64x16::from_bits(simd, bits);
+                geometry.diffuse = is_lit.select(geometry.diffuse, zero);
+                geometry.specular = is_lit.select(geometry.specular, zero);
+            }
+            store(alone, &mut terms.radiance, first);
+            if detail.has_lobes {
+                store(lobes.diffuse, &mut terms.lobes.diffuse, first);
+                store(lobes.specular, &mut terms.lobes.specular, first);
+            }
+            if detail.has_geometry {
+                geometry.diffuse.store(&mut terms.geometry.diffuse[first..]);
+                geometry
+                    .specular
+                    .store(&mut terms.geometry.specular[first..]);
+            }
+        }
+    }
+
+    /// How many lights are above any point of the batch, each from one of its origins.
+    pub(crate) fn lit(&self) -> usize {
+        self.lit.len()
+    }
+
+    /// What the points of a packet reflect with, after [`begin_terms`].
+    pub(crate) fn shares(&self, packet: usize) -> &[Share] {
+        self.packets[packet].shares()
+    }
+}
+
+impl Lit {
+    /// The cosine terms of both lobes over d² at the points of a packet, times what passes on the way.
+    #[inline(always)]
+    fn geometry<S: Simd>(
+        &self,
+        simd: S,
+        world: &World,
+        ends: &Ends<S>,
+        groups: &Groups,
+        packet: usize,
+    ) -> Lobes<F64x16<S>> {
+        let light = &world.lights()[self.light].value;
+        let mut geometry = geometry(simd, ends, light, self.origin, groups.get());
+        if let Some(transmitted) = &self.transmitted {
+            let part = F64x16::load(simd, &transmitted[packet * LANES..]);
+            geometry.diffuse = geometry.diffuse * part;
+            geometry.specular = geometry.specular * part;
+        }
+        geometry
+    }
+}
+
+/// Puts R, G and B of a packet into their columns.
+#[inline(always)]
+fn store<S: Simd>([r, g, b]: [F64x16<S>; 3], columns: &mut [Column; 3], first: usize) {
+    r.store(&mut columns[0][first..]);
+    g.store(&mut columns[1][first..]);
+    b.store(&mut columns[2][first..]);
+}
+
+/// What is reflected by each lobe alone.
+#[inline(always)]
+fn apart(reflected: &Lobes<ReflectedIntensity>) -> [Lobes<ReflectedIntensity>; 2] {
+    let none = ReflectedIntensity::default();
+    [
+        Lobes {
+            diffuse: reflected.diffuse,
+            specular: none,
+        },
+        Lobes {
+            diffuse: none,
+            specular: reflected.specular,
+        },
+    ]
 }
 
 /// Adds geometry × weight × I · k of a share to the sums of the points that are lit.

@@ -1,36 +1,53 @@
 //! The terms of L9 as data: what the layers of an image are made of.
 
 use super::groups::Share;
-use crate::simd::{LANES, ones};
+use crate::simd::ones;
+use crate::visibility::{Column, PACKETS};
 use crate::world::Lobes;
 
-/// The terms of L9 of the points of one packet: geometry × weight × I · k for each light that reaches a
-/// point and each reflectance that the point has.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms<'s> {
-    /// The first point of the packet, by its place in the batch.
-    pub(crate) first: usize,
-    /// One bit for each point that is hit, whether any light reaches it or none.
-    pub(crate) hit: u32,
-    /// What the points reflect with.
-    pub(crate) shares: &'s [Share],
-    /// What each light does that reaches any of them, in the order of the sum.
-    pub(crate) lights: &'s [LightTerms],
-}
-
-/// What a light does at the points of a packet.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What a light does at the points of a batch; 0 at points that it does not reach.
+#[derive(Clone, Debug)]
 pub(crate) struct LightTerms {
     /// An index into [`World::lights`](crate::world::World::lights).
     pub(crate) light: usize,
-    /// One bit for each point that it reaches; the numbers of others mean nothing.
-    pub(crate) points: u32,
-    /// The cosine term of each lobe over d² at each point, in m⁻², at most [`f64::MAX`]: times the weight of a
-    /// reflectance and I · k it is the radiance that the lobe sends to the viewer.
-    pub(crate) geometry: Lobes<[f64; LANES]>,
+    /// For each packet one bit for each point that it reaches.
+    pub(crate) points: [u32; PACKETS],
     /// Σ geometry × weight × I · k over the reflectances, in cd/m² per primary: the radiance that this light
     /// alone sends to the viewer.
-    pub(crate) radiance: [[f64; LANES]; 3],
+    pub(crate) radiance: [Column; 3],
+    /// The parts of it that the lobes send. Only with [`Detail::has_lobes`].
+    pub(crate) lobes: Lobes<[Column; 3]>,
+    /// The cosine term of each lobe over d² at each point, in m⁻², at most [`f64::MAX`]: times the weight of a
+    /// reflectance and I · k it is the radiance that the lobe sends to the viewer. Only with
+    /// [`Detail::has_geometry`].
+    pub(crate) geometry: Lobes<Column>,
+}
+
+impl Default for LightTerms {
+    fn default() -> Self {
+        Self {
+            light: 0,
+            points: [0; PACKETS],
+            radiance: [Column::ZERO; 3],
+            lobes: Lobes {
+                diffuse: [Column::ZERO; 3],
+                specular: [Column::ZERO; 3],
+            },
+            geometry: Lobes {
+                diffuse: Column::ZERO,
+                specular: Column::ZERO,
+            },
+        }
+    }
+}
+
+/// What is told of a light beside its radiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Detail {
+    /// The radiance of each lobe.
+    pub(crate) has_lobes: bool,
+    /// The geometry of both lobes.
+    pub(crate) has_geometry: bool,
 }
 
 impl Share {

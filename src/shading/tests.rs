@@ -88,8 +88,24 @@ struct Sum<'w> {
     transmitted: Option<f64>,
 }
 
+/// Of one packet: L9, the terms of each light, and the sum of what [`light_terms`] adds, light by light.
+#[derive(Clone, Debug)]
+struct Summed {
+    all: [[f64; LANES]; 3],
+    terms: Vec<LightTerms>,
+    added: [[f64; LANES]; 3],
+    shares: Vec<Share>,
+}
+
+/// The first packet of three columns.
+fn packet(columns: &[Column; 3]) -> [[f64; LANES]; 3] {
+    columns
+        .each_ref()
+        .map(|column| *column.first_chunk().unwrap())
+}
+
 impl Kernel for Sum<'_> {
-    type Output = ([[f64; LANES]; 3], Vec<LightTerms>, Vec<Share>);
+    type Output = Summed;
 
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let points = points();
@@ -112,21 +128,34 @@ impl Kernel for Sum<'_> {
         if let Some(shares) = self.shares {
             shaded.groups.replace(shares);
         }
-        let sums = shaded.sum_lights(simd, self.world, &points, 0, KeepsTerms::Yes);
+        let all = shaded.sum_lights(simd, self.world, &points, 0);
         let shares = shaded.groups.shares().to_vec();
-        (sums.map(F64x16::to_array), shaded.terms, shares)
+        shaded.begin(simd, self.world, &points);
+        shaded.packets[0].replace(shares.clone());
+        let detail = Detail {
+            has_lobes: true,
+            has_geometry: true,
+        };
+        let terms = (0..shaded.lit()).map(|lit| {
+            let mut terms = LightTerms::default();
+            shaded.add_light(simd, self.world, &points, lit, detail, &mut terms);
+            terms
+        });
+        let terms = terms.collect();
+        Summed {
+            all: all.map(F64x16::to_array),
+            terms,
+            added: packet(&shaded.radiance),
+            shares,
+        }
     }
 }
 
 fn sum(world: &World, shares: Option<Vec<Share>>) -> [[f64; LANES]; 3] {
-    terms(world, shares, None).0
+    terms(world, shares, None).all
 }
 
-fn terms(
-    world: &World,
-    shares: Option<Vec<Share>>,
-    transmitted: Option<f64>,
-) -> ([[f64; LANES]; 3], Vec<LightTerms>, Vec<Share>) {
+fn terms(world: &World, shares: Option<Vec<Share>>, transmitted: Option<f64>) -> Summed {
     SimdLevel::default().run(Sum {
         world,
         shares,
@@ -226,29 +255,35 @@ fn terms_are_what_the_sum_is_made_of() {
         let world = world(transport);
         for shares in [None, Some(vec![whole(1), share(2, weight)])] {
             let is_mixed = shares.is_some();
-            let (sums, lights, shares) = terms(&world, shares, None);
+            let summed = terms(&world, shares, None);
+            assert_eq!(summed.added, summed.all);
             let mut added = [[0.0; LANES]; 3];
             let mut count = 0;
-            for of_light in &lights {
+            for of_light in &summed.terms {
                 let mut alone = [[0.0; LANES]; 3];
-                for share in &shares {
+                let mut lobes = Lobes::<[[f64; LANES]; 3]>::default();
+                for share in &summed.shares {
                     let reflected = world.reflected(of_light.light, share.reflectance as usize);
                     let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
-                    for lane in ones(of_light.points & share.weighted()) {
+                    for lane in ones(of_light.points[0] & share.weighted()) {
                         let [diffuse, specular] =
                             [of_light.geometry.diffuse, of_light.geometry.specular]
                                 .map(|geometry| geometry[lane] * share.weight(lane));
                         for channel in 0..3 {
                             let more = diffuse * kd[channel] + specular * ks[channel];
+                            lobes.diffuse[channel][lane] += diffuse * kd[channel];
+                            lobes.specular[channel][lane] += specular * ks[channel];
                             added[channel][lane] += more;
                             alone[channel][lane] += more;
                         }
                         count += 1;
                     }
                 }
-                assert_eq!(of_light.radiance, alone);
+                assert_eq!(packet(&of_light.radiance), alone);
+                assert_eq!(packet(&of_light.lobes.diffuse), lobes.diffuse);
+                assert_eq!(packet(&of_light.lobes.specular), lobes.specular);
             }
-            assert_eq!(added, sums);
+            assert_eq!(added, summed.all);
             let points = if is_mixed { 2 * LANES - 1 } else { LANES };
             assert!(count > 2 * points && count < 3 * points);
         }
@@ -258,9 +293,9 @@ fn terms_are_what_the_sum_is_made_of() {
 #[test]
 fn a_part_of_the_light_is_that_part_of_the_sum() {
     let world = world("rgb");
-    let (all, ..) = terms(&world, None, None);
-    assert_eq!(terms(&world, None, Some(1.0)).0, all);
-    let (half, ..) = terms(&world, None, Some(0.5));
+    let all = terms(&world, None, None).all;
+    assert_eq!(terms(&world, None, Some(1.0)).all, all);
+    let half = terms(&world, None, Some(0.5)).all;
     assert_eq!(half, all.map(|channel| channel.map(|sum| 0.5 * sum)));
 }
 
@@ -268,7 +303,7 @@ fn a_part_of_the_light_is_that_part_of_the_sum() {
 #[test]
 fn products_without_a_table_have_the_same_bits() {
     let mut world = world("spectral");
-    let (expected, expected_terms, _) = terms(&world, None, None);
+    let expected = terms(&world, None, None);
     let products = |world: &World| -> Vec<_> {
         let pairs = (0..9).map(|pair| world.reflected(pair / 3, pair % 3));
         pairs.collect()
@@ -277,7 +312,12 @@ fn products_without_a_table_have_the_same_bits() {
     assert!(world.products_memory().unwrap() > 0);
     world.drop_table();
     assert_eq!(world.products_memory(), Some(0));
-    let (sums, terms, _) = terms(&world, None, None);
-    assert_eq!((sums, terms), (expected, expected_terms));
+    let summed = terms(&world, None, None);
+    assert_eq!(summed.all, expected.all);
+    let radiances = |summed: &Summed| -> Vec<_> {
+        let terms = summed.terms.iter();
+        terms.map(|terms| packet(&terms.radiance)).collect()
+    };
+    assert_eq!(radiances(&summed), radiances(&expected));
     assert_eq!(products(&world), table);
 }

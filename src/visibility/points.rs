@@ -363,6 +363,13 @@ impl Points {
         self.hit[slot / LANES] >> (slot % LANES) & 1 == 1
     }
 
+    /// The object that a ray hits, an index into [`World::objects`](crate::world::World::objects).
+    #[inline(always)]
+    pub(crate) fn object(&self, slot: usize) -> u32 {
+        let (object, _) = Primitive(self.primitive[slot]).parts();
+        object
+    }
+
     /// Whether every ray that a batch has room for hits something.
     #[inline(always)]
     pub(crate) fn all_hit(&self) -> bool {

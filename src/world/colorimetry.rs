@@ -66,6 +66,11 @@ impl Colorimetry {
         }
     }
 
+    /// Whose color matching functions they are.
+    pub fn observer(&self) -> Observer {
+        self.observer
+    }
+
     /// R, G, B of a light: in cd of a spectral intensity in W·sr⁻¹·nm⁻¹.
     pub fn light(&self, spectrum: &Spectrum) -> [f64; 3] {
         [0, 1, 2].map(|channel: usize| spectrum.integral(self.matching[channel].values()))

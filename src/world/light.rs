@@ -67,6 +67,14 @@ pub struct Cone {
 }
 
 impl Light {
+    /// What it is called in a scene: `point`, `spot`.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Point(_) => "point",
+            Self::Spot(_) => "spot",
+        }
+    }
+
     /// I: of a spot the one on its axis.
     #[inline]
     pub fn intensity(&self) -> Intensity {

@@ -78,6 +78,12 @@ impl Material {
         self.reflectance
     }
 
+    /// k_d as it was written: of `normalized_phong` its albedo, of which the formula above has 1/π.
+    pub fn albedo(&self) -> [f64; 3] {
+        let Reflectance(Rgb(diffuse)) = self.reflectance.diffuse;
+        diffuse.map(|channel| channel / self.factors().diffuse)
+    }
+
     /// n. Range: above 0.
     #[inline]
     pub fn shininess(&self) -> f64 {

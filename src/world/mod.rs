@@ -24,6 +24,7 @@ pub mod material;
 pub mod physics;
 #[doc(hidden)]
 pub mod plan;
+mod reflectances;
 #[doc(hidden)]
 pub mod spectra;
 
@@ -37,6 +38,8 @@ pub use light::{Light, PointLight, SpotLight};
 pub use material::Material;
 #[doc(hidden)]
 pub use plan::Plan;
+#[doc(hidden)]
+pub use reflectances::{ReflectanceTerm, Reflectances};
 pub(crate) use spectra::RecentProducts;
 pub use spectra::Wavelengths;
 #[doc(hidden)]
@@ -45,6 +48,7 @@ pub use spectra::{Bands, Spectra};
 use crate::camera::Camera;
 use crate::math::DVec3;
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
+use crate::spectrum::Observer;
 use crate::units::{Radiance, ReflectedIntensity};
 use spectra::Products;
 
@@ -60,6 +64,8 @@ pub struct World {
     anchor: DVec3,
     materials: Vec<Named<Material>>,
     lights: Vec<Named<Light>>,
+    /// The group of each.
+    light_groups: Vec<Option<String>>,
     objects: Vec<Object>,
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
@@ -67,6 +73,7 @@ pub struct World {
     /// I · k of every light on every material, where light is carried spectrally.
     products: Option<Products>,
     asked: scene::Transport,
+    observer: Observer,
     /// What in the scene is spectral.
     spectral_values: Vec<String>,
     spectra: Option<Spectra>,
@@ -239,6 +246,57 @@ impl World {
     #[doc(hidden)]
     pub fn lights(&self) -> &[Named<Light>] {
         &self.lights
+    }
+
+    /// The luminous intensity of a light in cd, of a spot on its axis.
+    #[doc(hidden)]
+    pub fn candelas(&self, light: usize) -> f64 {
+        match &self.spectra {
+            Some(spectra) => spectra.colorimetry().luminous(spectra.light(light)),
+            None => {
+                let weights = self.color_space.primaries().luminance_weights();
+                let intensity = self.lights[light].value.intensity().0.0;
+                let channels = intensity.iter().zip(weights);
+                channels.map(|(channel, weight)| channel * weight).sum()
+            }
+        }
+    }
+
+    /// How light is carried: `rgb` or `spectral`.
+    #[doc(hidden)]
+    pub fn transport(&self) -> &'static str {
+        match self.spectra {
+            Some(_) => scene::Transport::Spectral.name(),
+            None => scene::Transport::Rgb.name(),
+        }
+    }
+
+    /// Whose eye sees spectra.
+    #[doc(hidden)]
+    pub fn observer(&self) -> Observer {
+        self.observer
+    }
+
+    /// The lights as JSON, for who renders them with other intensities: names, groups, kinds, luminous intensities in
+    /// cd, and intensities in cd per primary of the working space.
+    #[doc(hidden)]
+    pub fn describe_lights(&self) -> String {
+        let lights = self.lights.iter().enumerate().map(|(light, entry)| {
+            serde_json::json!({
+                "name": entry.name,
+                "kind": entry.value.kind(),
+                "group": self.light_group(light),
+                "candela": self.candelas(light),
+                "rgb": entry.value.intensity().0.0,
+            })
+        });
+        serde_json::Value::from_iter(lights).to_string()
+    }
+
+    /// The group of a light, if it has one.
+    #[doc(hidden)]
+    pub fn light_group(&self, light: usize) -> Option<&str> {
+        self.light_groups[light].as_deref()
     }
 
     /// The objects in the order of the file, which settles ties between surfaces.

@@ -1,6 +1,7 @@
 //! What is legal but physically odd: materials that give more light than they get, lights inside
 //! of objects, a scene without light.
 
+use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
@@ -61,6 +62,11 @@ pub enum Warning {
         space: ColorSpace,
         /// The color there, with a channel below 0.
         rgb: [f64; 3],
+    },
+    /// The layer of a light, or of a group, has a name that Blender 4.5 does not read.
+    LongLayer {
+        /// Its name.
+        layer: String,
     },
     /// A mesh asks for shadow rays that start off its triangles and is shaded flat.
     NothingToLift {
@@ -145,6 +151,12 @@ impl fmt::Display for Warning {
                  a PNG cannot",
                 space.name(),
             ),
+            Self::LongLayer { layer } => write!(
+                f,
+                "the layer `{layer}` of --layers lights has a name of {} bytes; Blender 4.5 drops those of more than \
+                 {LONGEST_LAYER} without a word",
+                layer.len()
+            ),
             Self::NothingToLift { object } => write!(
                 f,
                 "`shadow_terminator = \"hanika\"` of object `{object}` does nothing: it is shaded flat, \
@@ -207,6 +219,7 @@ pub fn warnings(world: &World) -> Vec<Warning> {
         });
     }
     warnings.extend(outside(world));
+    warnings.extend(long_layers(world));
     let contained = contained(world);
     let mut holders = contained.objects.iter().peekable();
     for (index, object) in world.objects().iter().enumerate() {
@@ -250,6 +263,18 @@ pub fn warnings(world: &World) -> Vec<Warning> {
         });
     }
     warnings
+}
+
+/// Bytes of the longest name of a layer that Blender 4.5 reads, by trial.
+const LONGEST_LAYER: usize = 57;
+
+/// Layers of lights and groups with longer names, each once.
+fn long_layers(world: &World) -> impl Iterator<Item = Warning> {
+    let lights = world.lights().iter().enumerate();
+    let names = lights.map(|(light, entry)| world.light_group(light).unwrap_or(&entry.name));
+    let layers = names.map(|name| format!("light_{name}"));
+    let long: BTreeSet<String> = layers.filter(|layer| layer.len() > LONGEST_LAYER).collect();
+    long.into_iter().map(|layer| Warning::LongLayer { layer })
 }
 
 /// Lights and reflectances with a channel below 0 in the working space, by more than rounding.

@@ -82,6 +82,20 @@ fn means_and_exposure() {
     let code = small.pixel(27, 27 + 33)[0];
     assert!((code - 0.4674).abs() < 0.004, "{code}");
 
+    // The same of its code values, whose light is that at −2 EV.
+    for name in ["board.png", "board.tif"] {
+        succeeds(
+            folder,
+            &format!("tonemap board.exr -o {name} --bits 16 --exposure -2"),
+        );
+        succeeds(
+            folder,
+            &format!("contact-sheet {name} --width 1 -o small.png"),
+        );
+        let code = decode(&folder.join("small.png")).pixel(27, 27 + 33)[0];
+        assert!((code - 0.4674).abs() < 0.004, "{name}: {code}");
+    }
+
     let sheet = output(
         folder,
         "contact-sheet board.exr --auto-exposure -o auto.png",
@@ -123,6 +137,14 @@ fn what_is_refused() {
         assert!(message.contains(part), "{arguments}\n{message}");
     }
     assert_eq!(files(folder), ["ball.toml", "text.exr"]);
+    image::RgbImage::new(3, 2)
+        .save(folder.join("black.png"))
+        .unwrap();
+    for (option, named) in [("--layers", "--layers"), ("--layer glow", "--layer")] {
+        let message = fails(folder, &format!("contact-sheet black.png {option}"), 1);
+        let expected = format!("it is a PNG, which has no layers; leave {named} away");
+        assert!(message.contains(&expected), "{message}");
+    }
     succeeds(folder, "render ball.toml -o ball.exr");
     let message = fails(folder, "contact-sheet ball.exr -o ball.exr", 2);
     assert!(message.contains("ball.png"), "{message}");

@@ -107,16 +107,28 @@ fn wrong_layers_are_wrong_usage() {
         ("--layers light", "did you mean `lights`?"),
         (
             "--layers Z",
-            "there is no layer `Z`; there is lights, depth",
+            "there is no layer `Z`; there is lights, light-diffuse",
         ),
         (
             "--layers xyz",
-            "there is no layer `xyz`; there is lights, depth, normal, spectral",
+            "there is no layer `xyz`; there is lights, light-diffuse, light-specular, relight",
+        ),
+        ("--layers depth=key", "`depth` takes no names of lights"),
+        (
+            "--layers cryptomatte=lights",
+            "expected cryptomatte=object or cryptomatte=material",
+        ),
+        ("--layers relight,no-relight", "leave one out"),
+        (
+            "--cryptomatte-levels 4",
+            "--layers cryptomatte, which is not asked for",
         ),
         (
-            "--layers depth,shadow",
-            "layer `shadow` is not supported yet; there is lights, depth, normal, spectral",
+            "--layers cryptomatte --cryptomatte-levels 201",
+            "expected a number from 1 to 200",
         ),
+        ("--spectral-output b.exr", "--layers spectral"),
+        ("--full-window", "--crop"),
         ("--layers depth,lights,depth", "--layers has `depth` twice"),
         (
             "--layers normal --layers depth,normal",
@@ -158,9 +170,10 @@ fn wrong_layers_are_wrong_usage() {
 fn layers_of_all_kinds_together() {
     let folder = folder();
     let folder = folder.path();
-    let expected = "--layers lights,depth,normal,spectral --wavelengths 400:700:100";
+    let expected = "--layers lights,no-relight,depth,normal,spectral --wavelengths 400:700:100";
     succeeds(folder, &format!("render ball.toml -o a.exr {expected}"));
-    let other = "--layers normal,spectral --layers depth,lights --wavelengths 400:700:100";
+    let other =
+        "--layers normal,spectral --layers no-relight,depth,lights --wavelengths 400:700:100";
     succeeds(
         folder,
         &format!("render ball.toml -o b.exr --threads 1 {other}"),

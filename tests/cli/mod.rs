@@ -10,6 +10,7 @@ mod interruption;
 mod layers;
 mod new;
 mod probe;
+mod relight;
 mod report;
 mod sequences;
 mod speaking;
@@ -28,10 +29,11 @@ use tempfile::TempDir;
 
 use crate::openimageio::{decode, oiiotool};
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "render",
     "tonemap",
     "contact-sheet",
+    "relight",
     "check",
     "probe",
     "verify",

@@ -11,7 +11,7 @@ use candela::render::{self, Layers, Options};
 use candela::scene::{Object, Scene, Value};
 use candela::world::{Wavelengths, World};
 
-use super::{ALL, F32_ROUNDING, WALL, ball, depths, scenes, share, spectral, with_layers};
+use super::{F32_ROUNDING, WALL, all, ball, depths, scenes, share, spectral, with_layers};
 use crate::images::{at_width, parse};
 use crate::openimageio::{decode, idiff_agrees, idiff_agrees_within, oiiotool};
 
@@ -20,14 +20,14 @@ fn threads_and_instructions_give_the_same_file() {
     let folder = tempfile::tempdir().unwrap();
     let layers = Layers {
         spectral: Some(Wavelengths::new(400, 700, 100).unwrap()),
-        ..ALL
+        ..all()
     };
     for (name, scene) in spectral(scenes(&folder, 10)) {
         let (world, camera) = World::new(&scene).unwrap();
         let file = |threads, simd| {
             let options = Options {
                 samples: 3,
-                layers,
+                layers: layers.clone(),
                 simd,
                 ..Options::default()
             };
@@ -71,7 +71,7 @@ fn oiiotool_adds_the_lights_up() {
     scene
         .objects
         .retain(|object| !matches!(object.value, Object::Plane { .. }));
-    let film = with_layers(&scene, 4, ALL);
+    let film = with_layers(&scene, 4, all());
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write(&film, &folder.join("a.exr"), Precision::Float);
@@ -123,7 +123,7 @@ fn oiiotool_composes_by_depth() {
         ("wall.exr", camera[..ball_alone].to_owned() + &tilted),
         ("both.exr", camera.clone() + &tilted),
     ] {
-        let film = with_layers(&parse(&text), 1, depth);
+        let film = with_layers(&parse(&text), 1, depth.clone());
         write(&film, &folder.join(name), Precision::Float);
     }
     for order in ["ball.exr wall.exr", "wall.exr ball.exr"] {
@@ -148,12 +148,12 @@ fn oiiotool_composes_by_depth() {
 fn depth_stays_float() {
     let mut scene = at_width(Scene::builtin(), 120);
     scene.lights.truncate(1);
-    let film = with_layers(&scene, 1, ALL);
+    let film = with_layers(&scene, 1, all());
     let kinds: Vec<ChannelKind> = film.channels().list.iter().map(|c| c.kind).collect();
     let expected = [
         [ChannelKind::Light; 3].as_slice(),
+        &[ChannelKind::Relative; 3],
         &[ChannelKind::Data],
-        &[ChannelKind::Direction; 3],
     ];
     assert_eq!(kinds, expected.concat());
     let folder = tempfile::tempdir().unwrap();

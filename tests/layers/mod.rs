@@ -2,10 +2,11 @@
 //! alone, the oracle, OpenImageIO), and that nothing else changes.
 
 mod files;
+mod terms;
 
 use candela::image::{BACKGROUND_DEPTH, Film, Window};
 use candela::oracle::Oracle;
-use candela::render::{self, Job, Layers, Options, Renderer};
+use candela::render::{self, Job, Layers, Options, Relight, Renderer};
 use candela::scene::{Scene, Transport, Value};
 use candela::world::{Wavelengths, World};
 
@@ -23,23 +24,23 @@ const CLOSED_FORM: f64 = 1.001 * F32_ROUNDING;
 /// Half the smallest f32: what narrowing may change where that is more.
 const F32_UNDERFLOW: f64 = 1e-45;
 
-const ALL: Layers = Layers {
-    lights: true,
-    depth: true,
-    normal: true,
-    spectral: None,
-    error: false,
-    samples: false,
-};
+fn all() -> Layers {
+    Layers {
+        lights: true,
+        relight: Relight::Never,
+        depth: true,
+        normal: true,
+        ..Layers::default()
+    }
+}
 
-const LIGHTS: Layers = Layers {
-    lights: true,
-    depth: false,
-    normal: false,
-    spectral: None,
-    error: false,
-    samples: false,
-};
+fn lights() -> Layers {
+    Layers {
+        lights: true,
+        relight: Relight::Never,
+        ..Layers::default()
+    }
+}
 
 fn with_layers(scene: &Scene, samples: u32, layers: Layers) -> Film {
     let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
@@ -128,7 +129,7 @@ fn on_image_plane(pixel: usize) -> [f64; 2] {
 #[test]
 fn depth_is_along_the_view_axis() {
     let text = ball("perspective]\nvertical_fov = 90") + WALL;
-    let film = with_layers(&parse(&text), 1, ALL);
+    let film = with_layers(&parse(&text), 1, all());
     let mut on_ball = 0;
     for (pixel, &depth) in depths(&film).iter().enumerate() {
         let [x, y] = on_image_plane(pixel);
@@ -150,7 +151,7 @@ fn depth_is_along_the_view_axis() {
 /// Seen in parallel, with the image plane 3 units high: N is the place on the unit ball itself.
 #[test]
 fn normals_of_a_ball_are_its_points() {
-    let film = with_layers(&parse(&ball("orthographic]\nheight = 3")), 1, ALL);
+    let film = with_layers(&parse(&ball("orthographic]\nheight = 3")), 1, all());
     let mut on_ball = 0;
     for (pixel, (normal, depth)) in normals(&film).into_iter().zip(depths(&film)).enumerate() {
         let [x, y] = on_image_plane(pixel).map(|x| 1.5 * x);
@@ -179,7 +180,7 @@ fn normals_are_turned_towards_the_viewer() {
     for (eye, expected) in [("[0, 3, 5]", 1.0), ("[0, 3, -9]", -1.0)] {
         let text = text.replace("eye = [0, 0, 5]", &format!("eye = {eye}"));
         let text = text.replace("look_at = [0, 0, 0]", "look_at = [0, 3, -3]");
-        let film = with_layers(&parse(&text), 1, ALL);
+        let film = with_layers(&parse(&text), 1, all());
         for normal in normals(&film) {
             assert_eq!(normal, [0.0, 0.0, expected]);
             assert!(normal.iter().all(|c| c.to_bits() != (-0.0_f32).to_bits()));
@@ -216,7 +217,7 @@ fn samples_are_averaged_but_for_depth() {
         "[[0, -9, 0], [0, 9, 0], [-9, 0, 0]]",
         "[[9, 9, 9], [9, 8, 9], [9, 9, 8]]",
     );
-    let film = with_layers(&parse(QUARTERS), 1024, ALL);
+    let film = with_layers(&parse(QUARTERS), 1024, all());
     assert_eq!(film.pixels()[0][3], 0.75);
     // The pixel is a micrometre wide.
     const WIDTH: f64 = 1e-6;
@@ -229,7 +230,7 @@ fn samples_are_averaged_but_for_depth() {
     // A mean of 2 m, 3 m and nothing would be no depth of anything.
     close(depths(&film)[0], 2.0);
     close(
-        depths(&with_layers(&parse(&without_near), 1024, ALL))[0],
+        depths(&with_layers(&parse(&without_near), 1024, all()))[0],
         3.0,
     );
     let tilted = 0.5_f64.sqrt();
@@ -277,7 +278,7 @@ fn a_share_is_the_film_of_one_light() {
             None => Transport::Rgb,
         };
         for samples in [1, 3] {
-            let film = with_layers(&scene, samples, LIGHTS);
+            let film = with_layers(&scene, samples, lights());
             let alone = |scene: &Scene| -> Vec<[u32; 3]> {
                 let film = film_of(scene, samples);
                 let pixels = film.pixels().iter();
@@ -321,12 +322,12 @@ fn shares_add_up_to_red_green_blue() {
     let folder = tempfile::tempdir().unwrap();
     for (name, scene) in scenes(&folder, 50) {
         for samples in [1, 4] {
-            let film = with_layers(&scene, samples, LIGHTS);
+            let film = with_layers(&scene, samples, lights());
             for (pixel, rgba) in film.pixels().iter().enumerate() {
                 for (channel, &color) in rgba[..3].iter().enumerate() {
-                    let shares = film.values(pixel).iter().skip(channel).step_by(3);
+                    let shares = film.values(pixel).into_iter().skip(channel).step_by(3);
                     let (mut sum, mut magnitude, mut count) = (0.0, f64::from(color.abs()), 1.0);
-                    for &share in shares {
+                    for share in shares {
                         sum += f64::from(share);
                         magnitude += f64::from(share.abs());
                         count += 1.0;
@@ -353,7 +354,7 @@ fn layers_leave_each_other_as_they_are() {
         for samples in [1, 3] {
             let every = Layers {
                 spectral: wavelengths,
-                ..ALL
+                ..all()
             };
             let every = with_layers(&scene, samples, every);
             let bands = 7;
@@ -361,22 +362,22 @@ fn layers_leave_each_other_as_they_are() {
             let bits_of_every = value_bits(&every);
             for (layers, range) in [
                 (Layers::default(), 0..0),
-                (LIGHTS, 0..of_lights),
+                (lights(), 0..of_lights),
                 (
                     Layers {
                         lights: false,
                         normal: false,
-                        ..ALL
+                        ..all()
                     },
-                    of_lights..of_lights + 1,
+                    of_lights + 3..of_lights + 4,
                 ),
                 (
                     Layers {
                         lights: false,
                         depth: false,
-                        ..ALL
+                        ..all()
                     },
-                    of_lights + 1..of_lights + 4,
+                    of_lights..of_lights + 3,
                 ),
                 (
                     Layers {
@@ -386,7 +387,7 @@ fn layers_leave_each_other_as_they_are() {
                     of_lights + 4..of_lights + 4 + bands,
                 ),
             ] {
-                let film = with_layers(&scene, samples, layers);
+                let film = with_layers(&scene, samples, layers.clone());
                 assert!(bits(&film) == bits(&every), "{name} {layers:?}");
                 assert_eq!(film.channels().list, every.channels().list[range.clone()]);
                 let some = bits_of_every.iter().map(|bits| &bits[range.clone()]);
@@ -421,7 +422,7 @@ fn the_oracle_agrees() {
     let figures = [("depth", DEPTH), ("normal", NORMAL), ("share", SHARE)];
     let mut worst = figures.map(|(what, figure)| Measured::new(what, figure));
     for (name, scene) in scenes(&folder, 50) {
-        let film = with_layers(&scene, 1, ALL);
+        let film = with_layers(&scene, 1, all());
         let oracle = Oracle::new(&scene);
         let width = oracle.resolution()[0] as usize;
         let (depths, normals) = (depths(&film), normals(&film));
@@ -466,7 +467,7 @@ fn the_oracle_agrees() {
             } else {
                 let rendered = Rendered {
                     pixel: film.pixels()[pixel],
-                    shares: film.values(pixel),
+                    shares: &film.values(pixel),
                 };
                 let is_flip = is_flip(&oracle, &scene, at, &rendered, floor);
                 assert!(is_flip, "{name} at {at:?}: {errors:?}");
@@ -497,11 +498,11 @@ fn a_part_has_the_layers_of_the_whole() {
         height: 17,
     };
     for samples in [3, 300] {
-        let whole = with_layers(&scene, samples, ALL);
+        let whole = with_layers(&scene, samples, all());
         let options = Options {
             samples,
             window: Some(window),
-            layers: ALL,
+            layers: all(),
             ..Options::default()
         };
         let part = render::render(&world, &camera, &options).unwrap();
@@ -509,7 +510,7 @@ fn a_part_has_the_layers_of_the_whole() {
             let in_whole = (y * camera.resolution()[0] + x) as usize;
             let bits =
                 |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
-            assert_eq!(bits(part.values(pixel)), bits(whole.values(in_whole)));
+            assert_eq!(bits(&part.values(pixel)), bits(&whole.values(in_whole)));
         }
     }
 }
@@ -526,7 +527,7 @@ fn shares_beyond_f32_are_clamped_and_counted() {
     let renderer = Renderer::new(&world).unwrap();
     let options = Options {
         samples: 64,
-        layers: ALL,
+        layers: all(),
         ..Options::default()
     };
     let (film, counts) = renderer.film(&camera, &options, &Job::new()).unwrap();
@@ -539,10 +540,10 @@ fn shares_beyond_f32_are_clamped_and_counted() {
 fn no_lights_have_no_shares() {
     let mut scene = parse(QUARTERS);
     scene.lights.clear();
-    let film = with_layers(&scene, 1, LIGHTS);
+    let film = with_layers(&scene, 1, lights());
     assert_eq!(film.channels().list.len(), 3);
     scene.image.background.value = Value::ZERO;
-    let film = with_layers(&scene, 1, LIGHTS);
+    let film = with_layers(&scene, 1, lights());
     assert!(film.channels().list.is_empty());
     assert_eq!(film.pixels().len(), 1);
 }

@@ -1,6 +1,7 @@
 //! EXR files as other programs have them: which channels, in which colors, and what is said where they
 //! are not shown; and pictures of other formats.
 
+mod brightness;
 mod channels;
 mod chroma;
 mod color;

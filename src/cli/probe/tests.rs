@@ -33,6 +33,7 @@ fn scene() -> Scene {
     let light = |position: [f64; 3], intensity| Light::Point {
         position: position.into(),
         intensity: Spanned::from(intensity),
+        group: None,
     };
     Scene {
         source: Arc::new(Source {
@@ -254,6 +255,7 @@ fn the_table_of_a_floor_under_spots() {
         inner: 20.0.into(),
         outer: 30.0.into(),
         falloff: candela::scene::Falloff::Gltf,
+        group: None,
     };
     let mut scene = scene();
     let (sin, cos) = 25.0_f64.to_radians().sin_cos();

@@ -1,7 +1,10 @@
 //! `--layers`, `--wavelengths` and `--transport`: what is rendered beside R, G, B and A, and what it
 //! asks of the way of light.
 
-use candela::render::{BACKGROUND_LIGHT, Layers};
+use std::path::PathBuf;
+
+use candela::internal::printable;
+use candela::render::{BACKGROUND_LIGHT, Layers, MatteRanks, Relight};
 use candela::scene::diagnostic::nearest;
 use candela::scene::{Scene, Transport};
 use candela::spectrum::{FIRST, LAST};
@@ -9,23 +12,46 @@ use candela::world::{Wavelengths, World};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::Failure;
+use super::values::named;
 
 /// A layer that is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Layer {
     Lights,
+    LightDiffuse,
+    LightSpecular,
+    Relight,
+    NoRelight,
+    Diffuse,
+    Specular,
+    Albedo,
+    Irradiance,
     Depth,
+    Position,
     Normal,
+    Shadow,
+    Cryptomatte,
     Spectral,
     Error,
     Samples,
 }
 
 impl Layer {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 17] = [
         Self::Lights,
+        Self::LightDiffuse,
+        Self::LightSpecular,
+        Self::Relight,
+        Self::NoRelight,
+        Self::Diffuse,
+        Self::Specular,
+        Self::Albedo,
+        Self::Irradiance,
         Self::Depth,
+        Self::Position,
         Self::Normal,
+        Self::Shadow,
+        Self::Cryptomatte,
         Self::Spectral,
         Self::Error,
         Self::Samples,
@@ -34,55 +60,116 @@ impl Layer {
     const fn name(self) -> &'static str {
         match self {
             Self::Lights => "lights",
+            Self::LightDiffuse => "light-diffuse",
+            Self::LightSpecular => "light-specular",
+            Self::Relight => "relight",
+            Self::NoRelight => "no-relight",
+            Self::Diffuse => "diffuse",
+            Self::Specular => "specular",
+            Self::Albedo => "albedo",
+            Self::Irradiance => "irradiance",
             Self::Depth => "depth",
+            Self::Position => "position",
             Self::Normal => "normal",
+            Self::Shadow => "shadow",
+            Self::Cryptomatte => "cryptomatte",
             Self::Spectral => "spectral",
             Self::Error => "error",
             Self::Samples => "samples",
         }
     }
+
+    /// Whether names of lights may follow.
+    const fn is_by_light(self) -> bool {
+        match self {
+            Self::Lights | Self::LightDiffuse | Self::LightSpecular | Self::Shadow => true,
+            Self::Relight
+            | Self::NoRelight
+            | Self::Diffuse
+            | Self::Specular
+            | Self::Albedo
+            | Self::Irradiance
+            | Self::Depth
+            | Self::Position
+            | Self::Normal
+            | Self::Cryptomatte
+            | Self::Spectral
+            | Self::Error
+            | Self::Samples => false,
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layer| layer.name() == name)
+    }
 }
 
-/// Layers that have a name but are not made yet.
-const PLANNED: [&str; 7] = [
-    "diffuse",
-    "specular",
-    "albedo",
-    "irradiance",
-    "position",
-    "shadow",
-    "cryptomatte",
-];
+/// What one `--layers` asks for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct LayerList {
+    layers: Vec<Layer>,
+    /// The lights after `lights=`.
+    only: Vec<String>,
+    /// `object` or `material`.
+    mattes: Option<Mattes>,
+}
+
+/// Which mattes are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mattes {
+    Object,
+    Material,
+}
 
 /// The options about layers.
 #[derive(Debug, clap::Args)]
 pub(super) struct LayerArguments {
-    /// What the EXR holds beside R, G, B and A, separated by commas: `lights`, each light's share as
-    /// `light_NAME.R`, `.G`, `.B`; `depth`, the distance along the view axis as `Z`; `normal`, in
-    /// world space, as `N.X`, `.Y`, `.Z`; `spectral`, L(λ) as `S0.550,000000nm`, …, at --wavelengths;
-    /// `error`, how far a pixel is off, and `error_kind`, with --max-error; `samples`, those taken
+    /// What the EXR holds beside R, G, B and A, separated by commas: `lights`, `diffuse`, `specular`, `albedo`,
+    /// `irradiance`, `depth`, `position`, `normal`, `shadow`, `cryptomatte`, `spectral`, `error`, `samples`, and for
+    /// each light `light-diffuse`, `light-specular`
     ///
-    /// All are made in the same pass as R, G, B and A, and leave these as they are.
+    /// All are made in the same pass as R, G, B and A, and leave these as they are. docs/layers.md says more of each.
     ///
-    /// lights: in cd/m², through the box filter like R, G and B. They add up to R, G and B, with
-    /// `light_background` among them where the scene has a background.
+    /// lights: each light's share, `light_NAME.R`, `.G`, `.B`, in cd/m², through the box filter like R, G and B. They
+    /// add up to R, G and B, with `light_background` among them where the scene has a background. Lights with a
+    /// `group` in the scene have one share together, `light_GROUP`. `lights=key,fill` makes those of these lights or
+    /// groups alone. `candela relight` makes a picture with other lights of them.
     ///
-    /// depth: in scene units, of the pixel's nearest sample; 1e10 where nothing is hit. Always FLOAT.
+    /// light-diffuse, light-specular: the two lobes of each share, `light_NAME_diffuse.R`, … ; `=key,fill` as well.
     ///
-    /// normal: as the equation uses it, turned towards the viewer, through the box filter; 0 where
-    /// nothing is hit.
+    /// diffuse, specular: the two terms of L8 of all lights, `diffuse.R`, …, `specular.R`, … With `background.R`, …
+    /// where the scene has a background, they add up to R, G and B.
     ///
-    /// spectral: in W/(m² sr nm), in the layout of spectral EXR images (JCGT 2021). A scene with
-    /// `transport = "auto"` carries light spectrally then. The cost is in proportion to bands and
-    /// pixels, not to samples: 41 bands take about a fifth longer to render at 4 samples a pixel, 4
-    /// bytes for each band and pixel, and several seconds to compress where the image is large.
+    /// albedo: k_d, `albedo.R`, …, 0 where nothing is hit. irradiance: the illuminance of the surface in lux,
+    /// `irradiance`; always FLOAT. shadow: V of each light, `shadow_NAME`, 0 to 1; `=key,fill` as well. All through
+    /// the box filter.
+    ///
+    /// depth: the distance along the view axis, `Z`, in scene units, of the pixel's nearest sample; 1e10 where
+    /// nothing is hit. position: where that sample is, `P.X`, `.Y`, `.Z`. Always FLOAT.
+    ///
+    /// normal: in world space, `N.X`, `.Y`, `.Z`, as the equation uses it, turned towards the viewer, through the box
+    /// filter; 0 where nothing is hit.
+    ///
+    /// cryptomatte: mattes of objects and materials, `CryptoObject00.R`, …, `CryptoMaterial00.R`, …, by Psyop's
+    /// specification; `=object` or `=material` alone. Always FLOAT.
+    ///
+    /// spectral: L(λ) as `S0.550,000000nm`, …, at --wavelengths, in W/(m² sr nm), in the layout of spectral EXR
+    /// images (JCGT 2021). A scene with `transport = "auto"` carries light spectrally then. Programs that show
+    /// pictures may not like so many channels: --spectral-output writes them to a file of their own.
     ///
     /// error: in cd/m², of the largest of R, G and B. `error_kind` is 0 where it is a bound, which is
-    /// proven, and 1 where it is an estimate. Both are always FLOAT.
+    /// proven, and 1 where it is an estimate; with --max-error. samples: how many were taken of the pixel; 0 where
+    /// its edges were integrated. Always FLOAT.
     ///
-    /// samples: how many were taken of the pixel; 0 where its edges were integrated. Always FLOAT.
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = layer)]
-    layers: Vec<Layer>,
+    /// Where light is carried spectrally, `lights` also makes `relight_NAME.flat`, `.1`, …, what a light of another
+    /// color needs, if that takes at most 256 channels; `relight` makes it in any case, `no-relight` in none.
+    #[arg(long, value_name = "LIST", value_parser = layer_list)]
+    layers: Vec<LayerList>,
+
+    /// How many names a pixel may have in each matte of --layers cryptomatte: those that cover most of it, from 1 to
+    /// 200, two for each layer of the file [default: 6]
+    #[arg(long, value_name = "N", value_parser = matte_ranks)]
+    cryptomatte_levels: Option<MatteRanks>,
 
     /// Where `--layers spectral` has its bands, in whole nm from 360 to 830, both ends included
     /// [default: 380:780:10]
@@ -91,6 +178,11 @@ pub(super) struct LayerArguments {
     /// neighbors, so that narrow lines between two bands are not lost.
     #[arg(long, value_name = "START:END:STEP", value_parser = wavelengths, allow_hyphen_values = true)]
     wavelengths: Option<Wavelengths>,
+
+    /// Write the bands of --layers spectral to a file of their own, with R, G, B and A, beside the picture: many
+    /// programs do not read a picture with dozens of channels
+    #[arg(long, value_name = "BANDS.exr", value_parser = named("exr"))]
+    pub(super) spectral_output: Option<PathBuf>,
 
     /// How light is carried, instead of what the scene says: `rgb`, `spectral`, or `auto`, which
     /// is spectral if anything in the scene is a spectrum
@@ -104,17 +196,34 @@ impl LayerArguments {
     pub(super) fn misuse(&self, has_target: bool) -> Option<String> {
         let twice = Layer::ALL
             .into_iter()
-            .find(|&layer| self.layers.iter().filter(|&&other| other == layer).count() > 1);
+            .find(|&layer| self.asked().filter(|&other| other == layer).count() > 1);
         if let Some(layer) = twice {
             return Some(format!(
                 "--layers has `{}` twice; say it once",
                 layer.name()
             ));
         }
+        if self.has(Layer::Relight) && self.has(Layer::NoRelight) {
+            return Some("--layers has `relight` and `no-relight`; leave one out".to_owned());
+        }
         if self.has(Layer::Error) && !has_target {
             return Some(
                 "--layers error says how far pixels are off, which is known with --max-error alone; add it, \
                  or leave `error` out"
+                    .to_owned(),
+            );
+        }
+        if self.cryptomatte_levels.is_some() && !self.has(Layer::Cryptomatte) {
+            return Some(
+                "--cryptomatte-levels is about --layers cryptomatte, which is not asked for; add it, or leave \
+                 --cryptomatte-levels out"
+                    .to_owned(),
+            );
+        }
+        if self.spectral_output.is_some() && !self.is_spectral() {
+            return Some(
+                "--spectral-output is where the bands of --layers spectral go, which are not asked for; add it, or \
+                 leave --spectral-output out"
                     .to_owned(),
             );
         }
@@ -131,8 +240,14 @@ impl LayerArguments {
         })
     }
 
+    fn asked(&self) -> impl Iterator<Item = Layer> {
+        self.layers
+            .iter()
+            .flat_map(|list| list.layers.iter().copied())
+    }
+
     fn has(&self, layer: Layer) -> bool {
-        self.layers.contains(&layer)
+        self.asked().any(|asked| asked == layer)
     }
 
     fn is_spectral(&self) -> bool {
@@ -142,10 +257,35 @@ impl LayerArguments {
     /// The layers to render.
     pub(super) fn layers(&self) -> Layers {
         let wavelengths = self.wavelengths.unwrap_or_default();
+        let only = self
+            .layers
+            .iter()
+            .flat_map(|list| list.only.iter().cloned());
+        let only: Vec<String> = only.collect();
+        let mattes = self.layers.iter().find_map(|list| list.mattes);
         Layers {
             lights: self.has(Layer::Lights),
+            light_diffuse: self.has(Layer::LightDiffuse),
+            light_specular: self.has(Layer::LightSpecular),
+            only: (!only.is_empty()).then_some(only),
+            relight: if self.has(Layer::Relight) {
+                Relight::Always
+            } else if self.has(Layer::NoRelight) {
+                Relight::Never
+            } else {
+                Relight::Auto
+            },
+            diffuse: self.has(Layer::Diffuse),
+            specular: self.has(Layer::Specular),
+            albedo: self.has(Layer::Albedo),
+            irradiance: self.has(Layer::Irradiance),
             depth: self.has(Layer::Depth),
+            position: self.has(Layer::Position),
             normal: self.has(Layer::Normal),
+            shadow: self.has(Layer::Shadow),
+            object_mattes: self.has(Layer::Cryptomatte) && mattes != Some(Mattes::Material),
+            material_mattes: self.has(Layer::Cryptomatte) && mattes != Some(Mattes::Object),
+            matte_ranks: self.cryptomatte_levels.unwrap_or_default(),
             spectral: self.is_spectral().then_some(wavelengths),
             error: self.has(Layer::Error),
             samples: self.has(Layer::Samples),
@@ -172,10 +312,14 @@ impl LayerArguments {
                     .into(),
             );
         }
-        // Of all names that a scene may hold, this alone can make a channel twice.
-        let channels = self.layers().channels(world).list;
-        let named = |name: &str| channels.iter().filter(|c| c.name == name).count();
-        if named(&format!("light_{BACKGROUND_LIGHT}.R")) > 1 {
+        let layers = self.layers();
+        if let Some(only) = &layers.only {
+            check_names(only, world)?;
+        }
+        let Some(channel) = layers.collision(world) else {
+            return Ok(());
+        };
+        if channel.starts_with(&format!("light_{BACKGROUND_LIGHT}.")) {
             return Err(format!(
                 "--layers lights gives the background's share the name \
                  `light_{BACKGROUND_LIGHT}`, but there is a light `{BACKGROUND_LIGHT}`; rename the \
@@ -183,27 +327,115 @@ impl LayerArguments {
             )
             .into());
         }
-        Ok(())
+        Err(format!(
+            "--layers makes two channels `{}`: a lobe of one light has the name of another light; rename one of \
+             the lights, or leave `light-diffuse` and `light-specular` out",
+            printable(&channel)
+        )
+        .into())
     }
 }
 
-fn layer(name: &str) -> Result<Layer, String> {
-    let name = name.trim();
-    if let Some(layer) = Layer::ALL.into_iter().find(|layer| layer.name() == name) {
-        return Ok(layer);
-    }
-    let made = Layer::ALL.map(Layer::name);
-    if PLANNED.contains(&name) {
+/// Whether there are lights, or groups of lights, of all these names.
+fn check_names(only: &[String], world: &World) -> Result<(), Failure> {
+    let of_light = |light: usize| {
+        let name = world.lights()[light].name.as_str();
+        world.light_group(light).unwrap_or(name)
+    };
+    let lights = 0..world.lights().len();
+    let mut names: Vec<&str> = lights.clone().map(of_light).collect();
+    names.push(BACKGROUND_LIGHT);
+    for name in only {
+        if names.contains(&name.as_str()) {
+            continue;
+        }
+        let grouped = lights
+            .clone()
+            .find(|&light| world.lights()[light].name == *name);
+        if let Some(group) = grouped.and_then(|light| world.light_group(light)) {
+            return Err(format!(
+                "--layers: the light `{}` is in the group `{}`, which has one layer for all its lights; write `{}`",
+                printable(name),
+                printable(group),
+                printable(group)
+            )
+            .into());
+        }
+        let meant = nearest(name, names.iter().copied());
+        let meant = meant.map_or(String::new(), |meant| {
+            format!("; did you mean `{}`?", printable(meant))
+        });
         return Err(format!(
-            "layer `{name}` is not supported yet; there is {}",
-            made.join(", ")
-        ));
+            "--layers: there is no layer and no light `{}`{meant}",
+            printable(name)
+        )
+        .into());
     }
-    let names = made.into_iter().chain(PLANNED);
-    Err(match nearest(name, names) {
+    Ok(())
+}
+
+/// Layers, and after `lights=` lights up to the next layer.
+fn layer_list(text: &str) -> Result<LayerList, String> {
+    let mut list = LayerList::default();
+    let mut takes_names = false;
+    for item in text.split(',') {
+        let item = item.trim();
+        let (name, value) = match item.split_once('=') {
+            Some((name, value)) => (name.trim(), Some(value.trim())),
+            None => (item, None),
+        };
+        let quoted = item
+            .strip_prefix('"')
+            .and_then(|rest| rest.strip_suffix('"'));
+        if let Some(name) = quoted.filter(|_| takes_names) {
+            list.only.push(name.to_owned());
+            continue;
+        }
+        let layer = match Layer::named(name) {
+            Some(layer) => layer,
+            None if takes_names && value.is_none() => {
+                list.only.push(name.to_owned());
+                continue;
+            }
+            None => return Err(no_layer(name)),
+        };
+        list.layers.push(layer);
+        takes_names = false;
+        match (layer, value) {
+            (_, None) => {}
+            (layer, Some(light)) if layer.is_by_light() => {
+                let quoted = light
+                    .strip_prefix('"')
+                    .and_then(|rest| rest.strip_suffix('"'));
+                list.only.push(quoted.unwrap_or(light).to_owned());
+                takes_names = true;
+            }
+            (Layer::Cryptomatte, Some("object")) => list.mattes = Some(Mattes::Object),
+            (Layer::Cryptomatte, Some("material")) => list.mattes = Some(Mattes::Material),
+            (Layer::Cryptomatte, Some(_)) => {
+                return Err("expected cryptomatte=object or cryptomatte=material".to_owned());
+            }
+            (layer, Some(_)) => {
+                return Err(format!("`{}` takes no names of lights", layer.name()));
+            }
+        }
+    }
+    Ok(list)
+}
+
+fn no_layer(name: &str) -> String {
+    let names = Layer::ALL.map(Layer::name);
+    match nearest(name, names) {
         Some(nearest) => format!("there is no layer `{name}`; did you mean `{nearest}`?"),
-        None => format!("there is no layer `{name}`; there is {}", made.join(", ")),
-    })
+        None => format!("there is no layer `{name}`; there is {}", names.join(", ")),
+    }
+}
+
+fn matte_ranks(text: &str) -> Result<MatteRanks, String> {
+    let count: Option<usize> = text.parse().ok();
+    count
+        .and_then(MatteRanks::new)
+        .ok_or_else(|| format!("expected a number from 1 to {}", MatteRanks::MOST))
 }
 
 fn wavelengths(text: &str) -> Result<Wavelengths, String> {

@@ -12,6 +12,8 @@ use crate::cli::{Failure, refuse_same_files, refuse_terminal};
 /// Where a render's files go.
 pub(super) struct Outputs {
     pub(super) exr: PathBuf,
+    /// Of the bands of a spectral image, where they have a file of their own.
+    pub(super) bands: Option<PathBuf>,
     preview: Option<PathBuf>,
     pub(super) statistics: Option<PathBuf>,
 }
@@ -21,6 +23,7 @@ impl Outputs {
         let exr = arguments.output.clone();
         Self {
             exr: exr.unwrap_or_else(|| default_output(arguments)),
+            bands: arguments.layers.spectral_output.clone(),
             preview: arguments.preview.clone(),
             statistics: arguments.stats.clone(),
         }
@@ -30,6 +33,7 @@ impl Outputs {
     pub(super) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         let all = [
             Some(&self.exr),
+            self.bands.as_ref(),
             self.preview.as_ref(),
             self.statistics.as_ref(),
         ];
@@ -37,8 +41,8 @@ impl Outputs {
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         refuse_same_files(&inputs, &all)?;
         refuse_terminal(&self.exr)?;
-        if let Some(preview) = &self.preview {
-            refuse_terminal(preview)?;
+        for other in [&self.bands, &self.preview].into_iter().flatten() {
+            refuse_terminal(other)?;
         }
         for output in all {
             output::check(output)?;

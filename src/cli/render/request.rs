@@ -21,6 +21,10 @@ pub(super) struct Request {
     pub(super) exr: ExrOptions,
     /// Whether a preview is made of the file.
     pub(super) preserve: Preserve,
+    /// Of the whole image.
+    resolution: [u32; 2],
+    /// Whether the bands of a spectral image have a file of their own.
+    has_bands_apart: bool,
 }
 
 impl Request {
@@ -51,7 +55,10 @@ impl Request {
                 },
                 compression: arguments.compression,
                 chromaticities: arguments.chromaticities,
+                full_window: arguments.full_window,
             },
+            resolution: camera.resolution(),
+            has_bands_apart: arguments.layers.spectral_output.is_some(),
             preserve: match arguments.preview {
                 Some(_) => Preserve::Image,
                 None => Preserve::Nothing,
@@ -81,7 +88,7 @@ impl Request {
 
     /// Whether the file can hold what is asked for, and the memory what it takes on the way.
     pub(super) fn check(&self, world: &World) -> Result<(), Failure> {
-        let layers = self.options.layers;
+        let layers = &self.options.layers;
         let channels = layers.channels(world);
         self.exr.check(self.window, &channels)?;
         let spectral = world.spectra().zip(layers.spectral);
@@ -90,11 +97,16 @@ impl Request {
         });
         let threads = rayon::current_num_threads();
         let values = 4 + channels.list.len() as u64;
-        let film = match self.options.target {
-            // The whole film is there before its header is written.
-            Some(_) => self.window.count().saturating_mul(4 * values),
-            None => 0,
+        // The whole film is there where its header says what came of it, and where it is written in another shape.
+        let films = u64::from(self.options.target.is_some())
+            + u64::from(self.exr.full_window)
+            + 2 * u64::from(self.has_bands_apart);
+        let pixels = if self.exr.full_window {
+            self.resolution.map(u64::from).into_iter().product()
+        } else {
+            self.window.count()
         };
+        let film = pixels.saturating_mul(4 * values).saturating_mul(films);
         let [pixels, all] = [Preserve::Nothing, self.preserve].map(|preserve| {
             let parts = render::memory(self.window, &channels, &self.exr, preserve, threads);
             parts.saturating_add(film)
@@ -109,7 +121,7 @@ fn fits_in_memory(
     pixels: u64,
     preview: u64,
     table: u64,
-    layers: Layers,
+    layers: &Layers,
     channels: &Channels,
 ) -> Result<(), Failure> {
     let mut rows: Vec<u8> = Vec::new();
@@ -164,10 +176,10 @@ mod tests {
             ..Layers::default()
         };
         let channels = layers.channels(&World::new(&Scene::builtin()).unwrap().0);
-        assert!(fits_in_memory(1000, 0, 1000, layers, &channels).is_ok());
+        assert!(fits_in_memory(1000, 0, 1000, &layers, &channels).is_ok());
         // 2⁵⁸ numbers are 2⁶¹ bytes, more than any machine addresses.
         let message = |table| {
-            let error = fits_in_memory(1000, 0, table, layers, &channels).unwrap_err();
+            let error = fits_in_memory(1000, 0, table, &layers, &channels).unwrap_err();
             error.to_string()
         };
         for table in [1 << 58, u64::MAX] {
@@ -187,22 +199,22 @@ mod tests {
             message(1 << 58)
         );
 
-        let rows = |layers, channels| {
+        let rows = |layers: &Layers, channels| {
             let error = fits_in_memory(1 << 61, 0, 0, layers, channels).unwrap_err();
             error.to_string()
         };
-        let message = rows(layers, &channels);
+        let message = rows(&layers, &channels);
         assert!(message.contains("2305843009.2 GB"), "{message}");
         assert!(
             message.contains("fewer --wavelengths or a smaller"),
             "{message}"
         );
-        let message = rows(Layers::default(), &Channels::default());
+        let message = rows(&Layers::default(), &Channels::default());
         assert!(
             message.contains("choose a smaller `resolution`"),
             "{message}"
         );
-        let error = fits_in_memory(1000, 1 << 61, 0, layers, &channels).unwrap_err();
+        let error = fits_in_memory(1000, 1 << 61, 0, &layers, &channels).unwrap_err();
         let message = error.to_string();
         assert!(message.contains("leave --preview out"), "{message}");
     }

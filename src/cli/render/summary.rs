@@ -3,8 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use candela::display::exposure::scale;
-use candela::display::{self, Exposure, LOOKS_BLACK, MANY_CLIPPED, digits};
+use candela::display::{Exposure, LOOKS_BLACK, MANY_CLIPPED, Report, View, digits};
 use candela::exr::ExrReport;
 use candela::image::Window;
 use candela::internal::printable_path;
@@ -31,7 +30,7 @@ pub(super) struct Summary<'a> {
     pub(super) counts: Counts,
     pub(super) exr: ExrReport,
     /// Of the preview, where there is one.
-    pub(super) developed: Option<display::Report>,
+    pub(super) developed: Option<Report>,
     /// What a viewer missed.
     pub(super) unseen: Option<String>,
     /// From the first camera ray to the last pixel.
@@ -69,6 +68,9 @@ impl Summary<'_> {
             self.seconds,
         )];
         lines.extend(self.arguments.accuracy.outcome(&self.counts.errors));
+        if let Some(bands) = &self.arguments.layers.spectral_output {
+            lines.push(format!("{}: its bands", name(bands)));
+        }
         if let (Some(preview), Some(developed)) = (&self.arguments.preview, &self.developed) {
             // What is chosen may be repeated with `tonemap`.
             let exposure = match self.arguments.development.exposure() {
@@ -132,15 +134,6 @@ impl Summary<'_> {
     /// Whether the picture is black, or blown out: as the preview shows it, or else as `candela tonemap`
     /// would without options.
     fn of_brightness(&self) -> Option<String> {
-        let (brightest, clipped, ev, tonemap) = match &self.developed {
-            Some(report) => (report.brightest, report.clipped, report.ev, String::new()),
-            None => (
-                f64::from(self.counts.brightest),
-                self.counts.beyond_white as f64 / self.window.count() as f64,
-                0.0,
-                format!(" of `candela tonemap {}`", printable_path(self.output)),
-            ),
-        };
         if self.counts.brightest == 0.0 {
             return Some(format!(
                 "the picture is black: light reaches what is in view, but its intensity is 0 or all of it \
@@ -148,30 +141,29 @@ impl Summary<'_> {
                 self.probe(),
             ));
         }
-        let white = 1.0 / scale(ev);
-        if brightest < LOOKS_BLACK * white {
+        match &self.developed {
+            Some(report) => of_shown(report),
+            None => self.of_light(),
+        }
+    }
+
+    /// As `candela tonemap` would show it without options.
+    fn of_light(&self) -> Option<String> {
+        let brightest = f64::from(self.counts.brightest);
+        let clipped = self.counts.beyond_white as f64 / self.window.count() as f64;
+        let tonemap = format!("of `candela tonemap {}`", printable_path(self.output));
+        if brightest < LOOKS_BLACK {
             return Some(format!(
-                "the brightest pixel has {} cd/m², where the screen's white is {}: {}{tonemap}",
+                "the brightest pixel has {} cd/m², where the screen's white is 1: try --auto-exposure \
+                 {tonemap}",
                 digits(brightest),
-                digits(white),
-                match &self.developed {
-                    Some(report) => report.way_out_of_black(),
-                    None => "try --auto-exposure".to_owned(),
-                },
             ));
         }
         if clipped >= MANY_CLIPPED {
             return Some(format!(
-                "{:.0} % of the picture is brighter than the screen, whose white is {} cd/m²: \
-                 {}{tonemap}",
+                "{:.0} % of the picture is brighter than the screen, whose white is 1 cd/m²: try a lower \
+                 --exposure, --auto-exposure or --view reinhard {tonemap}",
                 100.0 * clipped,
-                digits(white),
-                match &self.developed {
-                    Some(report) => report.way_out_of_clipping(),
-                    None => {
-                        "try a lower --exposure, --auto-exposure or --view reinhard".to_owned()
-                    }
-                },
             ));
         }
         None
@@ -233,4 +225,31 @@ fn name(path: &Path) -> String {
     } else {
         printable_path(path)
     }
+}
+
+/// Whether a preview is black, or blown out. Where numbers of the EXR are light on the screen, with their unit.
+fn of_shown(report: &Report) -> Option<String> {
+    let is_light = report.view == View::Srgb && report.brightest > 0.0;
+    if is_light && report.is_black {
+        return Some(format!(
+            "the brightest pixel has {} cd/m², where the screen's white is {}: {}",
+            digits(report.brightest),
+            digits(report.white),
+            report.way_out_of_black(),
+        ));
+    }
+    if is_light && report.clipped >= MANY_CLIPPED {
+        let end = if report.peak > report.white {
+            "peak"
+        } else {
+            "white"
+        };
+        return Some(format!(
+            "{:.0} % of the picture is brighter than the screen, whose {end} is {} cd/m²: {}",
+            100.0 * report.clipped,
+            digits(report.peak),
+            report.way_out_of_clipping(),
+        ));
+    }
+    report.remarks().into_iter().next()
 }

@@ -26,8 +26,8 @@ pub use false_color::{BadRange, FalseColor, Measure};
 
 use super::Settings;
 use super::lanes::{Planes, transform};
-use super::png::Mastering;
 use super::screen::Screen;
+use super::tags::Mastering;
 use crate::color::Primaries;
 use crate::simd::SimdLevel;
 

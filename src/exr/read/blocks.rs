@@ -388,6 +388,16 @@ impl Blocks {
         }
     }
 
+    /// A block of scan lines as the file has it before compression: line by line, in each line channel by channel.
+    pub(super) fn lines(&self, row: u32) -> Result<Vec<u8>, ExrProblem> {
+        Ok(self.block(0, row)?.1)
+    }
+
+    /// Bytes of a block that is not cut off, before compression.
+    pub(super) fn block_bytes(&self) -> u64 {
+        self.codec.bytes(self.geometry.rectangle(0, 0))
+    }
+
     /// Reads and decodes a block.
     fn block(&self, column: u32, row: u32) -> Result<(Rectangle, Vec<u8>), ExrProblem> {
         let block = self.geometry.rectangle(column, row);

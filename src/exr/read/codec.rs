@@ -375,7 +375,7 @@ impl Codec {
     }
 }
 
-fn description(channel: &Channel) -> ChannelDescription {
+pub(super) fn description(channel: &Channel) -> ChannelDescription {
     ChannelDescription {
         name: Text::from_bytes_unchecked(channel.name.as_slice().into()),
         sample_type: match channel.kind {

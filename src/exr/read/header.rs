@@ -86,14 +86,15 @@ pub(super) struct Channel {
 
 /// The type of a channel's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SampleKind {
+pub(crate) enum SampleKind {
     Uint,
     Half,
     Float,
 }
 
 impl SampleKind {
-    pub(super) const fn bytes(self) -> usize {
+    /// Bytes of a value.
+    pub(crate) const fn bytes(self) -> usize {
         match self {
             Self::Half => 2,
             Self::Uint | Self::Float => 4,

@@ -1,6 +1,6 @@
 //! All layers of a file by their names, to show one after the other.
 
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,6 +29,18 @@ impl ExrLayers {
         } else {
             Source::open(path)
         };
+        Self::of_source(path, source)
+    }
+
+    /// As [`ExrLayers::open`], for a file that comes through a stream; `path` names it in messages.
+    ///
+    /// # Errors
+    /// See [`ExrProblem`].
+    pub fn from_stream(path: &Path, stream: &mut dyn Read) -> Result<Self, ExrError> {
+        Self::of_source(path, Source::of_stream(stream))
+    }
+
+    fn of_source(path: &Path, source: Result<Source, ExrProblem>) -> Result<Self, ExrError> {
         let opened = source.and_then(|source| {
             let headers = Headers::read(&source)?;
             Ok(Self {

@@ -32,6 +32,7 @@ mod header;
 mod layers;
 mod listing;
 mod source;
+mod stored;
 
 use std::io::{self, Read};
 use std::ops::Range;
@@ -42,9 +43,12 @@ use blocks::Blocks;
 pub use channels::{ChannelName, DataWindow, ExrChannels};
 pub use color::{ColorMeaning, ColorTag};
 use header::Headers;
+pub(crate) use header::SampleKind;
 use layers::{Shape, Shown};
 pub use listing::ExrLayers;
+pub(super) use source::MAGIC;
 use source::Source;
+pub(crate) use stored::{Attribute, StoredExr};
 
 use crate::image::Window;
 use crate::input::{Hash, is_transient};
@@ -269,7 +273,7 @@ impl ExrReader {
 
     /// Whether a file begins as every OpenEXR file does.
     pub(crate) fn begins(start: &[u8]) -> bool {
-        start.starts_with(&source::MAGIC)
+        start.starts_with(&MAGIC)
     }
 
     fn new(

@@ -12,7 +12,7 @@ use super::ExrProblem;
 use crate::input::Hash;
 
 /// What every OpenEXR file begins with.
-pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+pub(in crate::exr) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// The most that is read from a pipe: 4 GiB.
 const MAX_PIPED: usize = 1 << 32;

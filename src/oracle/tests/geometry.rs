@@ -307,6 +307,7 @@ fn a_scene_that_is_not_legal_does_not_panic() {
         Light::Point {
             position: [0.0; 3].into(),
             intensity: Value::Uniform(1.0).into(),
+            group: None,
         },
     ));
     // A material that is not there is black.

@@ -111,6 +111,7 @@ impl Builder {
         let light = Light::Point {
             position: position.into(),
             intensity: Value::Uniform(intensity).into(),
+            group: None,
         };
         self.0.lights.push(entry(&name, light));
         self

@@ -458,6 +458,17 @@ impl Diagnostics {
         &self.source.path
     }
 
+    /// The same errors with places in another text, in which the scene's values were written.
+    pub(crate) fn moved(self, source: Arc<Source>, place: impl Fn(Span) -> Span) -> Self {
+        let list = self.list.into_iter();
+        let list =
+            list.map(|diagnostic| Diagnostic::new(place(diagnostic.span), diagnostic.problem));
+        Self {
+            source,
+            list: list.collect(),
+        }
+    }
+
     /// These and `others`, of the same scene, together.
     pub fn and(self, others: Option<Self>) -> Self {
         let mut list = self.list;

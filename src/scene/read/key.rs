@@ -29,6 +29,8 @@ pub(in crate::scene) struct Key {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::scene) enum Presence {
     Required,
+    /// It may be left out, and nothing stands for it.
+    Optional,
     /// This value, as TOML, stands where the key does not.
     Default(&'static str),
     /// It must be there where the value of this other key is not zero.
@@ -56,6 +58,8 @@ pub(in crate::scene) enum Kind {
     Pixels,
     Boolean,
     Text,
+    /// A name as those of lights.
+    LightName,
     /// One of these.
     Name(fn() -> Vec<&'static str>),
     /// A value for light or color; if it is said as RGB, its channels are at most this.
@@ -143,6 +147,11 @@ impl Key {
 
     pub(super) const fn about(mut self, about: &'static str) -> Self {
         self.about = about;
+        self
+    }
+
+    pub(super) const fn optional(mut self) -> Self {
+        self.presence = Presence::Optional;
         self
     }
 

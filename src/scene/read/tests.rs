@@ -142,6 +142,7 @@ fn the_whole_format() {
     let Light::Point {
         position,
         intensity,
+        group: None,
     } = &scene.lights[0].value
     else {
         panic!("the light is a point");
@@ -252,6 +253,7 @@ fn toml_in_every_layout_is_one_scene() {
         let Light::Point {
             position,
             intensity,
+            group: None,
         } = &scene.lights[0].value
         else {
             panic!("the light is a point");

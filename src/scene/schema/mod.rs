@@ -184,7 +184,7 @@ fn keys(form: &Form<'_>, channels: Range) -> Members {
     // Of two that stand for each other, exactly one.
     let mut pairs = form.keys.iter().filter_map(|key| match key.presence {
         Presence::InsteadOf(other) => Some([key.name, other]),
-        Presence::Required | Presence::Default(_) | Presence::With(_) => None,
+        Presence::Required | Presence::Optional | Presence::Default(_) | Presence::With(_) => None,
     });
     if let Some(pair) = pairs.next() {
         let choices = pair.map(|name| object([("required", names([name]))]));
@@ -256,6 +256,20 @@ fn holds(kind: Kind, channels: Range) -> Members {
         }
         Kind::Boolean => vec![("type", Json::text("boolean"))],
         Kind::Text => vec![("type", Json::text("string"))],
+        Kind::LightName => {
+            let [_, lights, _] = outline::named();
+            return vec![
+                ("type".to_owned(), Json::text("string")),
+                (
+                    "maxLength".to_owned(),
+                    Json::from(outline::longest_name() as f64),
+                ),
+                (
+                    "pattern".to_owned(),
+                    Json::text(&name_pattern(&lights.letters)),
+                ),
+            ];
+        }
         Kind::Name(all) => vec![("enum", names(all()))],
         Kind::Value(purpose, most) => {
             let range = (Bound::Included(0.0), Bound::Included(most));

@@ -22,6 +22,7 @@ impl Builder<'_> {
             scene::Light::Point {
                 position,
                 intensity,
+                group: _,
             } => {
                 let emission = self.emission("intensity", intensity, Spread::EVERYWHERE);
                 let light = PointLight {
@@ -37,6 +38,7 @@ impl Builder<'_> {
                 inner,
                 outer,
                 falloff,
+                group: _,
             } => {
                 let cone = self.cone(*inner, *outer, *falloff);
                 let Emission { rgb, spectrum } = self.spot_emission(intensity, cone);
@@ -54,6 +56,26 @@ impl Builder<'_> {
                 (Light::Spot(light), spectrum)
             }
         }
+    }
+
+    /// The group of a light, which has a name that no light has.
+    pub(super) fn light_group(&mut self, light: &scene::Light) -> Option<String> {
+        let Spanned { value: name, span } = light.group()?;
+        if let Some(why) = scene::name_objection(name, true) {
+            let problem = Problem::BadName {
+                what: "a group of lights",
+                name: name.clone(),
+                why,
+            };
+            self.report(*span, problem);
+        } else if self.light_names.contains(name.as_str()) {
+            let conflict = format!(
+                "there is a light `{name}` as well as a group, whose layers would have one name, expected another \
+                 name for one of them"
+            );
+            self.report(*span, Problem::Conflict(conflict));
+        }
+        Some(name.clone())
     }
 
     fn light_position(&mut self, position: Spanned<[f64; 3]>) -> Point {

@@ -8,7 +8,7 @@ mod mesh;
 mod range;
 mod shapes;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -82,6 +82,8 @@ struct Builder<'a> {
     is_out_of_memory: bool,
     /// The materials' places by their names.
     materials: HashMap<&'a str, usize>,
+    /// The names of the lights, where any light is in a group.
+    light_names: HashSet<&'a str>,
     meshes: mesh::Checked,
     curves: color::Curves,
     colorimetry: Arc<Colorimetry>,
@@ -142,6 +144,7 @@ impl<'a> Builder<'a> {
             entry: None,
             is_out_of_memory: false,
             materials: HashMap::new(),
+            light_names: HashSet::new(),
             meshes: mesh::Checked::default(),
             curves: color::Curves::default(),
             colorimetry: Arc::new(Colorimetry::new(
@@ -177,10 +180,18 @@ impl<'a> Builder<'a> {
         );
         let mut spectra = Vec::new();
         let mut lights = Vec::new();
+        let mut light_groups = Vec::new();
+        let entries = &self.scene.lights;
+        if entries.iter().any(|entry| entry.value.group().is_some()) {
+            self.light_names
+                .extend(entries.iter().map(|entry| entry.name.as_str()));
+        }
         self.each("light", "a light", &self.scene.lights, |builder, entry| {
             let (light, spectrum) = builder.light(entry);
             builder.reserve(&mut lights, 1)?;
             lights.push(named(entry, light));
+            builder.reserve(&mut light_groups, 1)?;
+            light_groups.push(builder.light_group(&entry.value));
             builder.reserve(&mut spectra, 1)?;
             spectra.extend(spectrum);
             Ok(())
@@ -198,12 +209,14 @@ impl<'a> Builder<'a> {
             anchor: self.anchor,
             materials,
             lights,
+            light_groups,
             objects: Vec::new(),
             spheres: Vec::new(),
             planes: Vec::new(),
             triangles: Triangles::default(),
             products: None,
             asked: self.scene.image.transport.value,
+            observer: self.scene.image.observer.value,
             spectral_values: std::mem::take(&mut self.spectral_values),
             spectra: None,
             gaps: std::mem::take(&mut self.gaps),

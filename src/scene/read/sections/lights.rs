@@ -21,7 +21,7 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 name: "point",
                 about: "A point that sends the same light into all directions.",
                 also: &["omni", "pointlight", "point_light", "bulb"],
-                form: Form::new(&[&POSITION, &INTENSITY]).elsewhere(NOT_IN_POINTS),
+                form: Form::new(&[&POSITION, &INTENSITY, &GROUP]).elsewhere(NOT_IN_POINTS),
                 read: point_light,
             },
             Variant {
@@ -29,7 +29,7 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 about: "A point that shines into a cone.",
                 also: &["spotlight", "spot_light", "cone"],
                 form: Form::new(&[
-                    &POSITION, &LOOK_AT, &DIRECTION, &ON_AXIS, &INNER, &OUTER, &FALLOFF,
+                    &POSITION, &LOOK_AT, &DIRECTION, &ON_AXIS, &INNER, &OUTER, &FALLOFF, &GROUP,
                 ])
                 .elsewhere(NOT_IN_SPOTS),
                 read: spot_light,
@@ -94,6 +94,15 @@ const INTENSITY: Key = key!(
     "radiance",
     "luminance",
 ]);
+
+const GROUP: Key = key!("group", "the name of a group of lights", "\"window\"")
+    .of(Kind::LightName)
+    .optional()
+    .about(
+        "Lights with the same `group` have one layer together, `light_GROUP`, with `--layers lights`. No light has the \
+         name of a group.",
+    )
+    .also(&["light_group", "lightgroup", "groups", "set", "layer"]);
 
 const ON_AXIS: Key = INTENSITY.about(
     "I on the axis: RGB in candela, a curve in W/(sr nm), or in a unit; a flux, such as `lumens`, is what leaves \
@@ -252,9 +261,11 @@ const NOT_IN_SPOTS: &[Elsewhere] = &[
 fn point_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
     let position = fields.vector(&POSITION);
     let intensity = fields.value(&INTENSITY, Purpose::Light);
+    let group = fields.optional_string(&GROUP);
     Some(Light::Point {
         position: position?,
         intensity: intensity?,
+        group: group?,
     })
 }
 
@@ -265,6 +276,7 @@ fn spot_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
     let inner = fields.number_or(&INNER, 0.0);
     let outer = fields.number(&OUTER);
     let falloff = fields.choice(&FALLOFF, "falloff", &Falloff::ALL, Falloff::name);
+    let group = fields.optional_string(&GROUP);
     Some(Light::Spot {
         position: position?,
         aim: aim?,
@@ -272,6 +284,7 @@ fn spot_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
         inner: inner?,
         outer: outer?,
         falloff: falloff?.value,
+        group: group?,
     })
 }
 

@@ -1,0 +1,110 @@
+//! Radiance band by band.
+
+use super::super::bands::{self, Further, Geometry, Place};
+use super::super::batch::NumberedSamples;
+use crate::shading::{LightTerms, Shaded};
+use crate::simd::LANES;
+use crate::visibility::PACKETS;
+use crate::world::Bands;
+
+/// What some samples of a packet reflect with.
+#[derive(Clone, Copy, Debug)]
+struct PixelShare {
+    packet: usize,
+    /// Its place among the shares of the packet.
+    share: usize,
+    /// One bit for each sample that has it, and any weight of it.
+    samples: u32,
+    /// Where its sums are.
+    place: Place,
+}
+
+/// The bands of a tile's pixels.
+pub(super) struct SpectralSums<'b> {
+    bands: &'b Bands<'b>,
+    geometry: Geometry,
+    /// Of a batch: packet by packet, pixel by pixel, in the order of their first sample.
+    shares: Vec<PixelShare>,
+    /// Of pixels with all samples, pixel by pixel, band by band.
+    sums: Vec<f64>,
+    /// Of one pixel, whatever it has.
+    pixel: Vec<f64>,
+}
+
+impl<'b> SpectralSums<'b> {
+    pub(super) fn new(bands: &'b Bands<'b>) -> Self {
+        Self {
+            bands,
+            geometry: Geometry::new(bands.lights()),
+            shares: Vec::new(),
+            sums: Vec::new(),
+            pixel: Vec::new(),
+        }
+    }
+
+    /// Forgets all samples, and makes room for so many pixels.
+    pub(super) fn begin(&mut self, pixels: usize) {
+        self.geometry = Geometry::new(self.bands.lights());
+        self.sums.clear();
+        self.sums
+            .resize(pixels * self.bands.wavelengths().count(), 0.0);
+    }
+
+    /// Finds the places of what the points of a batch reflect with.
+    pub(super) fn begin_lights(&mut self, samples: NumberedSamples<'_>, shaded: &Shaded) {
+        self.shares.clear();
+        let Self {
+            geometry, shares, ..
+        } = self;
+        for packet in 0..PACKETS {
+            let of_packet = shaded.shares(packet);
+            if of_packet.is_empty() {
+                continue;
+            }
+            for (pixel, samples) in samples.of_packet(packet * LANES) {
+                let mut of_pixel: Vec<(usize, u32)> = of_packet
+                    .iter()
+                    .map(|share| share.weighted() & samples)
+                    .enumerate()
+                    .filter(|&(_, samples)| samples != 0)
+                    .collect();
+                of_pixel.sort_by_key(|(_, samples)| samples.trailing_zeros());
+                shares.extend(of_pixel.into_iter().map(|(share, samples)| PixelShare {
+                    packet,
+                    share,
+                    samples,
+                    place: geometry.place(pixel, of_packet[share].reflectance as usize),
+                }));
+            }
+        }
+    }
+
+    /// Adds what a light does at the points of a batch.
+    pub(super) fn add_light(&mut self, shaded: &Shaded, terms: &LightTerms) {
+        for of_pixel in &self.shares {
+            let points = terms.points[of_pixel.packet] & of_pixel.samples;
+            if points != 0 {
+                let share = &shaded.shares(of_pixel.packet)[of_pixel.share];
+                let first = of_pixel.packet * LANES;
+                self.geometry
+                    .add(of_pixel.place, terms, first, share, points);
+            }
+        }
+    }
+
+    pub(super) fn finish(&mut self, end: usize, further: Further) {
+        self.geometry
+            .finish(end, further, self.bands, &mut self.sums);
+    }
+
+    /// The sums of a pixel, with the background where samples miss.
+    pub(super) fn of(&mut self, pixel: usize, misses: u32) -> &[f64] {
+        let count = self.bands.wavelengths().count();
+        let sums = &mut self.pixel;
+        sums.clear();
+        sums.extend_from_slice(&self.sums[pixel * count..][..count]);
+        self.geometry.add_kept(pixel, self.bands, sums);
+        bands::add_scaled(sums, f64::from(misses), self.bands.background());
+        sums
+    }
+}
