@@ -303,13 +303,19 @@ impl Shaded {
                 let ends = Ends::load(simd, points, packet);
                 geometry = lit.geometry(simd, world, &ends, groups, packet);
                 let mut reflected = world.reflected_from(lit.light, Some(recent));
-                let [r, g, b] = columns(radiance, packet).map(|column| F64x16::load(simd, column));
-                let mut sums = [r, g, b];
+                let [r, g, b] = columns(radiance, packet);
+                let mut sums = [
+                    F64x16::load(simd, r),
+                    F64x16::load(simd, g),
+                    F64x16::load(simd, b),
+                ];
                 for share in groups.shares() {
                     let reflected = reflected(share.reflectance as usize);
                     let is_lit = Mask64x16::from_bits(simd, bits & share.members);
                     add_share(simd, share, is_lit, &geometry, &reflected, &mut sums);
-                    add_share(simd, share, is_lit, &geometry, &reflected, &mut alone);
+                    if detail.has_radiance {
+                        add_share(simd, share, is_lit, &geometry, &reflected, &mut alone);
+                    }
                     if detail.has_lobes {
                         let [diffuse, specular] = apart(&reflected);
                         add_share(simd, share, is_lit, &geometry, &diffuse, &mut lobes.diffuse);
@@ -323,14 +329,14 @@ impl Shaded {
                         );
                     }
                 }
-                for channel in 0..3 {
-                    sums[channel].store(&mut radiance[channel][first..]);
-                }
+                store(sums, radiance, first);
                 let is_lit = Mask64x16::from_bits(simd, bits);
                 geometry.diffuse = is_lit.select(geometry.diffuse, zero);
                 geometry.specular = is_lit.select(geometry.specular, zero);
             }
-            store(alone, &mut terms.radiance, first);
+            if detail.has_radiance {
+                store(alone, &mut terms.radiance, first);
+            }
             if detail.has_lobes {
                 store(lobes.diffuse, &mut terms.lobes.diffuse, first);
                 store(lobes.specular, &mut terms.lobes.specular, first);

@@ -13,7 +13,7 @@ pub(crate) struct LightTerms {
     /// For each packet one bit for each point that it reaches.
     pub(crate) points: [u32; PACKETS],
     /// Σ geometry × weight × I · k over the reflectances, in cd/m² per primary: the radiance that this light
-    /// alone sends to the viewer.
+    /// alone sends to the viewer. Only with [`Detail::has_radiance`].
     pub(crate) radiance: [Column; 3],
     /// The parts of it that the lobes send. Only with [`Detail::has_lobes`].
     pub(crate) lobes: Lobes<[Column; 3]>,
@@ -44,6 +44,8 @@ impl Default for LightTerms {
 /// What is told of a light beside its radiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Detail {
+    /// The radiance of the light.
+    pub(crate) has_radiance: bool,
     /// The radiance of each lobe.
     pub(crate) has_lobes: bool,
     /// The geometry of both lobes.

@@ -133,6 +133,7 @@ impl Kernel for Sum<'_> {
         shaded.begin(simd, self.world, &points);
         shaded.packets[0].replace(shares.clone());
         let detail = Detail {
+            has_radiance: true,
             has_lobes: true,
             has_geometry: true,
         };

@@ -87,6 +87,7 @@ impl<'w> RequestedLayers<'w> {
         ];
         let geometry = [Content::Irradiance, Content::Relight, Content::Spectral];
         let detail = Detail {
+            has_radiance: has(&[Content::Lights]),
             has_lobes: has(&lobes),
             has_geometry: has(&geometry),
         };
@@ -116,7 +117,7 @@ impl<'w> RequestedLayers<'w> {
             },
             reflectances: layers.relighting(world),
             matte_ranks: layers.matte_ranks.count(),
-            wants_light: detail != Detail::default() || has(&[Content::Lights, Content::Shadow]),
+            wants_light: detail != Detail::default() || has(&[Content::Shadow]),
             detail,
             world,
             camera,
@@ -425,7 +426,7 @@ impl<'w> LayerSums<'w> {
         terms: &LightTerms,
         plane: usize,
     ) {
-        let [zero, one] = [0.0, 1.0].map(|value| F64x16::splat(simd, value));
+        let (zero, one) = (F64x16::splat(simd, 0.0), F64x16::splat(simd, 1.0));
         for (packet, &bits) in terms.points.iter().enumerate() {
             let values = Mask64x16::from_bits(simd, bits).select(one, zero);
             values.store(&mut self.column[packet * LANES..]);
