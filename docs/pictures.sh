@@ -52,6 +52,10 @@ done
 "$candela" render scenes/lecture.toml --samples 64 -o "$work/lecture.exr" --quiet
 "$candela" contact-sheet "$work/lecture.exr" --exposure 1 --width 300 -o docs/pictures/contact-sheet.png
 
+"$candela" render scenes/terms.toml --samples 64 -o "$work/terms.exr" --quiet \
+    --layers lights,light-diffuse,light-specular,shadow,diffuse,specular,albedo,irradiance,normal
+"$candela" contact-sheet "$work/terms.exr" --layers --width 300 -o docs/pictures/terms-layers.png
+
 # A part of the knot, four times as large, by either rule.
 for rule in geometric hanika; do
     sed -e 's/^resolution = .*/resolution = [3840, 2160]/' \

@@ -8,6 +8,7 @@ mod bad_scenes;
 mod blessed;
 mod cameras;
 mod cli;
+mod clients;
 mod closed_form;
 mod colorimetry;
 mod conformance;

@@ -3,6 +3,7 @@
 use super::super::batch::{NumberedSamples, PIXELS, TilePixels};
 use super::super::cryptomatte::Id;
 use super::super::sink::RenderedTile;
+use crate::simd::{LANES, ones};
 use crate::visibility::Points;
 
 /// What covers the pixels of a tile, and how many of their samples.
@@ -50,18 +51,34 @@ impl Mattes {
         points: &Points,
         what: impl Fn(usize) -> u32,
     ) {
-        for (slot, pixel) in samples.iter() {
-            if !points.is_hit(slot) {
+        for (packet, &hit) in points.hit.iter().enumerate() {
+            if hit == 0 {
                 continue;
             }
-            let what = what(slot);
-            let first = &mut self.first[pixel];
-            if first.samples == 0 || first.what == what {
-                first.what = what;
-                first.samples += 1;
-            } else {
-                add_other(&mut self.others[pixel], what);
+            let first = packet * LANES;
+            for (pixel, of_pixel) in samples.of_packet(first) {
+                let mut rest = of_pixel & hit;
+                // Mostly all samples of a pixel are of one thing.
+                while rest != 0 {
+                    let one = what(first + rest.trailing_zeros() as usize);
+                    let same = ones(rest).filter(|&lane| what(first + lane) == one);
+                    let same = same.fold(0, |bits, lane| bits | 1 << lane);
+                    self.count(pixel, one, u32::count_ones(same));
+                    rest &= !same;
+                }
             }
+        }
+    }
+
+    /// So many more samples of a pixel are of something.
+    #[inline(always)]
+    fn count(&mut self, pixel: usize, what: u32, samples: u32) {
+        let first = &mut self.first[pixel];
+        if first.samples == 0 || first.what == what {
+            first.what = what;
+            first.samples += samples;
+        } else {
+            add_other(&mut self.others[pixel], Covering { what, samples });
         }
     }
 
@@ -104,9 +121,9 @@ impl Mattes {
 }
 
 #[inline(never)]
-fn add_other(others: &mut Vec<Covering>, what: u32) {
-    match others.iter_mut().find(|other| other.what == what) {
-        Some(other) => other.samples += 1,
-        None => others.push(Covering { what, samples: 1 }),
+fn add_other(others: &mut Vec<Covering>, more: Covering) {
+    match others.iter_mut().find(|other| other.what == more.what) {
+        Some(other) => other.samples += more.samples,
+        None => others.push(more),
     }
 }
