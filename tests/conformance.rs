@@ -28,6 +28,27 @@ pub(crate) fn script(name: &str) -> Command {
     command
 }
 
+/// Runs a script that judges candela by another program, and fails where one of the facts that it prints does not
+/// hold. `environment` has a Python of `tests/setup.sh`, which leaves it out where it cannot be installed.
+pub(crate) fn judge(environment: &str, script: &str) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let python = folder.join(format!("target/{environment}/bin/python"));
+    if !python.exists() {
+        println!(
+            "skipped: {} is missing; ./check installs it",
+            python.display()
+        );
+        return;
+    }
+    let output = Command::new(python)
+        .args([script, env!("CARGO_BIN_EXE_candela")])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .output()
+        .unwrap();
+    println!("{}", printed(&output));
+    assert!(output.status.success(), "{}", printed(&output));
+}
+
 pub(crate) fn printed(output: &Output) -> String {
     format!(
         "{}{}",

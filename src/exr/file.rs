@@ -5,7 +5,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use exr::meta::attribute::{Compression, IntegerBounds};
+use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::Header;
 
 use super::head::{head, residual_place};
@@ -107,29 +107,11 @@ impl<'f> ExrFile<'f> {
         let is_float = |channel: &&FileChannel<'_>| channel.precision == Precision::Float;
         let floats = self.channels.iter().filter(is_float).count();
         let mostly_float = 2 * floats >= self.channels.len();
-        let zip = match self.header.compression {
-            // Elsewhere values have to be turned around, which the `exr` crate does.
-            Compression::ZIP1 | Compression::ZIP16 if cfg!(target_endian = "little") => {
-                Some(Zip::new(mostly_float))
-            }
-            Compression::ZIP1
-            | Compression::ZIP16
-            | Compression::Uncompressed
-            | Compression::RLE
-            | Compression::PIZ
-            | Compression::PXR24
-            | Compression::B44
-            | Compression::B44A
-            | Compression::DWAA(_)
-            | Compression::DWAB(_)
-            | Compression::HTJ2K32
-            | Compression::HTJ2K256 => None,
-        };
         Packer {
             raw: Vec::new(),
             block: Vec::new(),
             sums: Vec::new(),
-            zip,
+            zip: Zip::of(self.header.compression, mostly_float),
         }
     }
 

@@ -7,7 +7,7 @@ use std::io;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
-use exr::meta::attribute::{Compression, IntegerBounds};
+use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::Header;
 
 use super::file::into_io;
@@ -122,28 +122,10 @@ struct Packer {
 
 impl Packer {
     fn new(header: &Header, mostly_float: bool) -> Self {
-        let zip = match header.compression {
-            // Elsewhere values have to be turned around, which the `exr` crate does.
-            Compression::ZIP1 | Compression::ZIP16 if cfg!(target_endian = "little") => {
-                Some(Zip::new(mostly_float))
-            }
-            Compression::ZIP1
-            | Compression::ZIP16
-            | Compression::Uncompressed
-            | Compression::RLE
-            | Compression::PIZ
-            | Compression::PXR24
-            | Compression::B44
-            | Compression::B44A
-            | Compression::DWAA(_)
-            | Compression::DWAB(_)
-            | Compression::HTJ2K32
-            | Compression::HTJ2K256 => None,
-        };
         Self {
             raw: Vec::new(),
             block: Vec::new(),
-            zip,
+            zip: Zip::of(header.compression, mostly_float),
         }
     }
 

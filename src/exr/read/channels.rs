@@ -1,7 +1,6 @@
 //! Every channel of a file by itself, as numbers: for whoever compares files.
 
 use std::collections::BTreeSet;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -61,12 +60,7 @@ impl ExrChannels {
     /// # Errors
     /// See [`ExrProblem`].
     pub fn open(path: &Path) -> Result<Self, ExrError> {
-        let source = if path == Path::new("-") {
-            Source::of_stream(&mut io::stdin().lock())
-        } else {
-            Source::open(path)
-        };
-        let opened = source.and_then(|source| Self::new(path, source));
+        let opened = Source::open(path).and_then(|source| Self::new(path, source));
         opened.map_err(|problem| ExrError {
             path: path.to_path_buf(),
             problem,

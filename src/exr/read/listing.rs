@@ -1,6 +1,6 @@
 //! All layers of a file by their names, to show one after the other.
 
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -24,12 +24,7 @@ impl ExrLayers {
     /// # Errors
     /// See [`ExrProblem`].
     pub fn open(path: &Path) -> Result<Self, ExrError> {
-        let source = if path == Path::new("-") {
-            Source::of_stream(&mut io::stdin().lock())
-        } else {
-            Source::open(path)
-        };
-        Self::of_source(path, source)
+        Self::of_source(path, Source::open(path))
     }
 
     /// As [`ExrLayers::open`], for a file that comes through a stream; `path` names it in messages.

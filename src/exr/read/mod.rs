@@ -228,12 +228,7 @@ impl ExrReader {
     /// # Errors
     /// See [`ExrProblem`].
     pub fn open(path: &Path, layer: Option<&str>) -> Result<Self, ExrError> {
-        let source = if path == Path::new("-") {
-            Source::of_stream(&mut io::stdin().lock())
-        } else {
-            Source::open(path)
-        };
-        Self::of_source(path, source, layer)
+        Self::of_source(path, Source::open(path), layer)
     }
 
     /// As [`ExrReader::open`], for a file that comes through a stream; `path` names it in messages.

@@ -34,8 +34,11 @@ enum Bytes {
 }
 
 impl Source {
-    /// A file by its path; pipes and devices are read into memory.
+    /// A file by its path, `-` for standard input; pipes and devices are read into memory.
     pub(super) fn open(path: &Path) -> Result<Self, ExrProblem> {
+        if path == Path::new("-") {
+            return Self::of_stream(&mut io::stdin().lock());
+        }
         let mut file = File::open(path).map_err(ExrProblem::Io)?;
         let metadata = file.metadata().map_err(ExrProblem::Io)?;
         if metadata.is_dir() {

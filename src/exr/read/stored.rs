@@ -2,7 +2,6 @@
 //! blocks of lines.
 
 use std::borrow::Cow;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,12 +49,7 @@ impl StoredExr {
     /// # Errors
     /// See [`ExrProblem`]; parts, tiles and channels of fewer samples than pixels are not supported here.
     pub(crate) fn open(path: &Path) -> Result<Self, ExrError> {
-        let source = if path == Path::new("-") {
-            Source::of_stream(&mut io::stdin().lock())
-        } else {
-            Source::open(path)
-        };
-        let opened = source.and_then(|source| Self::new(path, source));
+        let opened = Source::open(path).and_then(|source| Self::new(path, source));
         opened.map_err(|problem| ExrError {
             path: path.to_path_buf(),
             problem,
