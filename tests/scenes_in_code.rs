@@ -89,10 +89,8 @@ fn mesh(geometry: MeshFile) -> Object {
 
 fn scene() -> Scene {
     Scene {
-        source: Arc::new(Source {
-            path: "<code>".into(),
-            text: String::new(),
-        }),
+        source: Arc::new(Source::new("<code>".into(), String::new())),
+        anchor: None,
         image: Image {
             resolution: [4, 3].into(),
             color_space: Spanned::default(),

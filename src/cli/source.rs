@@ -30,6 +30,14 @@ pub(crate) struct BaseArguments {
     /// current one for a scene from standard input]
     #[arg(long, value_name = "DIR", requires = "scene")]
     base: Option<PathBuf>,
+
+    /// Change a value of the scene, as if the file said so, such as lights.key.point.intensity=20; may be repeated
+    ///
+    /// KEYS is the header with the key: `image.color_space=acescg`, `camera.perspective.vertical_fov=30`,
+    /// `materials.clay.phong.diffuse="#804020"`, `lights.key.point.intensity.candela=20`. VALUE is written as in the
+    /// file; a name needs no quotes. What there is not cannot be changed.
+    #[arg(long, value_name = "KEYS=VALUE", requires = "scene")]
+    set: Vec<String>,
 }
 
 impl SceneArguments {
@@ -54,12 +62,10 @@ impl BaseArguments {
         let folder = self.base.as_deref();
         let reading = if is_standard_input(path) {
             let folder = folder.unwrap_or(Path::new(""));
-            Reading::of_stream(io::stdin().lock(), shown(path), folder)
+            Reading::of_stream(io::stdin().lock(), shown(path), folder, &self.set)
         } else {
-            match folder {
-                Some(folder) => Reading::of_file_in(path, folder),
-                None => Reading::of_file(path),
-            }
+            let folder = folder.or_else(|| path.parent()).unwrap_or(Path::new(""));
+            Reading::of_file_in(path, folder, &self.set)
         };
         World::of_reading(reading, change)
     }

@@ -81,9 +81,6 @@ color = {quote}"
 
 /// Errors of the scene as errors of the setting's own text.
 fn in_setting(errors: Diagnostics, setting: &Setting, place: impl Fn(Span) -> Span) -> Diagnostics {
-    let source = Source {
-        path: PathBuf::from(SHOWN),
-        text: setting.to_string(),
-    };
+    let source = Source::new(PathBuf::from(SHOWN), setting.to_string());
     errors.moved(Arc::new(source), place)
 }

@@ -36,12 +36,10 @@ impl Scene {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(image: Image, camera: Camera) -> Self {
-        let source = Source {
-            path: PathBuf::from("<code>"),
-            text: String::new(),
-        };
+        let source = Source::new(PathBuf::from("<code>"), String::new());
         Self {
             source: Arc::new(source),
+            anchor: None,
             image,
             camera: camera.into(),
             materials: Vec::new(),

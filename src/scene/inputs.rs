@@ -31,14 +31,14 @@ impl Scene {
         if self.source.text.is_empty() {
             self.content_hash()
         } else {
-            Hash::of(self.source.text.as_bytes())
+            Hash::of(self.source.own_text().as_bytes())
         }
     }
 
     /// SHA-256 of all files that the picture depends on: of the lines that are the hash of the scene
     /// file, as `sha256sum` prints it, then of each file that the scene names, in the order of
-    /// [`Scene::inputs`]. A scene that names no other file has one line. Names are no part of it: those
-    /// of meshes and curves stand in the scene file. Of a scene made in code it is [`Scene::hash`], which
+    /// [`Scene::inputs`], then of each text that was set on the command line. A scene that names no other file has
+    /// one line. Names are no part of it: those of files stand in the scene file. Of a scene made in code it is [`Scene::hash`], which
     /// covers its meshes and curves.
     pub fn inputs_hash(&self) -> Hash {
         let hash = self.hash();
@@ -46,8 +46,11 @@ impl Scene {
             return hash;
         }
         let mut lines = Hasher::default();
-        for hash in std::iter::once(&hash).chain(self.inputs.iter().map(|input| &input.hash)) {
-            lines.line(hash);
+        let set = self.source.parts.iter().filter(|part| part.is_set);
+        let set = set.map(|part| Hash::of(self.source.text[part.range.clone()].as_bytes()));
+        let inputs = self.inputs.iter().map(|input| input.hash);
+        for hash in std::iter::once(hash).chain(inputs).chain(set) {
+            lines.line(&hash);
         }
         lines.finish()
     }
@@ -55,6 +58,7 @@ impl Scene {
     fn content_hash(&self) -> Hash {
         let Self {
             source: _,
+            anchor,
             image,
             camera,
             materials,
@@ -64,6 +68,9 @@ impl Scene {
         } = self;
         let mut hasher = Hasher::default();
         let mut meshes: HashMap<*const MeshFile, usize> = HashMap::new();
+        if let Some(anchor) = anchor {
+            hasher.debug(anchor);
+        }
         hasher.debug(image);
         hasher.debug(camera);
         hasher.debug(materials);

@@ -13,6 +13,7 @@ mod read;
 mod schema;
 mod value;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -41,8 +42,21 @@ use crate::spectrum::Observer;
 pub struct Source {
     /// The file's path as the user gave it; for the built-in scene a name in angle brackets.
     pub path: PathBuf,
-    /// The file's whole text.
+    /// The file's whole text, and behind it those of [`Source::parts`].
     pub text: String,
+    /// The files that it includes, and what was set on the command line.
+    pub parts: Vec<Part>,
+}
+
+/// A text that belongs to a scene beside its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// What messages call it: the path of an included file, or `--set`.
+    pub name: PathBuf,
+    /// Where it is in [`Source::text`].
+    pub range: Range<usize>,
+    /// Whether it was set on the command line, rather than read from a file.
+    pub is_set: bool,
 }
 
 /// A scene as written.
@@ -50,6 +64,9 @@ pub struct Source {
 pub struct Scene {
     /// Where it comes from.
     pub source: Arc<Source>,
+    /// The point that all positions are kept relative to while they are rendered; `None` stands for where the camera
+    /// looks. Where that moves, it is one point for all frames, so that what stands still has the same numbers.
+    pub anchor: Option<[f64; 3]>,
     /// `[image]`
     pub image: Image,
     /// `[camera.VARIANT]`
@@ -60,8 +77,8 @@ pub struct Scene {
     pub lights: Vec<Entry<Light>>,
     /// `[objects.NAME.VARIANT]`, in the order of the file.
     pub objects: Vec<Entry<Object>>,
-    /// The mesh and curve files that were read, each once, in the order in which the scene names them
-    /// first. Empty in a scene made in code.
+    /// The included, mesh and curve files that were read, each once, in the order in which the scene names
+    /// them first. Empty in a scene made in code.
     pub inputs: Vec<Input>,
 }
 
@@ -299,7 +316,7 @@ impl Scene {
         Reading::of_text(text.to_owned(), path.as_ref()).complete()
     }
 
-    /// The files that the scene was read from: its own, and those of its meshes and curves.
+    /// The files that the scene was read from: its own, those that it includes, and those of its meshes and curves.
     pub fn files(&self) -> Vec<PathBuf> {
         let inputs = self.inputs.iter().map(|input| input.path.clone());
         std::iter::once(self.source.path.clone())

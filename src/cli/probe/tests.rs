@@ -36,10 +36,8 @@ fn scene() -> Scene {
         group: None,
     };
     Scene {
-        source: Arc::new(Source {
-            path: "ball.toml".into(),
-            text: String::new(),
-        }),
+        source: Arc::new(Source::new("ball.toml".into(), String::new())),
+        anchor: None,
         image: Image {
             resolution: [65, 49].into(),
             color_space: Spanned::default(),

@@ -74,10 +74,8 @@ impl Builder {
     /// A black world with `camera` and the material [`MATTE`], k_d = 1.
     pub(super) fn new(resolution: [u32; 2], camera: Camera) -> Self {
         Self(Scene {
-            source: Arc::new(Source {
-                path: "test.toml".into(),
-                text: String::new(),
-            }),
+            source: Arc::new(Source::new("test.toml".into(), String::new())),
+            anchor: None,
             image: Image {
                 resolution: resolution.into(),
                 color_space: Spanned::default(),

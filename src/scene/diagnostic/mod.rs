@@ -84,6 +84,14 @@ pub enum Problem {
     /// The scene file itself cannot be read.
     #[error("cannot read the scene file: {0}")]
     Unreadable(io::Error),
+    /// A file that the scene includes cannot be read.
+    #[error("cannot read the included file {}: {error}", printable_path(path))]
+    Included {
+        /// The file, joined to the folder of the one that includes it.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
     /// More text than a scene may have.
     #[error("the scene file is larger than {limit} MB")]
     TooLarge {
@@ -281,7 +289,7 @@ impl Problem {
     pub fn is_transient(&self) -> bool {
         match self {
             Self::OutOfMemory { .. } => true,
-            Self::Unreadable(error) => is_transient(error),
+            Self::Unreadable(error) | Self::Included { error, .. } => is_transient(error),
             Self::Mesh { error, .. } => error.is_transient(),
             Self::Curve { error, .. } => error.is_transient(),
             Self::TooLarge { .. }
@@ -340,6 +348,7 @@ impl Problem {
             Self::NoVariant { expected, .. } => Some(format!("write {}", one_of(expected))),
             Self::Missing { expected, .. } => Some(format!("add {expected}")),
             Self::Unreadable(_)
+            | Self::Included { .. }
             | Self::Syntax(_)
             | Self::OtherWord { .. }
             | Self::BadName { .. }
@@ -411,6 +420,17 @@ impl Diagnostic {
             entry: None,
             problem,
         }
+    }
+
+    /// The same with all its places moved.
+    #[must_use]
+    pub(crate) fn placed(mut self, place: &impl Fn(usize) -> usize) -> Self {
+        let moved = |span: Span| Span::from(place(span.start)..place(span.end));
+        if let Problem::Duplicate { first, .. } = &mut self.problem {
+            *first = first.map(moved);
+        }
+        self.span = moved(self.span);
+        self
     }
 
     /// The same about `entry`.

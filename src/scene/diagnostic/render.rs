@@ -1,8 +1,11 @@
 //! Diagnostics as text: the line of the file, a caret under the place, and the way out.
 
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
-use super::super::Source;
+use super::super::{Part, Source};
 use super::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span};
 use crate::printable::{is_printable, printable_path};
 
@@ -47,7 +50,7 @@ impl Diagnostics {
 
 impl Diagnostic {
     fn render(&self, renderer: &Renderer, source: &Source) -> String {
-        let path = printable_path(&source.path);
+        let path = printable_path(source.at(self.span.start).0);
         let mut group = Group::with_title(Level::ERROR.primary_title(self.to_string()));
         group = match place(source, self.span) {
             Place::None => group.element(Origin::path(path.clone())),
@@ -73,7 +76,7 @@ impl Diagnostic {
             group = group.element(
                 Snippet::source(text)
                     .line_start(line)
-                    .path(path)
+                    .path(printable_path(source.at(first.start).0))
                     .annotation(
                         AnnotationKind::Context
                             .span(span.start..span.end)
@@ -120,7 +123,8 @@ fn place(source: &Source, span: Span) -> Place<'_> {
     if span == Span::default() {
         return Place::None;
     }
-    let text = source.text.as_str();
+    let (_, part) = source.at(span.start);
+    let text = &source.text[..part.end];
     let offset = text.floor_char_boundary(span.start);
     let start = text[..offset].rfind('\n').map_or(0, |newline| newline + 1);
     let rest = &text[start..];
@@ -143,9 +147,40 @@ fn place(source: &Source, span: Span) -> Place<'_> {
 }
 
 impl Source {
+    /// The text of a scene file that is all that there is.
+    pub const fn new(path: PathBuf, text: String) -> Self {
+        Self {
+            path,
+            text,
+            parts: Vec::new(),
+        }
+    }
+
+    /// The text of the scene file itself.
+    pub fn own_text(&self) -> &str {
+        &self.text[self.own()]
+    }
+
+    /// What messages call the text that a byte belongs to, and where that text is.
+    pub fn at(&self, offset: usize) -> (&Path, Range<usize>) {
+        // Each text ends with a byte of its own, which its end may stand for.
+        let is_in = |part: &&Part| part.range.start <= offset;
+        match self.parts.iter().rfind(is_in) {
+            Some(part) => (&part.name, part.range.clone()),
+            None => (&self.path, self.own()),
+        }
+    }
+
+    fn own(&self) -> Range<usize> {
+        // A line feed parts it from what comes after it.
+        let end = self.parts.first().map(|part| part.range.start - 1);
+        0..end.unwrap_or(self.text.len())
+    }
+
     /// The line and the column, in characters, of a byte of the text; both from 1.
     pub fn line_column(&self, offset: usize) -> (usize, usize) {
-        let before = &self.text[..self.text.floor_char_boundary(offset)];
+        let (_, part) = self.at(offset);
+        let before = &self.text[part.start..self.text.floor_char_boundary(offset)];
         let line = before.bytes().filter(|&byte| byte == b'\n').count() + 1;
         let start = before.rfind('\n').map_or(0, |newline| newline + 1);
         (line, before[start..].chars().count() + 1)
@@ -159,10 +194,7 @@ mod tests {
     use super::*;
 
     fn rendered(text: &str, span: Span, problem: Problem) -> String {
-        let source = Arc::new(Source {
-            path: "scene.toml".into(),
-            text: text.to_owned(),
-        });
+        let source = Arc::new(Source::new("scene.toml".into(), text.to_owned()));
         let list = vec![Diagnostic::new(span, problem)];
         Diagnostics::new(source, list).unwrap().to_string()
     }
@@ -246,10 +278,7 @@ mod tests {
 
     #[test]
     fn twenty_are_printed_and_the_rest_counted() {
-        let source = Arc::new(Source {
-            path: "scene.toml".into(),
-            text: "x\n".repeat(50),
-        });
+        let source = Arc::new(Source::new("scene.toml".into(), "x\n".repeat(50)));
         let list = (0..50)
             .rev()
             .map(|i| Diagnostic::new(Span::from(2 * i..2 * i + 1), Problem::Empty))
@@ -266,10 +295,8 @@ mod tests {
     fn what_steers_a_terminal_is_replaced_in_lines() {
         let text = "a = \"\u{1b}[31m\u{9b}31m\u{202e}\u{2028}\" x\n";
         for color in [false, true] {
-            let source = Arc::new(Source {
-                path: "a\u{1b}\u{9b}.toml".into(),
-                text: text.to_owned(),
-            });
+            let source = Source::new("a\u{1b}\u{9b}.toml".into(), text.to_owned());
+            let source = Arc::new(source);
             let problem = Problem::Syntax("wrong".to_owned());
             let list = vec![Diagnostic::new(at(text, "x"), problem)];
             let shown = Diagnostics::new(source, list).unwrap().render(color);
@@ -290,10 +317,7 @@ mod tests {
 
     #[test]
     fn color_is_only_for_terminals() {
-        let source = Arc::new(Source {
-            path: "scene.toml".into(),
-            text: "x".to_owned(),
-        });
+        let source = Arc::new(Source::new("scene.toml".into(), "x".to_owned()));
         let list = vec![Diagnostic::new(Span::from(0..1), Problem::Empty)];
         let diagnostics = Diagnostics::new(source, list).unwrap();
         assert!(diagnostics.render(true).contains('\u{1b}'));

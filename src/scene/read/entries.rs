@@ -1,6 +1,7 @@
 //! `[section.name.variant]`: the names, and one variant each.
 
 use std::borrow::Cow;
+use std::rc::Rc;
 
 use toml::de::{DeTable, DeValue};
 
@@ -65,6 +66,14 @@ impl<T> Default for Entries<T> {
 }
 
 impl<T> Entries<T> {
+    /// All names, of entries in error too.
+    pub(super) fn names(&self) -> Vec<&str> {
+        let sound = self.sound.iter().map(|entry| entry.name.as_str());
+        sound
+            .chain(self.broken.iter().map(String::as_str))
+            .collect()
+    }
+
     /// In the order of the file.
     pub(super) fn in_order(mut self) -> Vec<Entry<T>> {
         self.sound.sort_by_key(|entry| entry.span);
@@ -97,6 +106,9 @@ impl<T> Section<T> {
         for (key, node) in names {
             let name = key.get_ref().as_ref();
             let span = Span::from(key.span());
+            let changes = Rc::clone(&reader.changes);
+            let changed = changes.apply(&[self.key, name], node, reader);
+            let node = changed.as_ref().unwrap_or(node);
             match self.entry(reader, name, span, node) {
                 Some(value) => {
                     memory::reserve(&mut entries.sound, 1)?;

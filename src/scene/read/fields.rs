@@ -1,8 +1,11 @@
 //! The keys of one entry: present, of the right type, and none left over.
 
+use std::rc::Rc;
+
 use toml::de::{DeInteger, DeTable, DeValue};
 
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned};
+use super::change::Changes;
 use super::key::{Form, Key};
 use super::syntax::Damage;
 use super::{Files, Node};
@@ -14,6 +17,7 @@ pub(super) struct Reader<'a> {
     pub(super) damage: Damage,
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) files: Files,
+    pub(super) changes: Rc<Changes<'a>>,
 }
 
 impl Reader<'_> {
@@ -266,7 +270,7 @@ fn integer_as_f64(integer: &DeInteger<'_>) -> Option<f64> {
 }
 
 /// A value as errors name it.
-fn described(value: &DeValue<'_>) -> String {
+pub(super) fn described(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(text) => format!("the string \"{}\"", shortened(text)),
         DeValue::Integer(integer) => format!("the integer {}", shortened(&integer.to_string())),

@@ -256,6 +256,7 @@ mod tests {
             b"ply\nformat ascii 1.0\n".to_vec(),
             Path::new("a.ply"),
             Path::new(""),
+            &[],
         );
         let [diagnostic] = &reading.diagnostics[..] else {
             panic!("one error");

@@ -4,6 +4,8 @@
 //! that everything wrong is found in one go, each with its place. What follows from another error
 //! is not reported: an entry in error is left out, but its name stays known.
 
+mod change;
+mod document;
 mod entries;
 mod fields;
 mod foreign;
@@ -23,6 +25,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 use toml::de::{DeString, DeTable, DeValue};
@@ -35,6 +38,8 @@ use crate::memory;
 use crate::mesh::MeshFile;
 use crate::spectrum::Curve;
 
+use change::Changes;
+use document::{Document, INCLUDE};
 use entries::Entries;
 pub(crate) use entries::objection as name_objection;
 use fields::Reader;
@@ -90,32 +95,34 @@ pub struct Broken {
 impl Reading {
     /// Reads a scene file and the files that it names, which are relative to its folder.
     pub fn of_file(path: &Path) -> Self {
-        Self::of_file_in(path, folder_of(path))
+        Self::of_file_in(path, folder_of(path), &[])
     }
 
-    /// Reads a scene file and the files that it names, which are relative to `folder`.
-    pub fn of_file_in(path: &Path, folder: &Path) -> Self {
-        Self::of_read(read_bytes(path), path, folder)
+    /// Reads a scene file and the files that it names, which are relative to `folder`. Each text of `set`, such as
+    /// `lights.key.point.intensity=20`, stands in the place of what the files say.
+    pub fn of_file_in(path: &Path, folder: &Path, set: &[String]) -> Self {
+        Self::of_read(read_bytes(path), path, folder, set)
     }
 
     /// Reads a scene from a stream, such as standard input, to its end. Errors call it `name`, and
     /// files that it names are relative to `folder`.
-    pub fn of_stream(stream: impl io::Read, name: &Path, folder: &Path) -> Self {
-        Self::of_read(read_stream(stream), name, folder)
+    pub fn of_stream(stream: impl io::Read, name: &Path, folder: &Path, set: &[String]) -> Self {
+        Self::of_read(read_stream(stream), name, folder, set)
     }
 
     /// Reads a scene from text; mesh files are relative to the folder of `path`.
     pub fn of_text(text: String, path: &Path) -> Self {
-        Self::of_text_in(text, path, folder_of(path))
+        Self::of_text_in(text, path, folder_of(path), &[])
     }
 
-    fn of_text_in(text: String, path: &Path, folder: &Path) -> Self {
+    fn of_text_in(text: String, path: &Path, folder: &Path, set: &[String]) -> Self {
         if text.len() as u64 > LARGEST_FILE {
             let diagnostic = Diagnostic::new(Span::default(), too_large());
             return Self::failed(path, String::new(), diagnostic);
         }
+        let mut document = Document::new(text, path, folder, set);
         // Better to know it now than amid of thousands of small pieces of memory.
-        if let Err(error) = memory::look_for(text.len() as u64 * USUAL_MEMORY) {
+        if let Err(error) = memory::look_for(document.source.text.len() as u64 * USUAL_MEMORY) {
             let problem = Problem::OutOfMemory {
                 error: error.for_what("reading the scene file"),
                 way_out: "",
@@ -123,11 +130,8 @@ impl Reading {
             let diagnostic = Diagnostic::new(Span::default(), problem);
             return Self::failed(path, String::new(), diagnostic);
         }
-        let (scene, diagnostics, broken) = read(&text, path, folder);
-        let source = Arc::new(Source {
-            path: path.to_owned(),
-            text,
-        });
+        let (scene, diagnostics, broken) = read(&mut document);
+        let source = Arc::new(document.source);
         Self {
             scene: scene.map(|scene| scene.with(&source)),
             source,
@@ -136,9 +140,9 @@ impl Reading {
         }
     }
 
-    fn of_read(read: Result<Vec<u8>, Problem>, path: &Path, folder: &Path) -> Self {
+    fn of_read(read: Result<Vec<u8>, Problem>, path: &Path, folder: &Path, set: &[String]) -> Self {
         match read {
-            Ok(bytes) => Self::of_bytes(bytes, path, folder),
+            Ok(bytes) => Self::of_bytes(bytes, path, folder, set),
             Err(problem) => Self::failed(
                 path,
                 String::new(),
@@ -147,9 +151,9 @@ impl Reading {
         }
     }
 
-    fn of_bytes(bytes: Vec<u8>, path: &Path, folder: &Path) -> Self {
+    fn of_bytes(bytes: Vec<u8>, path: &Path, folder: &Path, set: &[String]) -> Self {
         match String::from_utf8(bytes) {
-            Ok(text) => Self::of_text_in(text, path, folder),
+            Ok(text) => Self::of_text_in(text, path, folder, set),
             Err(error) => {
                 if let Some(problem) = foreign::recognized(error.as_bytes(), path) {
                     let diagnostic = Diagnostic::new(Span::default(), problem);
@@ -169,7 +173,7 @@ impl Reading {
     fn failed(path: &Path, text: String, diagnostic: Diagnostic) -> Self {
         let path = path.to_owned();
         Self {
-            source: Arc::new(Source { path, text }),
+            source: Arc::new(Source::new(path, text)),
             scene: None,
             diagnostics: vec![diagnostic],
             broken: Broken {
@@ -219,6 +223,7 @@ impl Unsourced {
     fn with(self, source: &Arc<Source>) -> Scene {
         Scene {
             source: Arc::clone(source),
+            anchor: None,
             image: self.image,
             camera: self.camera,
             materials: self.materials,
@@ -269,29 +274,46 @@ const ENTRIES: [&str; 3] = [
     sections::OBJECTS.key,
 ];
 
-fn read(text: &str, path: &Path, folder: &Path) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+fn read(document: &mut Document) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+    // What is wrong with the texts themselves, and with what was set.
+    let mut of_texts = std::mem::take(&mut document.diagnostics);
+    let mut damage = Damage::none();
+    if !of_texts.is_empty() {
+        damage.lose_a_text();
+    }
+    let text = document.source.text.as_str();
     let mut reader = Reader {
         text,
-        damage: Damage::none(),
+        damage,
         diagnostics: Vec::new(),
-        files: Files::in_folder(folder),
+        files: Files::of(document),
+        changes: Rc::new(Changes::read(&document.source, &mut of_texts)),
     };
     let mut found = Found::default();
-    let (read, is_toml);
-    if text.len() > WHOLE {
-        read = found.read_pieces(&mut reader);
-        is_toml = read.is_ok();
-    } else {
-        let (root, damage, diagnostics) = syntax::parse(text);
-        is_toml = diagnostics.is_empty();
-        (reader.damage, reader.diagnostics) = (damage, diagnostics);
-        read = found.read_whole(&mut reader, root);
+    let mut read = Ok(());
+    let mut is_toml = true;
+    for range in document.texts() {
+        let part = &text[range.clone()];
+        if part.len() > WHOLE {
+            read = read.and_then(|()| found.read_pieces(&mut reader, part, range.start));
+        } else {
+            let (root, damage, diagnostics) = syntax::parse(part, range.start);
+            is_toml &= diagnostics.is_empty();
+            reader.damage.add(damage);
+            reader.diagnostics.extend(diagnostics);
+            read = read.and_then(|()| found.read_whole(&mut reader, root));
+        }
     }
-    if read.is_ok() && found.is_nothing() && reader.diagnostics.is_empty() {
+    is_toml &= read.is_ok();
+    let is_sound = reader.diagnostics.is_empty() && of_texts.is_empty();
+    if read.is_ok() && found.is_nothing() && is_sound {
         let diagnostic = Diagnostic::new(Span::default(), Problem::Empty);
         return (None, vec![diagnostic], Broken::default());
     }
-    if !is_toml && let Some(problem) = foreign::recognized(text.as_bytes(), path) {
+    if !is_toml
+        && let Some(problem) =
+            foreign::recognized(document.source.own_text().as_bytes(), &document.source.path)
+    {
         let diagnostic = Diagnostic::new(Span::default(), problem);
         return (None, vec![diagnostic], Broken::default());
     }
@@ -299,7 +321,7 @@ fn read(text: &str, path: &Path, folder: &Path) -> (Option<Unsourced>, Vec<Diagn
         reader.damage = Damage::whole();
         reader.diagnostics = vec![*diagnostic];
     }
-    found.complete(reader)
+    found.complete(reader, of_texts)
 }
 
 /// What was found in a file so far.
@@ -327,30 +349,30 @@ impl<'t> Found<'t> {
     fn read_whole(
         &mut self,
         reader: &mut Reader<'t>,
-        mut root: DeTable<'t>,
+        root: DeTable<'t>,
     ) -> Result<(), Box<Diagnostic>> {
-        let read = self.read_entries(reader, &root);
-        for section in ENTRIES {
-            root.remove(section);
+        self.read_entries(reader, &root)?;
+        for (key, node) in root {
+            let name = key.get_ref().as_ref();
+            if sections::SECTIONS.contains(&name) && !ENTRIES.contains(&name) {
+                self.add(key, node)?;
+            }
         }
-        self.root = root;
-        read
+        Ok(())
     }
 
-    fn read_pieces(&mut self, reader: &mut Reader<'t>) -> Result<(), Box<Diagnostic>> {
-        syntax::readable(reader.text)?;
-        pieces::for_each(reader.text, |tree| match tree {
+    /// Reads a text that begins at `start` of the whole, piece by piece.
+    fn read_pieces(
+        &mut self,
+        reader: &mut Reader<'t>,
+        text: &'t str,
+        start: usize,
+    ) -> Result<(), Box<Diagnostic>> {
+        let readable = syntax::readable(text);
+        readable.map_err(|wrong| Box::new(wrong.placed(&|at| at + start)))?;
+        pieces::for_each(text, start, |tree| match tree {
             Tree::Continued(tree) => self.read_entries(reader, tree),
-            Tree::Own(tree) => {
-                self.read_entries(reader, &tree)?;
-                for (key, node) in tree {
-                    let name = key.get_ref().as_ref();
-                    if sections::SECTIONS.contains(&name) && !ENTRIES.contains(&name) {
-                        self.add(key, node)?;
-                    }
-                }
-                Ok(())
-            }
+            Tree::Own(tree) => self.read_whole(reader, tree),
         })
     }
 
@@ -411,7 +433,8 @@ impl<'t> Found<'t> {
     fn find_unknown_sections(&mut self, reader: &mut Reader<'_>, root: &DeTable<'_>) {
         for key in root.keys() {
             let name = key.get_ref().as_ref();
-            let is_unknown = !sections::SECTIONS.contains(&name) && !self.unknown.contains(name);
+            let is_known = sections::SECTIONS.contains(&name) || name == INCLUDE;
+            let is_unknown = !is_known && !self.unknown.contains(name);
             if is_unknown && self.unknown.len() < MOST_COLLECTED {
                 self.unknown.insert(name.to_owned());
                 let problem = sections::unknown_section(name);
@@ -421,9 +444,23 @@ impl<'t> Found<'t> {
         }
     }
 
-    fn complete(self, mut reader: Reader<'_>) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+    fn complete(
+        mut self,
+        mut reader: Reader<'t>,
+        of_texts: Vec<Diagnostic>,
+    ) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
+        let changes = Rc::clone(&reader.changes);
+        for (key, node) in self.root.iter_mut() {
+            if let Some(changed) = changes.apply(&[key.get_ref()], node, &mut reader) {
+                *node = changed;
+            }
+        }
         let image = sections::image(&mut reader, &self.root, &self.misspelt);
         let camera = sections::camera(&mut reader, &self.root, &self.misspelt);
+        let (materials, lights) = (self.materials.names(), self.lights.names());
+        let names = [materials, lights, self.objects.names()];
+        changes.report_unused(names.each_ref().map(Vec::as_slice), &mut reader);
+        reader.diagnostics.extend(of_texts);
         let inputs = reader.files.inputs();
         let broken = |names: &[String]| names.iter().cloned().collect();
         let broken = Broken {
@@ -446,9 +483,10 @@ impl<'t> Found<'t> {
 
 /// The files that one scene names, each read once; `None` for a file that could not be read,
 /// which has been reported.
+#[derive(Clone, Debug)]
 struct Files {
-    /// What paths in the scene are relative to.
-    folder: PathBuf,
+    /// What paths are relative to that are named from these places on.
+    folders: Vec<(usize, PathBuf)>,
     meshes: HashMap<PathBuf, Option<Arc<MeshFile>>>,
     curves: HashMap<PathBuf, Option<Arc<Curve>>>,
     /// Those that were read, and where they are named first.
@@ -456,12 +494,21 @@ struct Files {
 }
 
 impl Files {
-    fn in_folder(folder: &Path) -> Self {
+    fn of(document: &Document) -> Self {
         Self {
-            folder: folder.to_owned(),
+            folders: document.folders.clone(),
             meshes: HashMap::new(),
             curves: HashMap::new(),
-            read: Vec::new(),
+            read: document.included.clone(),
+        }
+    }
+
+    /// Where the file is that is named at `name.span`.
+    fn path(&self, name: &Spanned<String>) -> PathBuf {
+        let is_before = |(start, _): &&(usize, PathBuf)| *start <= name.span.start;
+        match self.folders.iter().rfind(is_before) {
+            Some((_, folder)) => folder.join(&name.value),
+            None => PathBuf::from(&name.value),
         }
     }
 
@@ -486,7 +533,7 @@ impl Files {
 impl Reader<'_> {
     /// The mesh in `file`; one that cannot be read is reported where it is named first.
     fn mesh(&mut self, file: &Spanned<String>) -> Option<Arc<MeshFile>> {
-        let path = self.files.folder.join(&file.value);
+        let path = self.files.path(file);
         if let Some(known) = self.files.meshes.get(&path) {
             return known.clone();
         }

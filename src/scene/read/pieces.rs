@@ -42,15 +42,21 @@ struct Piece {
 /// Statements of a section without entries have only its key in common.
 type Entry<'t> = [&'t str; 2];
 
-/// Calls `each` with the tree of every piece, from the first to the last, until there is an error.
+/// Calls `each` with the tree of every piece of a text that begins at `start` of the whole, from the first to the
+/// last, until there is an error.
 pub(super) fn for_each<'t>(
     text: &'t str,
+    start: usize,
     mut each: impl FnMut(Tree<'t, '_>) -> Result<(), Box<Diagnostic>>,
 ) -> Result<(), Box<Diagnostic>> {
     let mut scanner = Scanner::new(text);
-    while let Some(Piece { header, body }) = scanner.next()? {
+    let in_whole = |at: usize| at + start;
+    while let Some(Piece { header, body }) = scanner
+        .next()
+        .map_err(|wrong| Box::new(wrong.placed(&in_whole)))?
+    {
         let Some(header) = header else {
-            let offset = body.start;
+            let offset = body.start + start;
             let place = |at: usize| at + offset;
             let mut tree = parse(&text[body], &place)?;
             shift(&mut tree, &place);
@@ -59,8 +65,8 @@ pub(super) fn for_each<'t>(
         };
         let copy = format!("{}\n{}", &text[header.clone()], &text[body.clone()]);
         let place = |at: usize| match at.checked_sub(header.len() + 1) {
-            Some(at) => at + body.start,
-            None => at + header.start,
+            Some(at) => in_whole(at + body.start),
+            None => in_whole(at + header.start),
         };
         let mut tree = parse(&copy, &place)?;
         shift(&mut tree, &place);
@@ -81,27 +87,13 @@ fn parse<'p>(
     piece: &'p str,
     place: &impl Fn(usize) -> usize,
 ) -> Result<DeTable<'p>, Box<Diagnostic>> {
-    let tree = DeTable::parse(piece).map_err(|error| {
-        let Diagnostic {
-            span,
-            mut problem,
-            entry,
-        } = syntax::first_error(piece, &error);
-        let moved = |span: Span| Span::from(place(span.start)..place(span.end));
-        if let Problem::Duplicate { first, .. } = &mut problem {
-            *first = first.map(moved);
-        }
-        Box::new(Diagnostic {
-            span: moved(span),
-            entry,
-            problem,
-        })
-    })?;
+    let tree = DeTable::parse(piece)
+        .map_err(|error| Box::new(syntax::first_error(piece, &error).placed(place)))?;
     Ok(tree.into_inner())
 }
 
 /// Moves all places in a tree.
-fn shift(tree: &mut DeTable<'_>, place: &impl Fn(usize) -> usize) {
+pub(super) fn shift(tree: &mut DeTable<'_>, place: &impl Fn(usize) -> usize) {
     let members = std::mem::take(tree);
     *tree = members
         .into_iter()

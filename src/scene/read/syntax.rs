@@ -8,7 +8,7 @@ use toml_parser::lexer::TokenKind;
 
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span};
 use super::Node;
-use super::habits;
+use super::{habits, pieces};
 use crate::printable::shortened;
 
 /// The size in bytes up to which more than the first syntax error is looked for: text that is
@@ -55,6 +55,27 @@ impl Damage {
         }
     }
 
+    /// A text that belongs to the scene is not there.
+    pub(super) fn lose_a_text(&mut self) {
+        self.lost_from = self.lost_from.min(usize::MAX - 1);
+    }
+
+    /// Of another text of the same scene, too.
+    pub(super) fn add(&mut self, other: Self) {
+        self.headers.extend(other.headers);
+        self.touched.extend(other.touched);
+        self.lost_from = self.lost_from.min(other.lost_from);
+    }
+
+    /// As it is in a text that begins at `start`.
+    fn shifted(self, start: usize) -> Self {
+        Self {
+            headers: self.headers.into_iter().map(|at| at + start).collect(),
+            touched: self.touched.into_iter().map(|at| at + start).collect(),
+            lost_from: self.lost_from.saturating_add(start),
+        }
+    }
+
     /// Whether some part of the file is lost, and with it entries nobody knows the names of.
     pub(super) fn lost_entries(&self) -> bool {
         self.lost_from != usize::MAX
@@ -75,8 +96,20 @@ impl Damage {
     }
 }
 
-/// The tree of `text` as far as it could be read, and the syntax errors.
-pub(super) fn parse(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
+/// The tree of `text`, which begins at `start` of the whole, as far as it could be read, and the syntax errors.
+pub(super) fn parse(text: &str, start: usize) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
+    let (mut root, damage, diagnostics) = parse_alone(text);
+    if start == 0 {
+        return (root, damage, diagnostics);
+    }
+    let place = |at: usize| at + start;
+    pieces::shift(&mut root, &place);
+    let diagnostics = diagnostics.into_iter();
+    let diagnostics = diagnostics.map(|diagnostic| diagnostic.placed(&place));
+    (root, damage.shifted(start), diagnostics.collect())
+}
+
+fn parse_alone(text: &str) -> (DeTable<'_>, Damage, Vec<Diagnostic>) {
     if let Err(wrong) = readable(text) {
         return hopeless(wrong.span, wrong.problem);
     }

@@ -443,6 +443,7 @@ fn a_file_that_is_not_text_shows_the_byte() {
         &b"# ok\r\nab\xff = 1\n"[..],
         Path::new("x.toml"),
         Path::new(""),
+        &[],
     );
     let span = reading.diagnostics[0].span;
     assert_eq!(reading.source.line_column(span.start), (2, 3));

@@ -339,7 +339,7 @@ impl Reader<'_> {
 
     /// The curve in `file`; one that cannot be read is reported where it is named first.
     fn curve_file(&mut self, file: &Spanned<String>) -> Option<Arc<Curve>> {
-        let path = self.files.folder.join(Path::new(&file.value));
+        let path = self.files.path(file);
         if let Some(known) = self.files.curves.get(&path) {
             return known.clone();
         }
