@@ -39,6 +39,7 @@ pub(crate) fn both(scene: &Path, [x, y]: [u32; 2]) -> Result<(Sample, [f32; 3]),
         scene,
         world,
         camera,
+        ..
     } = World::load(scene)?;
     let [width, height] = camera.resolution();
     if x >= width || y >= height {

@@ -141,16 +141,8 @@ const OPTIONS: [Advice; 20] = [
     ),
     (
         &["render"],
-        &[
-            "--frame",
-            "--frames",
-            "-f",
-            "--start",
-            "--end",
-            "--animation",
-            "-a",
-        ],
-        "there are no frame ranges yet: each frame is a scene file and a run of its own",
+        &["-f", "--start", "--end", "--animation", "-a"],
+        "frames are `--frames 1-100`, with a name such as `-o f.####.exr`",
     ),
     (
         &["render"],
@@ -401,13 +393,12 @@ pub(super) fn frame_number(path: &Path) -> Option<String> {
     word.map(|word| (*word).to_owned())
 }
 
-/// The error that a file name with such a part is.
+/// The error that a file name with such a part is where one file is written.
 pub(super) fn no_frames(path: &Path) -> Result<(), String> {
     match frame_number(path) {
         Some(part) => Err(format!(
-            "`{part}` stands for the number of a frame, and there are no frame ranges yet; render each \
-             frame to a name of its own, such as {}",
-            printable(&path.to_string_lossy().replacen(&part, "0001", 1)),
+            "`{part}` stands for the number of a frame, and this is one file; give it a name of its own, such as {}",
+            printable(&path.to_string_lossy().replacen(&part, "all", 1)),
         )),
         None => Ok(()),
     }
@@ -604,6 +595,6 @@ mod tests {
             assert_eq!(frame_number(Path::new(name)), None, "{name}");
         }
         let error = no_frames(Path::new("a/f.####.exr")).unwrap_err();
-        assert!(error.ends_with("such as a/f.0001.exr"), "{error}");
+        assert!(error.ends_with("such as a/f.all.exr"), "{error}");
     }
 }

@@ -5,13 +5,14 @@ use std::io::Write;
 use candela::Renderer;
 use candela::internal::Size;
 use candela::internal::{counted, printable, printable_path};
-use candela::scene::{Scene, Transport};
+use candela::scene::{Change, Motion, Scene, Transport};
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
 use candela::world::{Light, Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
+use super::frames::{Frame, Frames, frames};
 use super::source::SceneArguments;
 
 /// Check a scene without rendering it: is it legal, what will be computed and what left out, what
@@ -24,18 +25,28 @@ use super::source::SceneArguments;
 Examples:
   candela check scenes/lecture.toml
   generate | candela check - --base models
-      A scene from another program, whose files are in models")]
+      A scene from another program, whose files are in models
+  candela check shot.toml --frames 1-240
+      Is every frame legal")]
 pub(crate) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
+
+    /// Also check each of these frames; what is printed is of the first
+    #[arg(long, visible_alias = "frame", value_name = "LIST", value_parser = frames, allow_hyphen_values = true)]
+    frames: Option<Frames>,
 }
 
 pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), Failure> {
+    let frames = arguments.frames.as_ref().map_or(&[][..], Frames::list);
+    let first = frames.first().map(|frame| frame.number());
     let Loaded {
         scene,
         world,
         camera,
-    } = arguments.scene.load(|_| {})?;
+        motion,
+    } = arguments.scene.load(first, |_| {})?;
+    check_frames(frames, &motion, &mut scene.clone(), &world)?;
     let renderer = Renderer::new(&world)?;
     let plan = renderer.plan();
 
@@ -50,6 +61,7 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         "\nimage      {width} × {height}, {}",
         world.color_space().name()
     )?;
+    print_motion(&motion, frames, output)?;
     print_objects(&world, output)?;
     print_materials(&world, output)?;
     print_lights(&world, output)?;
@@ -104,6 +116,67 @@ const SOLVED: usize = 10_000;
 
 /// More entries of a kind than this are counted, not listed.
 const LISTED: usize = 20;
+
+/// Whether all further frames are legal; the errors of the first that is not, and which others are not.
+fn check_frames(
+    frames: &[Frame],
+    motion: &Motion,
+    scene: &mut Scene,
+    world: &World,
+) -> Result<(), Failure> {
+    let mut first = None;
+    let mut others = Vec::new();
+    for frame in frames.iter().skip(1) {
+        let number = frame.number();
+        let change = motion.set(scene, number)?;
+        // Of a frame in error there is no world; its triangles may be gone.
+        let change = Change {
+            triangles: change.triangles || motion.moved().world,
+        };
+        if let Err(errors) = world.again(scene, change) {
+            if first.is_none() {
+                first = Some(errors.at_frame(number));
+            } else {
+                others.push(frame.to_string());
+            }
+        }
+    }
+    match first {
+        None => Ok(()),
+        Some(errors) if others.is_empty() => Err(errors.into()),
+        Some(errors) => {
+            let more = others.len().saturating_sub(LISTED);
+            let listed = others
+                .into_iter()
+                .take(LISTED)
+                .collect::<Vec<_>>()
+                .join(", ");
+            let more = if more > 0 {
+                format!(" and {more} more")
+            } else {
+                String::new()
+            };
+            Err(format!("{errors}\n\nframes in error beside this: {listed}{more}").into())
+        }
+    }
+}
+
+fn print_motion(motion: &Motion, frames: &[Frame], output: &mut impl Write) -> Result<(), Failure> {
+    let Some([first, last]) = motion.frames() else {
+        return Ok(());
+    };
+    let names: Vec<String> = motion.names().iter().map(|name| printable(name)).collect();
+    writeln!(output, "\nmoves      {}", names.join(", "))?;
+    writeln!(output, "           keys from frame {first} to {last}")?;
+    if let [first, .., last] = frames {
+        let count = frames.len();
+        writeln!(
+            output,
+            "           {count} frames from {first} to {last} are legal"
+        )?;
+    }
+    Ok(())
+}
 
 fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     let objects = world.objects();

@@ -10,6 +10,7 @@ mod diff;
 mod display_server;
 mod drawing;
 mod failure;
+mod frames;
 mod legend;
 mod man;
 mod new;
@@ -157,9 +158,10 @@ fn probe(arguments: &probe::Arguments, output: &mut impl Write) -> Result<(), Fa
         scene,
         world,
         camera,
-    } = arguments
-        .scene
-        .load(|scene| probe::prepare(arguments, scene))?;
+        ..
+    } = arguments.scene.load(arguments.frame.number(), |scene| {
+        probe::prepare(arguments, scene);
+    })?;
     let renderer = Renderer::new(&world)?;
     let rendered = |[x, y]: [u32; 2]| {
         let pixel = Window {

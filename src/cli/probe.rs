@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::Failure;
 use super::crop::{Crop, crop};
-use super::source::SceneArguments;
+use super::source::{FrameArguments, SceneArguments};
 use point::Point;
 use range::Range;
 use table::{line, table};
@@ -45,6 +45,9 @@ Examples:
 pub(crate) struct Arguments {
     #[command(flatten)]
     pub(super) scene: SceneArguments,
+
+    #[command(flatten)]
+    pub(super) frame: FrameArguments,
 
     /// The pixel's column and row, 0,0 at the top left; may be said several times
     ///

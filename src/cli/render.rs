@@ -1,40 +1,47 @@
 //! `candela render`: a scene file becomes an EXR.
 
 mod accuracy;
+mod finish;
 mod layers;
+mod manifest;
 mod outputs;
 mod progress;
 mod request;
+mod stage;
 mod statistics;
 mod summary;
 mod values;
 
-use std::io;
+use std::collections::HashSet;
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use candela::Camera;
-use candela::display::{self, Alpha, Frame};
-use candela::exr::{Compression, ExrImage};
-use candela::output::{self, Unfinished};
-use candela::render::SimdLevel;
-use candela::render::{Job, RenderError, Renderer};
-use candela::scene::Scene;
-use candela::world::{Loaded, World, physics};
+use candela::display::{self, Alpha};
+use candela::exr::{self, Compression, ExrImage};
+use candela::internal::printable_path;
+use candela::output::{self, Unfinished, Written};
+use candela::render::{Built, SimdLevel};
+use candela::render::{Job, RenderError, RenderedExr, Renderer};
+use candela::world::{World, physics};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::crop::{Crop, crop};
 use super::develop::DevelopArguments;
 use super::display_server::DisplayServer;
+use super::frames::{Frame, Frames, frames};
 use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
 use accuracy::AccuracyArguments;
 pub(super) use accuracy::max_error;
+use finish::Finishing;
 use layers::LayerArguments;
 pub(super) use layers::transports;
+use manifest::Manifest;
 use outputs::Outputs;
-use progress::Progress;
+use progress::{Lines, Progress};
 use request::Request;
+use stage::Stage;
 use statistics::{Seconds, Statistics};
 use summary::Summary;
 pub(super) use values::{count, named};
@@ -77,7 +84,11 @@ Examples:
   candela render scene.toml --layers spectral --wavelengths 400:700:10
       A spectral image: R, G, B, A and 31 bands
   candela render scene.toml --layers lights=key,fill,shadow,cryptomatte
-      The shares of two lights, where they reach, and mattes of objects and materials")]
+      The shares of two lights, where they reach, and mattes of objects and materials
+  candela render shot.toml --frames 1-240 -o f.####.exr --preview f.####.png
+      A sequence; a second time with --skip-done it goes on where it was ended
+  candela render scene.toml --set lights.key.point.intensity=20
+      With another value than the file has")]
 pub(crate) struct Arguments {
     /// The scene file; `-` is standard input [default: the built-in lecture scene]
     #[arg(value_name = "SCENE.toml")]
@@ -124,9 +135,31 @@ pub(crate) struct Arguments {
         .try_map(|name| name.parse::<SimdLevel>()))]
     simd: Option<SimdLevel>,
 
-    /// Write counts and times as JSON
+    /// Render these frames of a scene that moves, such as 1-100, 1-100:2 or 1,5,9-12, into files such as f.####.exr
+    ///
+    /// Frames may have fractions. Names have the number in the place of #### or %04d: of -o, --preview and
+    /// --spectral-output. One process keeps what does not change from frame to frame. Without, a scene that moves is
+    /// rendered at frame 1.
+    #[arg(long, visible_alias = "frame", value_name = "LIST", value_parser = frames, allow_hyphen_values = true)]
+    frames: Option<Frames>,
+
+    /// Leave files as they are that are whole and say of themselves what would be rendered: of the same inputs, options
+    /// and version. Previews are made anew of them
+    #[arg(long)]
+    skip_done: bool,
+
+    /// Write counts and times as JSON, of several frames as a list
     #[arg(long, value_name = "FILE.json", value_parser = named("json"))]
     stats: Option<PathBuf>,
+
+    /// Write what was read, with what, and what was written, with SHA-256 hashes, as JSON
+    #[arg(long, value_name = "FILE.json", value_parser = named("json"))]
+    manifest: Option<PathBuf>,
+
+    /// Write lines about the progress to standard output, at most one a second: of Open Job Description, of Alfred (which
+    /// Tractor and Deadline 10 read), or as JSON
+    #[arg(long, value_name = "FORMAT")]
+    progress: Option<Lines>,
 
     /// Compression of the EXR; dwaa, dwab and, for 32-bit values, pxr24 lose precision
     #[arg(long, value_name = "NAME", default_value = Compression::default().name())]
@@ -156,7 +189,17 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// What is wrong with the options as they stand together.
     pub(crate) fn misuse(&self) -> Option<String> {
-        self.layers.misuse(self.accuracy.target().is_some())
+        let names = Outputs::new(self).check_names(self.frames.as_ref());
+        let misuse = self.layers.misuse(self.accuracy.target().is_some());
+        misuse.or(names.err()).or_else(|| {
+            let several = self
+                .frames
+                .as_ref()
+                .is_some_and(|frames| frames.list().len() > 1);
+            (several && self.display_server.is_some()).then(|| {
+                "--display-server shows one picture; leave it out, or render one frame".to_owned()
+            })
+        })
     }
 }
 
@@ -170,133 +213,326 @@ pub(crate) fn run(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), 
 
 fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure> {
     let start = Instant::now();
-    let mut seconds = Seconds::default();
-    let outputs = Outputs::new(arguments);
+    let all = Outputs::new(arguments);
+    // None for a still.
+    let frames: Vec<Option<Frame>> = match &arguments.frames {
+        None => vec![None],
+        Some(frames) => frames.list().iter().copied().map(Some).collect(),
+    };
 
-    let (inputs, world, camera) = load(arguments)?;
-    let request = Request::new(arguments, &world, &camera)?;
+    let mut stage = Stage::load(arguments, frames[0])?;
     // Found out now rather than after an hour of rendering.
-    outputs.check(&inputs)?;
-    request.check(&world)?;
-    seconds.load = start.elapsed().as_secs_f64();
-
-    let (renderer, build) = timed(|| Renderer::new(&world));
-    let renderer = renderer?;
-    seconds.build = build;
-
-    let progress = Progress::new(request.window, !arguments.quiet);
-    let server = match &arguments.display_server {
-        Some(address) => Some(request.show(&world, &camera, address, &outputs.exr)?),
-        None => None,
+    let inputs = stage.scene.files();
+    let request = Request::new(arguments, &stage, frames[0])?;
+    for frame in &frames {
+        all.of(*frame).check(&inputs)?;
+    }
+    request.check(&stage.world)?;
+    let mut render = Render {
+        arguments,
+        unfinished,
+        start,
+        progress: Progress::new(
+            frames.len(),
+            request.window.count(),
+            !arguments.quiet,
+            arguments.progress,
+            all.are_on_standard_output(),
+        ),
+        seconds: Seconds {
+            load: start.elapsed().as_secs_f64(),
+            ..Seconds::default()
+        },
+        statistics: Vec::new(),
+        manifest: Manifest::new(arguments, &stage.scene),
+        told: HashSet::new(),
+        finishing: None,
     };
-    let job = Job::watched(|pixels| progress.advance(pixels));
-    let job = match &server {
-        Some(server) => job.shown_to(server),
-        None => job,
-    };
+
+    let rendered = render.frames(&mut stage, &frames, &all);
+    if rendered.is_err() {
+        // The frame before is whole, and gets its name.
+        render.end_last()?;
+    }
+    rendered?;
+    render.finish(&all)
+}
+
+/// A render that is under way.
+struct Render<'a> {
+    arguments: &'a Arguments,
+    unfinished: &'a Unfinished,
+    start: Instant,
+    progress: Progress,
+    seconds: Seconds,
+    /// Of each frame.
+    statistics: Vec<serde_json::Value>,
+    manifest: Option<Manifest>,
+    /// Warnings that were given.
+    told: HashSet<String>,
+    /// The frame before, and what there is to say of it.
+    finishing: Option<(Finishing, String)>,
+}
+
+impl Render<'_> {
+    fn frames(
+        &mut self,
+        stage: &mut Stage,
+        frames: &[Option<Frame>],
+        all: &Outputs,
+    ) -> Result<(), Failure> {
+        let mut built = None;
+        for (number, frame) in frames.iter().enumerate() {
+            if let Some(frame) = frame.filter(|_| number > 0) {
+                let (gone, seconds) = timed(|| stage.go_to(frame, built.take()));
+                built = gone?;
+                self.seconds.build += seconds;
+            }
+            let request = Request::new(self.arguments, stage, *frame)?;
+            let outputs = all.of(*frame);
+            if self.arguments.skip_done && request.is_done(stage, &outputs)? {
+                self.skip(&request, &outputs, stage)?;
+                continue;
+            }
+            let renderer = match built.take() {
+                Some(built) => Built::of(built, &stage.world),
+                None => {
+                    let (renderer, seconds) = timed(|| Renderer::new(&stage.world));
+                    self.seconds.build += seconds;
+                    renderer?
+                }
+            };
+            self.frame(&renderer, stage, *frame, &request, &outputs)?;
+            built = Some(renderer.into_built());
+        }
+        Ok(())
+    }
+
+    /// Renders a frame and writes its files.
+    fn frame(
+        &mut self,
+        renderer: &Renderer<'_>,
+        stage: &Stage,
+        frame: Option<Frame>,
+        request: &Request,
+        outputs: &Outputs,
+    ) -> Result<(), Failure> {
+        let Self {
+            arguments,
+            unfinished,
+            ..
+        } = *self;
+        let server = match &arguments.display_server {
+            Some(address) => {
+                Some(request.show(&stage.world, &stage.camera, address, &outputs.exr)?)
+            }
+            None => None,
+        };
+        let progress = self.progress.begin(frame.map(|frame| frame.to_string()));
+        let job = Job::watched(|pixels| progress.advance(pixels));
+        let job = match &server {
+            Some(server) => job.shown_to(server),
+            None => job,
+        };
+        let (rendered, files) = write(renderer, stage, request, outputs, unfinished, &job)?;
+        let seconds = progress.seconds();
+        drop(job);
+        self.seconds.render += seconds;
+        let unseen = server.and_then(DisplayServer::warning);
+        // Its files get their names while the next frame is being rendered.
+        self.end_last()?;
+        let finishing = Finishing::begin(files);
+        let image = rendered.image.as_ref();
+        let developed = image.map_or(Ok(None), |image| {
+            develop(arguments, &stage.world, image, outputs, unfinished)
+        });
+        let (finishing, developed) = match developed {
+            Ok(developed) => (finishing, developed),
+            Err(error) => {
+                // The EXR is whole whatever becomes of its picture.
+                finishing.wait()?;
+                return Err(error);
+            }
+        };
+
+        let of_frame = Seconds {
+            render: seconds,
+            ..Seconds::default()
+        };
+        if outputs.statistics.is_some() {
+            let statistics = Statistics::new(renderer, stage, request, &rendered, &of_frame);
+            self.statistics.push(serde_json::to_value(&statistics)?);
+        }
+        if let Some(manifest) = &mut self.manifest {
+            manifest.add(frame, outputs, Some(&rendered.counts), seconds);
+        }
+        let mut said = String::new();
+        if !arguments.quiet {
+            let summary = Summary {
+                arguments,
+                outputs,
+                resolution: stage.camera.resolution(),
+                window: request.window,
+                has_lights: !stage.world.lights().is_empty(),
+                warnings: if self.told.is_empty() {
+                    physics::warnings(&stage.world)
+                } else {
+                    Vec::new()
+                },
+                counts: rendered.counts,
+                exr: rendered.report,
+                developed,
+                unseen,
+                seconds,
+            };
+            said = summary.text(&mut self.told);
+        }
+        self.finishing = Some((finishing, said));
+        Ok(())
+    }
+
+    /// Leaves a frame as it is; its preview is made anew.
+    fn skip(&mut self, request: &Request, outputs: &Outputs, stage: &Stage) -> Result<(), Failure> {
+        self.end_last()?;
+        if outputs.preview.is_some() {
+            let image = exr::read(&outputs.exr)?;
+            develop(
+                self.arguments,
+                &stage.world,
+                &image,
+                outputs,
+                self.unfinished,
+            )?;
+        }
+        if let Some(manifest) = &mut self.manifest {
+            manifest.add(request.frame(), outputs, None, 0.0);
+        }
+        self.progress.skip();
+        if !self.arguments.quiet {
+            let name = printable_path(&outputs.exr);
+            self.progress
+                .print(|stream| writeln!(stream, "{name}: is done already"));
+        }
+        Ok(())
+    }
+
+    /// Waits until the frame before has its names, and says so.
+    fn end_last(&mut self) -> Result<(), Failure> {
+        let Some((finishing, said)) = self.finishing.take() else {
+            return Ok(());
+        };
+        finishing.wait()?;
+        if !said.is_empty() {
+            self.progress.print(|stream| writeln!(stream, "{said}"));
+        }
+        Ok(())
+    }
+
+    /// After the last frame.
+    fn finish(mut self, outputs: &Outputs) -> Result<(), Failure> {
+        let last = self.finishing.take();
+        let said = match last {
+            Some((finishing, said)) => {
+                finishing.wait()?;
+                said
+            }
+            None => String::new(),
+        };
+        let seconds = &mut self.seconds;
+        seconds.total = self.start.elapsed().as_secs_f64();
+        seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
+        if let Some(path) = &outputs.statistics {
+            let is_still = self.arguments.frames.is_none();
+            let json = statistics::json(self.statistics, seconds, is_still)?;
+            output::write(path, self.unfinished, |sink| writeln!(sink, "{json}"))?;
+        }
+        if let (Some(path), Some(manifest)) = (&outputs.manifest, self.manifest) {
+            let json = manifest.json(seconds)?;
+            output::write(path, self.unfinished, |sink| writeln!(sink, "{json}"))?;
+        }
+        self.progress.finish();
+        if !self.arguments.quiet {
+            let of_run = Summary::of_run(outputs);
+            let lines: Vec<String> = Some(said)
+                .filter(|said| !said.is_empty())
+                .into_iter()
+                .chain(of_run)
+                .collect();
+            if !lines.is_empty() {
+                // Nowhere is left to report that the messages themselves cannot be written.
+                let _ = writeln!(io::stderr().lock(), "{}", lines.join("\n"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Renders a frame into its files, which have not got their names then.
+fn write(
+    renderer: &Renderer<'_>,
+    stage: &Stage,
+    request: &Request,
+    outputs: &Outputs,
+    unfinished: &Unfinished,
+    job: &Job<'_>,
+) -> Result<(RenderedExr, Vec<Written>), Failure> {
+    let Request {
+        options,
+        exr,
+        preserve,
+        ..
+    } = request;
+    let camera = &stage.camera;
     let mut is_too_dark = false;
     let mut of_bands = None;
-    let written = output::write(&outputs.exr, unfinished, |mut sink| {
-        let Request {
-            options,
-            exr,
-            preserve,
-            ..
-        } = &request;
+    let mut bands_written = None;
+    let written = output::begin(&outputs.exr, unfinished, |mut sink| {
         let rendered = match &outputs.bands {
-            None => renderer.exr(&camera, options, exr, *preserve, &job, &mut sink),
+            None => renderer.exr(camera, options, exr, *preserve, job, &mut sink),
             Some(path) => {
                 let mut rendered = None;
-                let written = output::write(path, unfinished, |mut bands| {
-                    let both = renderer.exr_and_bands(
-                        &camera, options, exr, *preserve, &job, &mut sink, &mut bands,
-                    );
+                let written = output::begin(path, unfinished, |mut bands| {
+                    let both = renderer
+                        .exr_and_bands(camera, options, exr, *preserve, job, &mut sink, &mut bands);
                     rendered = Some(both);
                     Ok(())
                 });
                 match (written, rendered) {
-                    (Ok(()), Some(rendered)) => rendered,
+                    (Ok(((), written)), Some(rendered)) => {
+                        bands_written = Some(written);
+                        rendered
+                    }
                     (Err(error), _) => {
                         of_bands = Some(error);
                         return Err(io::Error::other("stopped"));
                     }
-                    (Ok(()), None) => unreachable!("what is written was rendered"),
+                    (Ok(_), None) => unreachable!("what is written was rendered"),
                 }
             }
         };
         is_too_dark = matches!(rendered, Err(RenderError::TooDark));
         Ok(rendered?)
     });
-    seconds.render = progress.finish();
     if let Some(error) = of_bands {
         return Err(error.into());
     }
     if is_too_dark {
         return Err(TOO_DARK.into());
     }
-    let rendered = written?;
-    drop(job);
-    let unseen = server.and_then(DisplayServer::warning);
-    let developed = develop(arguments, &world, rendered.image.as_ref(), unfinished)?;
-    seconds.total = start.elapsed().as_secs_f64();
-    seconds.write = seconds.total - seconds.render - seconds.build - seconds.load;
-
-    if let Some(path) = &outputs.statistics {
-        let statistics = Statistics::new(&renderer, &camera, &request, &rendered, &seconds);
-        let json = serde_json::to_string_pretty(&statistics)?;
-        output::write(path, unfinished, |sink| writeln!(sink, "{json}"))?;
-    }
-    if !arguments.quiet {
-        let summary = Summary {
-            arguments,
-            output: &outputs.exr,
-            resolution: camera.resolution(),
-            window: request.window,
-            has_lights: !world.lights().is_empty(),
-            warnings: physics::warnings(&world),
-            counts: rendered.counts,
-            exr: rendered.report,
-            developed,
-            unseen,
-            seconds: seconds.render,
-        };
-        // Nowhere is left to report that the messages themselves cannot be written.
-        let _ = summary.write(&mut io::stderr().lock());
-    }
-    Ok(())
-}
-
-/// The world with its camera, and the files that it was read from.
-fn load(arguments: &Arguments) -> Result<(Vec<PathBuf>, World, Camera), Failure> {
-    let change = |scene: &mut Scene| arguments.layers.apply(scene);
-    let Loaded {
-        scene,
-        world,
-        camera,
-    } = match &arguments.scene {
-        Some(path) => arguments.base.load(path, change)?,
-        None => {
-            let mut scene = Scene::builtin();
-            change(&mut scene);
-            let (world, camera) = World::new(&scene)?;
-            Loaded {
-                scene,
-                world,
-                camera,
-            }
-        }
-    };
-    Ok((scene.files(), world, camera))
+    let (rendered, written) = written?;
+    let files = bands_written.into_iter().chain([written]);
+    Ok((rendered, files.collect()))
 }
 
 /// Makes the preview of what was rendered, where one is asked for.
 fn develop(
     arguments: &Arguments,
     world: &World,
-    image: Option<&ExrImage>,
+    image: &ExrImage,
+    outputs: &Outputs,
     unfinished: &Unfinished,
 ) -> Result<Option<display::Report>, Failure> {
-    let (Some(preview), Some(image)) = (&arguments.preview, image) else {
+    let Some(preview) = &outputs.preview else {
         return Ok(None);
     };
     // A PNG with alpha cannot hold light where nothing covers a pixel.
@@ -313,7 +549,7 @@ fn develop(
             Alpha::Keep
         },
         // Of a part, the part; of the whole that is the whole.
-        frame: Frame::Data,
+        frame: display::Frame::Data,
         ..arguments.development.settings(&look)
     };
     let report = display::convert_image(image, world.scene_hash(), preview, &settings, unfinished)?;

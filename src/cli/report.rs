@@ -24,7 +24,7 @@ use candela::world::Loaded;
 
 use super::drawing::{raster, svg};
 use super::render::{count, transports};
-use super::source::SceneArguments;
+use super::source::{FrameArguments, SceneArguments};
 use super::{Failure, MAX_THREADS};
 use page::Pictures;
 use peers::Peers;
@@ -70,6 +70,9 @@ Exit codes:
 pub(crate) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
+
+    #[command(flatten)]
+    frame: FrameArguments,
 
     /// The folder of the report, which is made if it is not there
     #[arg(short, long, value_name = "DIR")]
@@ -137,7 +140,8 @@ fn report(
     unfinished: &Unfinished,
     output: &mut impl Write,
 ) -> Result<(), Failure> {
-    let Loaded { scene, world, .. } = arguments.scene.load(|_| {})?;
+    let frame = arguments.frame.number();
+    let Loaded { scene, world, .. } = arguments.scene.load(frame, |_| {})?;
     drop(world);
     let peers = arguments.peers.as_deref().map(Peers::read).transpose()?;
     // Found out now rather than after minutes of rendering.

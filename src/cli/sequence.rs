@@ -235,15 +235,27 @@ fn last_digits(path: &Path) -> Option<String> {
     (!digits.is_empty()).then(|| digits.to_owned())
 }
 
-/// A frame's name: the number in the place of the part that stands for it.
-fn numbered(pattern: &Path, part: &str, number: &str) -> PathBuf {
+/// A frame's name: the number, which may have a sign and a fraction, in the place of the part that stands for it.
+pub(super) fn numbered(pattern: &Path, part: &str, number: &str) -> PathBuf {
     let name = pattern
         .file_name()
         .and_then(OsStr::to_str)
         .unwrap_or_default();
-    let number = number.trim_start_matches('0');
-    let width = padding(part);
-    pattern.with_file_name(name.replacen(part, &format!("{number:0>width$}"), 1))
+    let (whole, fraction) = match number.find('.') {
+        Some(point) => number.split_at(point),
+        None => (number, ""),
+    };
+    let (sign, digits) = match whole.strip_prefix('-') {
+        Some(digits) => ("-", digits),
+        None => ("", whole),
+    };
+    // As `printf` has it: the sign is one of the characters.
+    let (digits, width) = (digits.trim_start_matches('0'), padding(part));
+    let number = format!(
+        "{sign}{digits:0>width$}{fraction}",
+        width = width - sign.len()
+    );
+    pattern.with_file_name(name.replacen(part, &number, 1))
 }
 
 #[cfg(test)]

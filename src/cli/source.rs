@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use candela::scene::{Diagnostics, Reading, Scene};
 use candela::world::{Loaded, World};
 
+use super::frames::{Frame, frame};
+
 /// The name of standard input on the command line; a file of that name is `./-`.
 const STANDARD_INPUT: &str = "-";
 
@@ -21,6 +23,20 @@ pub(crate) struct SceneArguments {
 
     #[command(flatten)]
     base: BaseArguments,
+}
+
+/// The frame of the scene that a command is about.
+#[derive(Debug, clap::Args)]
+pub(crate) struct FrameArguments {
+    /// The frame of a scene that moves; may have a fraction [default: 1]
+    #[arg(long, value_name = "FRAME", value_parser = frame, allow_hyphen_values = true)]
+    frame: Option<Frame>,
+}
+
+impl FrameArguments {
+    pub(super) fn number(&self) -> Option<f64> {
+        self.frame.map(Frame::number)
+    }
 }
 
 /// What the files that a scene names are relative to.
@@ -46,17 +62,22 @@ impl SceneArguments {
         shown(&self.scene)
     }
 
-    /// Reads and validates the scene, changed in between.
-    pub(super) fn load(&self, change: impl FnOnce(&mut Scene)) -> Result<Loaded, Diagnostics> {
-        self.base.load(&self.scene, change)
+    /// Reads and validates the scene at a frame, changed in between.
+    pub(super) fn load(
+        &self,
+        frame: Option<f64>,
+        change: impl FnOnce(&mut Scene),
+    ) -> Result<Loaded, Diagnostics> {
+        self.base.load(&self.scene, frame, change)
     }
 }
 
 impl BaseArguments {
-    /// Reads and validates the scene at `path`, changed in between.
+    /// Reads and validates the scene at `path` at a frame, changed in between.
     pub(super) fn load(
         &self,
         path: &Path,
+        frame: Option<f64>,
         change: impl FnOnce(&mut Scene),
     ) -> Result<Loaded, Diagnostics> {
         let folder = self.base.as_deref();
@@ -66,6 +87,10 @@ impl BaseArguments {
         } else {
             let folder = folder.or_else(|| path.parent()).unwrap_or(Path::new(""));
             Reading::of_file_in(path, folder, &self.set)
+        };
+        let reading = match frame {
+            Some(frame) => reading.at(frame),
+            None => reading,
         };
         World::of_reading(reading, change)
     }

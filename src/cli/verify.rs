@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use super::Failure;
 use super::failure::Beyond;
-use super::source::SceneArguments;
+use super::source::{FrameArguments, SceneArguments};
 use edge::Edges;
 use report::{Flip, Histogram, Report};
 
@@ -54,6 +54,9 @@ Exit codes:
 pub(crate) struct Arguments {
     #[command(flatten)]
     pub(super) scene: SceneArguments,
+
+    #[command(flatten)]
+    pub(super) frame: FrameArguments,
 
     /// How many pixels to compare, pseudo-random ones
     #[arg(
@@ -100,7 +103,8 @@ pub(crate) fn run(
         scene,
         world,
         camera,
-    } = arguments.scene.load(|_| {})?;
+        ..
+    } = arguments.scene.load(arguments.frame.number(), |_| {})?;
     if let Some(path) = &arguments.oracle {
         let inputs = scene.files();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();

@@ -84,7 +84,7 @@ pub(super) fn head(header: &Header) -> exr::error::Result<Vec<u8>> {
 }
 
 /// The attribute that says how far sums of layers are off the image.
-const RESIDUAL: &str = "candela:residual";
+pub(super) const RESIDUAL: &str = "candela:residual";
 
 /// Where in a head the number of [`RESIDUAL`] is, if it is there.
 pub(super) fn residual_place(head: &[u8]) -> Option<u64> {

@@ -8,6 +8,7 @@ mod preserve;
 mod read;
 mod rewrite;
 mod store;
+mod whole;
 mod write;
 mod zip;
 
@@ -24,6 +25,7 @@ pub use read::{
 pub use read::{ExrError, ExrImage, ExrProblem, read};
 pub(crate) use read::{SampleKind, StoredExr};
 pub(crate) use rewrite::{COPIES_OF_BLOCK, RewriteError, Rewritten, rewrite};
+pub(crate) use whole::is_whole;
 
 use crate::image::{Channel, ChannelKind, Channels, Window};
 

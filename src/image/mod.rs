@@ -106,6 +106,50 @@ impl Window {
     }
 }
 
+impl ImageSpec {
+    /// As [`Film::apart`] parts a film.
+    pub(crate) fn apart(
+        &self,
+        is_apart: impl Fn(&Channel) -> bool,
+        are_theirs: impl Fn(&str) -> bool,
+    ) -> [Self; 2] {
+        let apart = self.apart_with_places(is_apart, are_theirs);
+        apart.map(|(spec, _)| spec)
+    }
+
+    /// The same, each with the places that its channels have in this one.
+    fn apart_with_places(
+        &self,
+        is_apart: impl Fn(&Channel) -> bool,
+        are_theirs: impl Fn(&str) -> bool,
+    ) -> [(Self, Vec<usize>); 2] {
+        [true, false].map(|which| {
+            let list = &self.channels.list;
+            let places: Vec<usize> = (0..list.len())
+                .filter(|&place| is_apart(&list[place]) == which)
+                .collect();
+            let attributes = self.channels.attributes.iter();
+            // Sums stay where all that they are made of stays.
+            let place_of = |old: &usize| places.iter().position(|place| place == old);
+            let sums = self.channels.sums.iter();
+            let sums = sums.filter_map(|sum| sum.iter().map(place_of).collect());
+            let channels = Channels {
+                list: places.iter().map(|&place| list[place].clone()).collect(),
+                attributes: attributes
+                    .filter(|(name, _)| are_theirs(name) == which)
+                    .cloned()
+                    .collect(),
+                sums: sums.collect(),
+            };
+            let spec = Self {
+                channels,
+                ..self.clone()
+            };
+            (spec, places)
+        })
+    }
+}
+
 impl Film {
     /// A film without light or coverage, and 0 in all further channels.
     pub(crate) fn black(spec: ImageSpec) -> Self {
@@ -223,39 +267,21 @@ impl Film {
     ) -> [Self; 2] {
         let width = self.spec.window.width as usize;
         let count = self.spec.channels.list.len();
-        [true, false].map(|which| {
-            let places: Vec<usize> = (0..count)
-                .filter(|&place| is_apart(&self.spec.channels.list[place]) == which)
-                .collect();
-            let list = &self.spec.channels.list;
-            let attributes = self.spec.channels.attributes.iter();
-            // Sums stay where all that they are made of stays.
-            let place_of = |old: &usize| places.iter().position(|place| place == old);
-            let sums = self.spec.channels.sums.iter();
-            let sums = sums.filter_map(|sum| sum.iter().map(place_of).collect());
-            let channels = Channels {
-                list: places.iter().map(|&place| list[place].clone()).collect(),
-                attributes: attributes
-                    .filter(|(name, _)| are_theirs(name) == which)
-                    .cloned()
-                    .collect(),
-                sums: sums.collect(),
-            };
-            let rows = self.values.chunks((width * count).max(1));
-            let values = rows.flat_map(|row| {
-                places
-                    .iter()
-                    .flat_map(|place| &row[place * width..][..width])
-            });
-            Self {
-                pixels: self.pixels.clone(),
-                values: values.copied().collect(),
-                spec: ImageSpec {
-                    channels,
-                    ..self.spec.clone()
-                },
-            }
-        })
+        self.spec
+            .apart_with_places(is_apart, are_theirs)
+            .map(|(spec, places)| {
+                let rows = self.values.chunks((width * count).max(1));
+                let values = rows.flat_map(|row| {
+                    places
+                        .iter()
+                        .flat_map(|place| &row[place * width..][..width])
+                });
+                Self {
+                    pixels: self.pixels.clone(),
+                    values: values.copied().collect(),
+                    spec,
+                }
+            })
     }
 
     /// Width and height of the whole image, of which [`Film::window`] is a part.

@@ -7,7 +7,7 @@ use super::components::Components;
 use super::spectrum::{blackbody, curve, daylight, flat, illuminant, lines};
 use super::upsampling;
 use super::vector::{Vector, scale};
-use crate::scene::{ColorSpace, Image, Light, Material, Scene, Transport, Unit, Value};
+use crate::scene::{ColorSpace, Image, Light, Material, Mixture, Scene, Transport, Unit, Value};
 
 /// What the brightest channel of a color is made before its smooth reflectance is looked for, one
 /// after the other until there is one: light has no upper limit, reflectances have.
@@ -62,6 +62,7 @@ impl Palette {
                 amount,
                 color,
             } => self.sized_light(*unit, *amount, color, directions),
+            Value::Mixed(mixture) => sum(mixture, |part| self.light_into(part, directions)),
             color => match self.working_rgb(color) {
                 Some(rgb) => self.colored_light(rgb),
                 None => self.light_of_spectrum(spectrum(color)),
@@ -71,6 +72,9 @@ impl Palette {
 
     /// k_d, k_s, ρ_d or ρ_s
     pub(super) fn reflectance(&self, value: &Value) -> Components {
+        if let Value::Mixed(mixture) = value {
+            return sum(mixture, |part| self.reflectance(part));
+        }
         let Some(rgb) = self.working_rgb(value) else {
             let spectrum = spectrum(value);
             return match self.weights {
@@ -186,6 +190,7 @@ fn is_spectral(scene: &Scene) -> bool {
 /// Whether a value is a spectrum, or of a size in watts, which RGB have none of.
 fn needs_spectra(value: &Value) -> bool {
     match value {
+        Value::Mixed(mixture) => mixture.0.iter().any(|(_, part)| needs_spectra(part)),
         Value::Sized { unit, color, .. } => {
             matches!(unit, Unit::WattsPerSteradian | Unit::Watts) || literal(color).is_none()
         }
@@ -204,8 +209,17 @@ fn literal(value: &Value) -> Option<(Vector, ColorSpace)> {
         | Value::Blackbody(_)
         | Value::Curve(_)
         | Value::Lines(_)
-        | Value::Sized { .. } => None,
+        | Value::Sized { .. }
+        | Value::Mixed(_) => None,
     }
+}
+
+/// So many times each part of a mixture, together.
+fn sum(mixture: &Mixture, components: impl Fn(&Value) -> Components) -> Components {
+    let mut parts = mixture.0.iter();
+    let scaled = |(weight, part): &(f64, Value)| components(part).scaled(*weight);
+    let first = parts.next().map_or_else(|| flat(0.0), scaled);
+    parts.fold(first, |sum, part| sum.plus(&scaled(part)))
 }
 
 /// The spectrum of what is not RGB, without the size of a light that has one beside it.
@@ -217,7 +231,11 @@ fn spectrum(value: &Value) -> Components {
         Value::Curve(written) => curve(written),
         Value::Lines(written) => lines(written),
         // Not in a legal scene.
-        Value::Uniform(_) | Value::Rgb { .. } | Value::Srgb(_) | Value::Sized { .. } => flat(0.0),
+        Value::Uniform(_)
+        | Value::Rgb { .. }
+        | Value::Srgb(_)
+        | Value::Sized { .. }
+        | Value::Mixed(_) => flat(0.0),
     }
 }
 

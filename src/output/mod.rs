@@ -19,7 +19,9 @@ use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use early::EarlySync;
+use tempfile::NamedTempFile;
+
+use early::{EarlySync, Syncing};
 #[doc(hidden)]
 pub use error::is_transient;
 pub use error::{OutputError, OutputProblem};
@@ -115,22 +117,99 @@ pub fn write<T>(
     unfinished: &Unfinished,
     content: impl FnOnce(&mut dyn Sink) -> io::Result<T>,
 ) -> Result<T, OutputError> {
-    let written = match resolve(path) {
+    let (result, written) = begin(path, unfinished, content)?;
+    written.finish()?;
+    Ok(result)
+}
+
+/// Writes a file by `content` as [`write()`] does, but for its way to the disk and its name: these are left to
+/// [`Written::finish`], on any thread, while something else is being done.
+///
+/// # Errors
+/// As [`write()`].
+#[doc(hidden)]
+pub fn begin<T>(
+    path: &Path,
+    unfinished: &Unfinished,
+    content: impl FnOnce(&mut dyn Sink) -> io::Result<T>,
+) -> Result<(T, Written), OutputError> {
+    let begun = match resolve(path) {
         Ok(Target::File {
             path: target,
             existing,
-        }) => write_file(&target, existing, unfinished, content),
+        }) => begin_file(target, existing, unfinished, content)
+            .map(|(result, file)| (result, Some(file))),
         Ok(Target::Stream | Target::StandardOutput) if unfinished.is_canceled() => {
             Err(OutputProblem::Canceled)
         }
-        Ok(Target::Stream) => stream::write(path, content),
-        Ok(Target::StandardOutput) => stream::write_standard(content),
+        Ok(Target::Stream) => stream::write(path, content).map(|result| (result, None)),
+        Ok(Target::StandardOutput) => stream::write_standard(content).map(|result| (result, None)),
         Err(problem) => Err(problem),
     };
-    written.map_err(|problem| OutputError {
-        path: path.to_path_buf(),
-        problem,
-    })
+    let path = path.to_path_buf();
+    match begun {
+        Ok((result, file)) => Ok((result, Written { path, file })),
+        Err(problem) => Err(OutputError { path, problem }),
+    }
+}
+
+/// A file whose content is written, but which has not got its name.
+#[doc(hidden)]
+pub struct Written {
+    path: PathBuf,
+    /// None of what is no file.
+    file: Option<WrittenFile>,
+}
+
+struct WrittenFile {
+    temporary: NamedTempFile,
+    syncing: Syncing,
+    target: PathBuf,
+    unfinished: Unfinished,
+}
+
+impl Written {
+    /// Waits until the disk has it, and gives it its name.
+    ///
+    /// # Errors
+    /// As [`write()`]; the target stays as it was.
+    pub fn finish(self) -> Result<(), OutputError> {
+        let finished = self.file.map_or(Ok(()), WrittenFile::finish);
+        finished.map_err(|problem| OutputError {
+            path: self.path,
+            problem,
+        })
+    }
+}
+
+impl WrittenFile {
+    /// A full disk or a lost server must be known before the old file goes.
+    fn finish(self) -> Result<(), OutputProblem> {
+        let Self {
+            temporary,
+            syncing,
+            target,
+            unfinished,
+        } = self;
+        let name = temporary.path().to_path_buf();
+        let synced = syncing.finish();
+        let mut state = unfinished.lock();
+        state.files.remove(&name);
+        if state.canceled {
+            return Err(OutputProblem::Canceled);
+        }
+        // Dropping the temporary file on an error removes it.
+        synced.map_err(classified)?;
+        temporary.persist(&target).map_err(|error| {
+            let is_removed = error.error.kind() == io::ErrorKind::NotFound;
+            if is_removed && folder_of(&target).exists() {
+                OutputProblem::Removed(name)
+            } else {
+                folder_problem(&target, error.error)
+            }
+        })?;
+        Ok(())
+    }
 }
 
 /// Finds out whether a file could be written, without leaving anything behind: for long work whose
@@ -153,58 +232,55 @@ pub fn check(path: &Path) -> Result<(), OutputError> {
     })
 }
 
-fn write_file<T>(
-    target: &Path,
+fn begin_file<T>(
+    target: PathBuf,
     existing: Option<Permissions>,
     unfinished: &Unfinished,
     content: impl FnOnce(&mut dyn Sink) -> io::Result<T>,
-) -> Result<T, OutputProblem> {
+) -> Result<(T, WrittenFile), OutputProblem> {
     // Created and listed in one step, so that no interruption falls between.
     let temporary = {
         let mut state = unfinished.lock();
         if state.canceled {
             return Err(OutputProblem::Canceled);
         }
-        let temporary = temporary::create(target).map_err(|error| folder_problem(target, error))?;
+        let temporary =
+            temporary::create(&target).map_err(|error| folder_problem(&target, error))?;
         state.files.insert(temporary.path().to_path_buf());
         temporary
     };
-    let name = temporary.path().to_path_buf();
-
-    let filled = fill(temporary.as_file(), existing, content);
-
-    let mut state = unfinished.lock();
-    state.files.remove(&name);
-    if state.canceled {
-        return Err(OutputProblem::Canceled);
-    }
-    // Dropping the temporary file on an error removes it.
-    let result = filled.map_err(classified)?;
-    temporary.persist(target).map_err(|error| {
-        let is_removed = error.error.kind() == io::ErrorKind::NotFound;
-        if is_removed && folder_of(target).exists() {
-            OutputProblem::Removed(name)
-        } else {
-            folder_problem(target, error.error)
+    match fill(temporary.as_file(), existing, content) {
+        Ok((result, syncing)) => {
+            let file = WrittenFile {
+                temporary,
+                syncing,
+                target,
+                unfinished: unfinished.clone(),
+            };
+            Ok((result, file))
         }
-    })?;
-    Ok(result)
+        Err(error) => {
+            let mut state = unfinished.lock();
+            state.files.remove(temporary.path());
+            Err(if state.canceled {
+                OutputProblem::Canceled
+            } else {
+                classified(error)
+            })
+        }
+    }
 }
 
-/// Writes the content and waits until the disk has it: a full disk or a lost server must be known
-/// before the old file goes.
+/// Writes the content.
 fn fill<T>(
     file: &File,
     existing: Option<Permissions>,
     content: impl FnOnce(&mut dyn Sink) -> io::Result<T>,
-) -> io::Result<T> {
+) -> io::Result<(T, Syncing)> {
     if let Some(permissions) = existing {
         file.set_permissions(permissions)?;
     }
-    std::thread::scope(|scope| {
-        let mut sink = EarlySync::new(file, scope);
-        let result = content(&mut sink)?;
-        sink.finish()?;
-        Ok(result)
-    })
+    let mut sink = EarlySync::new(file.try_clone()?);
+    let result = content(&mut sink)?;
+    Ok((result, sink.written()?))
 }

@@ -46,6 +46,8 @@ pub use exr_sink::memory;
 pub use job::Job;
 pub use layers::{Layers, MatteRanks, Relight};
 pub use options::{Options, OptionsError};
+#[doc(hidden)]
+pub use renderer::{Built, is_done};
 pub use renderer::{RenderError, RenderedExr, Renderer, render};
 #[doc(hidden)]
 pub use shares::BACKGROUND_LIGHT;

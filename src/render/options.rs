@@ -22,6 +22,8 @@ pub struct Options {
     /// The instructions to render with, which make no difference to the image. Default: the widest
     /// that the machine has.
     pub simd: SimdLevel,
+    /// The frame of a sequence, which the header then names. Default `None`.
+    pub frame: Option<f64>,
 }
 
 impl Default for Options {
@@ -32,6 +34,7 @@ impl Default for Options {
             window: None,
             layers: Layers::default(),
             simd: SimdLevel::default(),
+            frame: None,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! What renders a world, as often as it is asked to.
 
 use std::io::{self, Seek, Write};
+use std::path::Path;
 
-use super::accuracy::Goal;
+use super::accuracy::{ErrorCounts, Goal};
 use super::batch::Selection;
 use super::counts::Counts;
 use super::exr_sink::ExrSink;
@@ -16,10 +17,10 @@ use super::scheduler::{render_tiles, windows};
 use super::sink::{ErrorChannels, Sink};
 use super::tile::{Kept, Setup, Space, Tile};
 use crate::camera::Camera;
-use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve};
+use crate::exr::{ExrFile, ExrImage, ExrOptions, ExrReport, Preserve, is_whole};
 use crate::image::{Film, ImageSpec, Metadata, Number, Window};
 use crate::memory::{OutOfMemory, look_for};
-use crate::visibility::Visibility;
+use crate::visibility::{Parts, Visibility};
 use crate::world::{Bands, Plan, World};
 
 /// The columns and rows of points that say what errors are relative to.
@@ -62,6 +63,25 @@ pub struct Renderer<'w> {
     world: &'w World,
     plan: Plan,
     visibility: Visibility<'w>,
+}
+
+/// What a [`Renderer`] has built for a world, while it has none.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Built {
+    plan: Plan,
+    parts: Parts,
+}
+
+impl Built {
+    /// The renderer of the world that it was built for.
+    pub fn of(self, world: &World) -> Renderer<'_> {
+        Renderer {
+            world,
+            plan: self.plan,
+            visibility: Visibility::of_parts(world, self.parts),
+        }
+    }
 }
 
 /// Why a render came to no end.
@@ -139,6 +159,15 @@ impl<'w> Renderer<'w> {
             plan,
             visibility,
         })
+    }
+
+    /// What was built, without its world, which may then move elsewhere.
+    #[doc(hidden)]
+    pub fn into_built(self) -> Built {
+        Built {
+            plan: self.plan,
+            parts: self.visibility.into_parts(),
+        }
     }
 
     /// How many trees were built for it: of each large mesh one, of all other triangles one, of the spheres one,
@@ -382,56 +411,105 @@ impl<'w> Renderer<'w> {
 
     /// All of an image that is known before its first pixel.
     fn spec(&self, camera: &Camera, options: &Options) -> Result<ImageSpec, OptionsError> {
-        Ok(ImageSpec {
-            resolution: camera.resolution(),
-            window: options.check(self.world, camera)?,
-            channels: options.layers.channels(self.world),
-            metadata: self.metadata(camera, options),
-        })
-    }
-
-    fn metadata(&self, camera: &Camera, options: &Options) -> Metadata {
-        let world = self.world;
-        let plan = serde_json::to_string(&self.plan).expect("a plan is plain data");
-        let layers = options.layers.names();
-        let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
-        let inputs = ("inputs_sha256".to_owned(), world.inputs_hash().to_owned());
-        let accuracy = match options.target {
-            None => vec![],
-            Some(target) => vec![
-                ("max_error".to_owned(), target.relative.to_string()),
-                ("max_samples".to_owned(), target.max_samples.to_string()),
-            ],
-        };
-        let samples = options.target.is_none().then(|| {
-            // At most 65 536.
-            let samples = Number::Integer(options.samples as i32);
-            ("candela:samples".to_owned(), samples)
-        });
-        let others = [
-            ("camera".to_owned(), camera.description()),
-            ("lights".to_owned(), world.describe_lights()),
-            ("observer".to_owned(), world.observer().name().to_owned()),
-            ("transport".to_owned(), world.transport().to_owned()),
-            ("plan".to_owned(), plan),
-            ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
-        ];
-        let mut provenance: Vec<(String, String)> = std::iter::once(inputs)
-            .chain(layers)
-            .chain(others)
-            .chain(accuracy)
-            .collect();
-        provenance.sort();
-        Metadata {
-            color_space: world.color_space(),
-            world_to_camera: camera.world_to_camera(),
-            world_to_ndc: camera.world_to_ndc(),
-            provenance,
-            numbers: lens(camera).into_iter().chain(samples).collect(),
-        }
+        spec(self.world, &self.plan, camera, options)
     }
 }
 
+/// Whether the file at `path`, and that of its bands where they have one, are whole, and say of themselves just what
+/// would be rendered: the same inputs, options and version. Nothing is built for it.
+///
+/// # Errors
+/// If the camera or the options are not for this world.
+#[doc(hidden)]
+pub fn is_done(
+    world: &World,
+    camera: &Camera,
+    options: &Options,
+    exr: &ExrOptions,
+    path: &Path,
+    bands: Option<&Path>,
+) -> Result<bool, OptionsError> {
+    let mut spec = spec(world, &Plan::new(world), camera, options)?;
+    if exr.full_window {
+        spec.window = Window::whole(spec.resolution);
+    }
+    // What comes of rendering to an error is known at its end.
+    let errors = ErrorCounts::default();
+    let is_known = |name: &str| {
+        let mut counts = errors.provenance();
+        let is_count = |name: &str| counts.any(|(count, _)| count == name);
+        options.target.is_none() || !name.strip_prefix("candela:").is_some_and(is_count)
+    };
+    let done = |spec: &ImageSpec, path: &Path| is_whole(path, spec, exr, &is_known);
+    Ok(match bands {
+        None => done(&spec, path),
+        Some(bands) => {
+            let [of_bands, of_all_else] =
+                spec.apart(|channel| is_band(&channel.name), is_about_bands);
+            done(&of_bands, bands) && done(&of_all_else, path)
+        }
+    })
+}
+
+fn spec(
+    world: &World,
+    plan: &Plan,
+    camera: &Camera,
+    options: &Options,
+) -> Result<ImageSpec, OptionsError> {
+    Ok(ImageSpec {
+        resolution: camera.resolution(),
+        window: options.check(world, camera)?,
+        channels: options.layers.channels(world),
+        metadata: metadata(world, plan, camera, options),
+    })
+}
+
+fn metadata(world: &World, plan: &Plan, camera: &Camera, options: &Options) -> Metadata {
+    let plan = serde_json::to_string(plan).expect("a plan is plain data");
+    let layers = options.layers.names();
+    let layers = (!layers.is_empty()).then(|| ("layers".to_owned(), layers.join(",")));
+    let inputs = ("inputs_sha256".to_owned(), world.inputs_hash().to_owned());
+    let accuracy = match options.target {
+        None => vec![],
+        Some(target) => vec![
+            ("max_error".to_owned(), target.relative.to_string()),
+            ("max_samples".to_owned(), target.max_samples.to_string()),
+        ],
+    };
+    let samples = options.target.is_none().then(|| {
+        // At most 65 536.
+        let samples = Number::Integer(options.samples as i32);
+        ("candela:samples".to_owned(), samples)
+    });
+    let others = [
+        ("camera".to_owned(), camera.description()),
+        ("lights".to_owned(), world.describe_lights()),
+        ("observer".to_owned(), world.observer().name().to_owned()),
+        ("transport".to_owned(), world.transport().to_owned()),
+        ("plan".to_owned(), plan),
+        ("scene_sha256".to_owned(), world.scene_hash().to_owned()),
+    ];
+    let frame = options
+        .frame
+        .map(|frame| ("frame".to_owned(), frame.to_string()));
+    let set = (!world.set().is_empty()).then(|| ("set".to_owned(), world.set().join("\n")));
+    let mut provenance: Vec<(String, String)> = std::iter::once(inputs)
+        .chain(frame)
+        .chain(set)
+        .chain(layers)
+        .chain(others)
+        .chain(accuracy)
+        .collect();
+    provenance.sort();
+    Metadata {
+        color_space: world.color_space(),
+        world_to_camera: camera.world_to_camera(),
+        world_to_ndc: camera.world_to_ndc(),
+        provenance,
+        numbers: lens(camera).into_iter().chain(samples).collect(),
+    }
+}
 /// OpenEXR's attributes for the lens of a perspective camera. It is a pinhole, so that there is no aperture.
 fn lens(camera: &Camera) -> Vec<(String, Number)> {
     let Some((focal_length, sensor)) = camera.lens() else {

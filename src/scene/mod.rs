@@ -9,6 +9,8 @@ mod curve;
 #[doc(hidden)]
 pub mod diagnostic;
 mod inputs;
+mod keys;
+mod motion;
 mod read;
 mod schema;
 mod value;
@@ -28,7 +30,10 @@ pub(crate) use read::name_objection;
 pub use read::{Broken, Reading};
 #[doc(hidden)]
 pub use schema::schema;
-pub use value::{Falloff, ShadowTerminator, Transport, Unit, Value};
+pub use value::{Falloff, Mixture, ShadowTerminator, Transport, Unit, Value};
+
+pub use keys::Interpolation;
+pub use motion::{Change, FIRST_FRAME, Motion, Moved};
 
 pub use crate::color::ColorSpace;
 pub use crate::input::Hash;
@@ -64,9 +69,8 @@ pub struct Part {
 pub struct Scene {
     /// Where it comes from.
     pub source: Arc<Source>,
-    /// The point that all positions are kept relative to while they are rendered; `None` stands for where the camera
-    /// looks. Where that moves, it is one point for all frames, so that what stands still has the same numbers.
-    pub anchor: Option<[f64; 3]>,
+    /// Where the camera is at first, if it moves: what stands still has the same numbers at all frames.
+    pub anchor: Option<Anchor>,
     /// `[image]`
     pub image: Image,
     /// `[camera.VARIANT]`
@@ -129,6 +133,15 @@ pub enum Camera {
         /// The image's vertical extent in scene units. Range: above 0.
         height: Spanned<f64>,
     },
+}
+
+/// The view that the numbers of a world depend on, of all that a camera has in a sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anchor {
+    /// Where the camera is.
+    pub eye: [f64; 3],
+    /// Where it looks: positions are kept relative to this point while they are rendered.
+    pub look_at: [f64; 3],
 }
 
 /// The place and direction of a camera.
@@ -277,6 +290,53 @@ pub enum Object {
 }
 
 impl Object {
+    /// Whether both have the same triangles at the same places, or none.
+    pub(crate) fn has_triangles_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Triangle { vertices: a, .. }, Self::Triangle { vertices: b, .. }) => {
+                a.value == b.value
+            }
+            (
+                Self::Mesh {
+                    scale,
+                    rotate,
+                    translate,
+                    smooth,
+                    shadow_terminator,
+                    geometry,
+                    ..
+                },
+                Self::Mesh {
+                    scale: other_scale,
+                    rotate: other_rotate,
+                    translate: other_translate,
+                    smooth: other_smooth,
+                    shadow_terminator: other_terminator,
+                    geometry: other_geometry,
+                    ..
+                },
+            ) => {
+                scale.value == other_scale.value
+                    && rotate.value == other_rotate.value
+                    && translate.value == other_translate.value
+                    && smooth == other_smooth
+                    && shadow_terminator == other_terminator
+                    && Arc::ptr_eq(geometry, other_geometry)
+            }
+            (
+                Self::Sphere { .. } | Self::Plane { .. },
+                Self::Sphere { .. } | Self::Plane { .. },
+            ) => true,
+            (
+                Self::Triangle { .. }
+                | Self::Mesh { .. }
+                | Self::Sphere { .. }
+                | Self::Plane { .. },
+                _,
+            ) => false,
+        }
+    }
+
     /// The name of the object's material, where it was written.
     pub fn material(&self) -> &Spanned<String> {
         match self {
@@ -326,7 +386,8 @@ impl Scene {
 
     /// The scene that is rendered where no file is named: the lecture's.
     pub fn builtin() -> Self {
-        Self::parse(BUILTIN, "<lecture.toml>").expect("a test reads the built-in scene")
+        let scene = Reading::of_builtin().complete();
+        scene.expect("a test reads the built-in scene")
     }
 }
 

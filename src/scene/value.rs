@@ -40,7 +40,14 @@ pub enum Value {
         /// The light's color, of any size. Default: 1, which is white.
         color: Box<Value>,
     },
+    /// Light or a reflectance between keys: the sum of others, each so many times.
+    Mixed(Arc<Mixture>),
 }
+
+/// Values and how much there is of each; together 1. Those between two keys of `smooth` may have less than nothing of
+/// a third.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mixture(pub Vec<(f64, Value)>);
 
 /// The units in which the size of a light can be said. The light is the same in all directions, so
 /// that a flux is 4π times an intensity.
@@ -173,6 +180,68 @@ impl Value {
                 Unit::Candela | Unit::Lumens => color.is_spectral(),
                 Unit::WattsPerSteradian | Unit::Watts => true,
             },
+            Self::Mixed(mixture) => mixture.0.iter().any(|(_, part)| part.is_spectral()),
+        }
+    }
+
+    /// A sum of others.
+    pub fn mixed(mixture: Mixture) -> Self {
+        Self::Mixed(Arc::new(mixture))
+    }
+
+    /// The values that a sum is made of; else the value itself.
+    pub(crate) fn parts(&self) -> Vec<&Self> {
+        match self {
+            Self::Mixed(mixture) => mixture
+                .0
+                .iter()
+                .flat_map(|(_, part)| part.parts())
+                .collect(),
+            Self::Uniform(_)
+            | Self::Rgb { .. }
+            | Self::Srgb(_)
+            | Self::Illuminant(_)
+            | Self::Daylight(_)
+            | Self::Blackbody(_)
+            | Self::Curve(_)
+            | Self::Lines(_)
+            | Self::Sized { .. } => vec![self],
+        }
+    }
+
+    /// The number that is the same in every channel.
+    pub(super) fn uniform(&self) -> Option<f64> {
+        match self {
+            Self::Uniform(number) => Some(*number),
+            Self::Rgb { .. }
+            | Self::Srgb(_)
+            | Self::Illuminant(_)
+            | Self::Daylight(_)
+            | Self::Blackbody(_)
+            | Self::Curve(_)
+            | Self::Lines(_)
+            | Self::Sized { .. }
+            | Self::Mixed(_) => None,
+        }
+    }
+
+    /// The unit, the amount and the color of a light whose size is said so.
+    pub(super) fn sized_parts(&self) -> Option<(Unit, f64, &Self)> {
+        match self {
+            Self::Sized {
+                unit,
+                amount,
+                color,
+            } => Some((*unit, *amount, color)),
+            Self::Uniform(_)
+            | Self::Rgb { .. }
+            | Self::Srgb(_)
+            | Self::Illuminant(_)
+            | Self::Daylight(_)
+            | Self::Blackbody(_)
+            | Self::Curve(_)
+            | Self::Lines(_)
+            | Self::Mixed(_) => None,
         }
     }
 }

@@ -58,7 +58,8 @@ use crate::simd::DVec3x16;
 use crate::world::{Plan, World};
 use incoherent::IncoherentSpace;
 use projection::BatchProjection;
-use shapes::{Parts, Setups, Shapes};
+pub(crate) use shapes::Parts;
+use shapes::{Setups, Shapes};
 use tree::{EMPTY_STACK, Stack};
 
 /// Rays whose directions differ by more than this part of their length do not share a projection: at a
@@ -155,6 +156,16 @@ impl<'w> Visibility<'w> {
         Self::look_for_memory(world)?;
         let kept = (self.shapes.world, &self.parts);
         Ok(Visibility::of(world, Parts::new(world, plan, Some(kept))))
+    }
+
+    /// What was built for it, without its world.
+    pub(crate) fn into_parts(self) -> Parts {
+        self.parts
+    }
+
+    /// A world again and what was built for it.
+    pub(crate) fn of_parts(world: &'w World, parts: Parts) -> Self {
+        Self::of(world, parts)
     }
 
     /// How many trees were built for it: none for what was kept.

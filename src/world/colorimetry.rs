@@ -178,7 +178,7 @@ impl SpectralReflectance {
 }
 
 /// The spectrum whose value at the i-th wavelength of the grid is f(i).
-fn on_grid(f: impl Fn(usize) -> f64) -> Spectrum {
+pub(super) fn on_grid(f: impl Fn(usize) -> f64) -> Spectrum {
     let mut places = 0..SAMPLES;
     Spectrum::from_fn(|_| f(places.next().expect("the grid has SAMPLES wavelengths")))
 }

@@ -29,6 +29,7 @@ mod reflectances;
 pub mod spectra;
 
 use std::path::Path;
+use std::sync::Arc;
 
 #[doc(hidden)]
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
@@ -59,6 +60,8 @@ pub struct World {
     scene_hash: String,
     /// SHA-256 of all that the picture depends on, in hexadecimal digits.
     inputs_hash: String,
+    /// What was set on the command line.
+    set: Vec<String>,
     color_space: ColorSpace,
     background: Radiance,
     anchor: DVec3,
@@ -69,7 +72,8 @@ pub struct World {
     objects: Vec<Object>,
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
-    triangles: Triangles,
+    /// Shared by the frames of a sequence in which none moves.
+    triangles: Arc<Triangles>,
     /// I · k of every light on every material, where light is carried spectrally.
     products: Option<Products>,
     asked: scene::Transport,
@@ -91,6 +95,8 @@ pub struct Loaded {
     pub world: World,
     /// The scene's camera.
     pub camera: Camera,
+    /// What of the scene moves.
+    pub motion: scene::Motion,
 }
 
 /// Something with the name that the user gave it.
@@ -145,6 +151,20 @@ impl World {
     /// objects, each with its place.
     pub fn new(scene: &Scene) -> Result<(Self, Camera), Diagnostics> {
         build::world(scene)
+    }
+
+    /// The world of another frame of the same scene, in which this has changed: the same as [`World::new`] makes,
+    /// sooner where no triangle moves.
+    ///
+    /// # Errors
+    /// As [`World::new`].
+    #[doc(hidden)]
+    pub fn again(
+        &self,
+        scene: &Scene,
+        change: scene::Change,
+    ) -> Result<(Self, Camera), Diagnostics> {
+        build::world_again(scene, change, self)
     }
 
     /// Another camera in this world, with the width and height of its image in pixels. Nothing is
@@ -218,6 +238,12 @@ impl World {
     /// ([`Scene::inputs_hash`]).
     pub fn inputs_hash(&self) -> &str {
         &self.inputs_hash
+    }
+
+    /// The values of the scene that were set on the command line, as they were written there.
+    #[doc(hidden)]
+    pub fn set(&self) -> &[String] {
+        &self.set
     }
 
     /// The working space, in which all colors of the world are.

@@ -6,16 +6,20 @@ use std::path::{Path, PathBuf};
 use candela::output;
 
 use super::Arguments;
+use crate::cli::advice::no_frames;
+use crate::cli::frames::{Frame, Frames, check_name, with_place};
 use crate::cli::source::is_standard_input;
 use crate::cli::{Failure, refuse_same_files, refuse_terminal};
 
-/// Where a render's files go.
+/// Where a render's files go, of all frames or of one.
+#[derive(Clone)]
 pub(super) struct Outputs {
     pub(super) exr: PathBuf,
     /// Of the bands of a spectral image, where they have a file of their own.
     pub(super) bands: Option<PathBuf>,
-    preview: Option<PathBuf>,
+    pub(super) preview: Option<PathBuf>,
     pub(super) statistics: Option<PathBuf>,
+    pub(super) manifest: Option<PathBuf>,
 }
 
 impl Outputs {
@@ -26,7 +30,57 @@ impl Outputs {
             bands: arguments.layers.spectral_output.clone(),
             preview: arguments.preview.clone(),
             statistics: arguments.stats.clone(),
+            manifest: arguments.manifest.clone(),
         }
+    }
+
+    /// Those of a frame, with its number in their names.
+    pub(super) fn of(&self, frame: Option<Frame>) -> Self {
+        let Some(frame) = frame else {
+            return self.clone();
+        };
+        let named = |path: &PathBuf| frame.name(path);
+        Self {
+            exr: named(&self.exr),
+            bands: self.bands.as_ref().map(named),
+            preview: self.preview.as_ref().map(named),
+            statistics: self.statistics.clone(),
+            manifest: self.manifest.clone(),
+        }
+    }
+
+    /// Whether names have a place for the numbers of frames just where there are several.
+    pub(super) fn check_names(&self, frames: Option<&Frames>) -> Result<(), String> {
+        let of_frames = [Some(&self.exr), self.bands.as_ref(), self.preview.as_ref()];
+        for path in of_frames.into_iter().flatten() {
+            check_name(path, frames)?;
+        }
+        for path in [&self.statistics, &self.manifest].into_iter().flatten() {
+            no_frames(path)?;
+        }
+        let is_stream = |path: &&PathBuf| path.as_os_str() == "-";
+        if frames.is_some_and(|frames| frames.list().len() > 1)
+            && of_frames.into_iter().flatten().any(|path| is_stream(&path))
+        {
+            return Err(
+                "several frames cannot go to standard output; give a name such as f.####.exr"
+                    .to_owned(),
+            );
+        }
+        Ok(())
+    }
+
+    /// Whether anything goes to standard output.
+    pub(super) fn are_on_standard_output(&self) -> bool {
+        let all = [
+            Some(&self.exr),
+            self.bands.as_ref(),
+            self.preview.as_ref(),
+            self.statistics.as_ref(),
+            self.manifest.as_ref(),
+        ];
+        let mut all = all.into_iter().flatten();
+        all.any(|path| output::Place::of_output(path).is_standard_output())
     }
 
     /// Whether all of them can be written, none over another or one of these inputs.
@@ -36,6 +90,7 @@ impl Outputs {
             self.bands.as_ref(),
             self.preview.as_ref(),
             self.statistics.as_ref(),
+            self.manifest.as_ref(),
         ];
         let all: Vec<&Path> = all.into_iter().flatten().map(PathBuf::as_path).collect();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
@@ -51,12 +106,17 @@ impl Outputs {
     }
 }
 
-/// SCENE.exr in the current folder; scene.exr for a scene from standard input.
+/// SCENE.exr in the current folder, SCENE.####.exr for frames; scene.exr for a scene from standard input.
 fn default_output(arguments: &Arguments) -> PathBuf {
     let scene = match arguments.scene.as_deref() {
         None => Path::new("lecture.toml"),
         Some(scene) if is_standard_input(scene) => Path::new("scene.toml"),
         Some(scene) => scene,
     };
-    PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
+    let name = PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene")));
+    let name = name.with_extension("exr");
+    match &arguments.frames {
+        Some(frames) if frames.list().len() > 1 => with_place(&name),
+        Some(_) | None => name,
+    }
 }

@@ -10,7 +10,10 @@ use candela::render::{self, Layers, Options};
 use candela::world::{Bands, World};
 
 use super::Arguments;
+use super::outputs::Outputs;
+use super::stage::Stage;
 use crate::cli::display_server::DisplayServer;
+use crate::cli::frames::Frame;
 use crate::cli::{Failure, failure};
 
 /// Options of the library, made from those of the command line.
@@ -23,6 +26,7 @@ pub(super) struct Request {
     pub(super) preserve: Preserve,
     /// Of the whole image.
     resolution: [u32; 2],
+    frame: Option<Frame>,
     /// Whether the bands of a spectral image have a file of their own.
     has_bands_apart: bool,
 }
@@ -30,9 +34,10 @@ pub(super) struct Request {
 impl Request {
     pub(super) fn new(
         arguments: &Arguments,
-        world: &World,
-        camera: &Camera,
+        stage: &Stage,
+        frame: Option<Frame>,
     ) -> Result<Self, Failure> {
+        let (world, camera) = (&stage.world, &stage.camera);
         arguments.layers.check(world)?;
         let crop = arguments
             .crop
@@ -43,6 +48,7 @@ impl Request {
             window: crop.transpose()?,
             layers: arguments.layers.layers(),
             simd: arguments.simd.unwrap_or_default(),
+            frame: stage.frame(frame),
         };
         Ok(Self {
             window: options.check(world, camera)?,
@@ -58,12 +64,26 @@ impl Request {
                 full_window: arguments.full_window,
             },
             resolution: camera.resolution(),
+            frame,
             has_bands_apart: arguments.layers.spectral_output.is_some(),
             preserve: match arguments.preview {
                 Some(_) => Preserve::Image,
                 None => Preserve::Nothing,
             },
         })
+    }
+
+    /// The frame that is asked for.
+    pub(super) const fn frame(&self) -> Option<Frame> {
+        self.frame
+    }
+
+    /// Whether all of it is there already.
+    pub(super) fn is_done(&self, stage: &Stage, outputs: &Outputs) -> Result<bool, Failure> {
+        let (world, camera) = (&stage.world, &stage.camera);
+        let bands = outputs.bands.as_deref();
+        let done = render::is_done(world, camera, &self.options, &self.exr, &outputs.exr, bands);
+        Ok(done?)
     }
 
     /// A viewer's image for what is rendered.

@@ -1,16 +1,18 @@
 //! `--stats`: counts and times as JSON.
 
-use candela::Camera;
 use candela::image::Window;
 use candela::render::{RenderedExr, Renderer};
 use candela::world::Plan;
 use serde::Serialize;
 
 use super::request::Request;
+use super::stage::Stage;
 
 /// What is written.
 #[derive(Serialize)]
 pub(super) struct Statistics<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame: Option<f64>,
     scene_sha256: &'a str,
     inputs_sha256: &'a str,
     image: [u32; 2],
@@ -35,6 +37,23 @@ pub(super) struct Statistics<'a> {
     clamped_to_half: u64,
     seconds: &'a Seconds,
     plan: &'a Plan,
+}
+
+/// Those of a still, or of several frames as a list, with the seconds of all.
+pub(super) fn json(
+    mut frames: Vec<serde_json::Value>,
+    seconds: &Seconds,
+    is_still: bool,
+) -> serde_json::Result<String> {
+    let seconds = serde_json::to_value(seconds)?;
+    if is_still && let Some(mut still) = frames.pop() {
+        still["seconds"] = seconds;
+        return serde_json::to_string_pretty(&still);
+    }
+    serde_json::to_string_pretty(&serde_json::json!({
+        "seconds": seconds,
+        "frames": frames,
+    }))
 }
 
 /// What was asked of the pixels' errors, and what came of it. Errors are relative.
@@ -68,7 +87,7 @@ pub(super) struct Seconds {
 impl<'a> Statistics<'a> {
     pub(super) fn new(
         renderer: &'a Renderer<'_>,
-        camera: &Camera,
+        stage: &Stage,
         request: &Request,
         rendered: &RenderedExr,
         seconds: &'a Seconds,
@@ -81,9 +100,10 @@ impl<'a> Statistics<'a> {
             height,
         } = request.window;
         Self {
+            frame: request.options.frame,
             scene_sha256: world.scene_hash(),
             inputs_sha256: world.inputs_hash(),
-            image: camera.resolution(),
+            image: stage.camera.resolution(),
             window: [x, y, x + width, y + height],
             samples: match request.options.target {
                 Some(target) => target.max_samples,

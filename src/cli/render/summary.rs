@@ -1,6 +1,6 @@
 //! What `render` says at its end: the files that it wrote, and what a user should know about them.
 
-use std::io::{self, Write};
+use std::collections::HashSet;
 use std::path::Path;
 
 use candela::display::{Exposure, LOOKS_BLACK, MANY_CLIPPED, Report, View, digits};
@@ -11,6 +11,7 @@ use candela::render::Counts;
 use candela::world::physics::Warning;
 
 use super::Arguments;
+use super::outputs::Outputs;
 
 /// Warnings of `candela check` beyond so many are counted, not listed.
 const LISTED: usize = 5;
@@ -18,8 +19,7 @@ const LISTED: usize = 5;
 /// All that there is to say.
 pub(super) struct Summary<'a> {
     pub(super) arguments: &'a Arguments,
-    /// The EXR.
-    pub(super) output: &'a Path,
+    pub(super) outputs: &'a Outputs,
     /// The whole image's.
     pub(super) resolution: [u32; 2],
     /// What was rendered of it.
@@ -38,15 +38,30 @@ pub(super) struct Summary<'a> {
 }
 
 impl Summary<'_> {
-    /// A line for each file, then one for each warning.
-    pub(super) fn write(&self, stream: &mut impl Write) -> io::Result<()> {
+    /// A line for each file, then one for each warning that was not given before.
+    pub(super) fn text(&self, told: &mut HashSet<String>) -> String {
         let files = self.files();
         let warnings = self.checked().into_iter().chain(self.of_view());
         let warnings = warnings.chain(self.of_values()).chain(self.of_preview());
         let warnings = warnings.chain(self.unseen.clone());
+        // Of one kind there is one in a sequence, whatever its numbers.
+        let kind = |warning: &String| warning.replace(|c: char| c.is_ascii_digit() || c == '.', "");
+        let warnings = warnings.filter(|warning| told.insert(kind(warning)));
         let warnings = warnings.map(|warning| format!("warning: {warning}"));
         let lines: Vec<String> = files.into_iter().chain(warnings).collect();
-        writeln!(stream, "{}", lines.join("\n"))
+        lines.join("\n")
+    }
+
+    /// A line for each file that is of all frames.
+    pub(super) fn of_run(outputs: &Outputs) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(stats) = &outputs.statistics {
+            lines.push(format!("{}: counts and times", name(stats)));
+        }
+        if let Some(manifest) = &outputs.manifest {
+            lines.push(format!("{}: what was read and written", name(manifest)));
+        }
+        lines
     }
 
     fn files(&self) -> Vec<String> {
@@ -64,14 +79,14 @@ impl Summary<'_> {
         let accuracy = self.arguments.accuracy.summary();
         let mut lines = vec![format!(
             "{}: {size}, {accuracy}, rendered in {:.2} s",
-            name(self.output),
+            name(&self.outputs.exr),
             self.seconds,
         )];
         lines.extend(self.arguments.accuracy.outcome(&self.counts.errors));
-        if let Some(bands) = &self.arguments.layers.spectral_output {
+        if let Some(bands) = &self.outputs.bands {
             lines.push(format!("{}: its bands", name(bands)));
         }
-        if let (Some(preview), Some(developed)) = (&self.arguments.preview, &self.developed) {
+        if let (Some(preview), Some(developed)) = (&self.outputs.preview, &self.developed) {
             // What is chosen may be repeated with `tonemap`.
             let exposure = match self.arguments.development.exposure() {
                 Exposure::Auto | Exposure::Percentile(_) => {
@@ -80,9 +95,6 @@ impl Summary<'_> {
                 Exposure::Ev(_) => String::new(),
             };
             lines.push(format!("{}: its preview{exposure}", name(preview)));
-        }
-        if let Some(stats) = &self.arguments.stats {
-            lines.push(format!("{}: counts and times", name(stats)));
         }
         lines
     }
@@ -151,7 +163,7 @@ impl Summary<'_> {
     fn of_light(&self) -> Option<String> {
         let brightest = f64::from(self.counts.brightest);
         let clipped = self.counts.beyond_white as f64 / self.window.count() as f64;
-        let tonemap = format!("of `candela tonemap {}`", printable_path(self.output));
+        let tonemap = format!("of `candela tonemap {}`", printable_path(&self.outputs.exr));
         if brightest < LOOKS_BLACK {
             return Some(format!(
                 "the brightest pixel has {} cd/m², where the screen's white is 1: try --auto-exposure \

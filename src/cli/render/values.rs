@@ -9,7 +9,6 @@ use clap::builder::{OsStringValueParser, TypedValueParser};
 pub(crate) fn named(extension: &'static str) -> impl TypedValueParser<Value = PathBuf> {
     OsStringValueParser::new().try_map(move |path| {
         let path = PathBuf::from(path);
-        super::super::advice::no_frames(&path)?;
         match path.extension() {
             Some(found) if !found.eq_ignore_ascii_case(extension) => Err(format!(
                 "this option writes {}; name the file {}",

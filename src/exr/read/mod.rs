@@ -48,6 +48,7 @@ use layers::{Shape, Shown};
 pub use listing::ExrLayers;
 pub(super) use source::MAGIC;
 use source::Source;
+pub(in crate::exr) use stored::attributes_of;
 pub(crate) use stored::{Attribute, StoredExr};
 
 use crate::image::Window;

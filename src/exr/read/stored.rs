@@ -256,6 +256,11 @@ impl StoredExr {
     }
 }
 
+/// The attributes of a head in memory.
+pub(in crate::exr) fn attributes_of(head: Vec<u8>) -> Result<Vec<Attribute>, ExrProblem> {
+    attributes(&Source::of_memory(head))
+}
+
 /// The attributes of a header that was found to be sound.
 fn attributes(source: &Source) -> Result<Vec<Attribute>, ExrProblem> {
     let mut cursor = Cursor::new(source);

@@ -65,6 +65,8 @@ pub struct Diagnostic {
     pub entry: Option<String>,
     /// What is wrong there.
     pub problem: Problem,
+    /// In a scene that moves, the frame at which it is.
+    pub frame: Option<f64>,
 }
 
 /// Everything that is wrong with one scene; never empty.
@@ -419,6 +421,7 @@ impl Diagnostic {
             span,
             entry: None,
             problem,
+            frame: None,
         }
     }
 
@@ -433,6 +436,13 @@ impl Diagnostic {
         self
     }
 
+    /// The same at a frame.
+    #[must_use]
+    pub(crate) fn at_frame(self, frame: f64) -> Self {
+        let frame = Some(frame);
+        Self { frame, ..self }
+    }
+
     /// The same about `entry`.
     #[must_use]
     pub fn about(self, entry: Option<String>) -> Self {
@@ -443,6 +453,9 @@ impl Diagnostic {
 impl fmt::Display for Diagnostic {
     /// What is wrong; of which entry, where there is no place to show.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(frame) = self.frame {
+            write!(f, "at frame {frame}, ")?;
+        }
         if let Some(entry) = &self.entry
             && self.span == Span::default()
         {
@@ -460,6 +473,20 @@ impl Diagnostics {
         }
         list.sort_by_key(|diagnostic| diagnostic.span);
         Some(Self { source, list })
+    }
+
+    /// The same at a frame of a scene that moves, which messages then name.
+    #[must_use]
+    pub fn at_frame(self, frame: f64) -> Self {
+        let list = self.list.into_iter();
+        Self {
+            list: list.map(|diagnostic| diagnostic.at_frame(frame)).collect(),
+            ..self
+        }
+    }
+
+    pub(super) fn into_list(self) -> Vec<Diagnostic> {
+        self.list
     }
 
     /// The single items, in the order of their places.

@@ -161,6 +161,12 @@ impl Source {
         &self.text[self.own()]
     }
 
+    /// What was set on the command line.
+    pub fn set(&self) -> impl Iterator<Item = &str> {
+        let set = self.parts.iter().filter(|part| part.is_set);
+        set.map(|part| &self.text[part.range.clone()])
+    }
+
     /// What messages call the text that a byte belongs to, and where that text is.
     pub fn at(&self, offset: usize) -> (&Path, Range<usize>) {
         // Each text ends with a byte of its own, which its end may stand for.

@@ -109,7 +109,8 @@ impl<T> Section<T> {
             let changes = Rc::clone(&reader.changes);
             let changed = changes.apply(&[self.key, name], node, reader);
             let node = changed.as_ref().unwrap_or(node);
-            match self.entry(reader, name, span, node) {
+            let read = reader.watched(|reader| self.entry(reader, name, span, node));
+            match reader.note_motion(read, self.key, Some((name, span)), Some(node)) {
                 Some(value) => {
                     memory::reserve(&mut entries.sound, 1)?;
                     entries.sound.push(Entry {

@@ -7,6 +7,7 @@ use toml::de::{DeInteger, DeTable, DeValue};
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanned};
 use super::change::Changes;
 use super::key::{Form, Key};
+use super::moving_entries::Moving;
 use super::syntax::Damage;
 use super::{Files, Node};
 use crate::printable::shortened;
@@ -18,6 +19,14 @@ pub(super) struct Reader<'a> {
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) files: Files,
     pub(super) changes: Rc<Changes<'a>>,
+    /// At which all that moves is read.
+    pub(super) frame: f64,
+    /// Whether it is the value of a key that is read.
+    pub(super) is_within_keys: bool,
+    /// The first and the last frame of the keys that were met.
+    pub(super) moved: Option<[f64; 2]>,
+    /// The entries that move.
+    pub(super) moving: Moving,
 }
 
 impl Reader<'_> {
@@ -163,13 +172,13 @@ impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
 
     pub(super) fn number(&mut self, key: &'static Key) -> Option<Spanned<f64>> {
         let node = self.require(key)?;
-        spanned(self.reader.number(key, key.name, node), node)
+        spanned(self.reader.moving_number(key, node), node)
     }
 
     /// `Some(None)` where the key is not there, `None` where its value is in error.
     pub(super) fn optional_number(&mut self, key: &Key) -> Option<Option<Spanned<f64>>> {
         match self.get(key) {
-            Some(node) => spanned(self.reader.number(key, key.name, node), node).map(Some),
+            Some(node) => spanned(self.reader.moving_number(key, node), node).map(Some),
             None => Some(None),
         }
     }
@@ -182,12 +191,12 @@ impl<'r, 'a, 'i> Fields<'r, 'a, 'i> {
 
     pub(super) fn vector(&mut self, key: &'static Key) -> Option<Spanned<[f64; 3]>> {
         let node = self.require(key)?;
-        spanned(self.reader.numbers(key, key.name, node), node)
+        spanned(self.reader.moving_numbers(key, node), node)
     }
 
     pub(super) fn vector_or(&mut self, key: &Key, default: [f64; 3]) -> Option<Spanned<[f64; 3]>> {
         match self.get(key) {
-            Some(node) => spanned(self.reader.numbers(key, key.name, node), node),
+            Some(node) => spanned(self.reader.moving_numbers(key, node), node),
             None => Some(Spanned::new(default, self.header)),
         }
     }

@@ -74,6 +74,8 @@ pub(in crate::scene) enum Kind {
     Lines,
     /// A number from 0, or a curve.
     Density,
+    /// Pairs of a frame and a value.
+    Keys,
 }
 
 /// What a value is for.

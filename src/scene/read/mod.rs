@@ -12,6 +12,8 @@ mod foreign;
 mod habits;
 mod illuminant;
 pub(super) mod key;
+pub(super) mod moving;
+mod moving_entries;
 pub(super) mod notation;
 pub(super) mod outline;
 mod pieces;
@@ -32,9 +34,10 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::diagnostic::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span, Spanned};
 use super::inputs::Input;
+use super::motion::{FIRST_FRAME, Motion};
 use super::{Scene, Source};
 use crate::input::Hash;
-use crate::memory;
+use crate::memory::{self, OutOfMemory};
 use crate::mesh::MeshFile;
 use crate::spectrum::Curve;
 
@@ -43,6 +46,7 @@ use document::{Document, INCLUDE};
 use entries::Entries;
 pub(crate) use entries::objection as name_objection;
 use fields::Reader;
+pub(super) use moving_entries::Moving;
 pub(super) use value::srgb;
 
 use pieces::Tree;
@@ -76,6 +80,10 @@ pub struct Reading {
     pub diagnostics: Vec<Diagnostic>,
     /// Names that stand in the file, but not in `scene`.
     pub broken: Broken,
+    /// What moves in the scene. `None` where the scene is.
+    pub motion: Option<Motion>,
+    /// The frame of `scene`.
+    pub frame: f64,
 }
 
 /// The names of entries that were left out of a scene because of errors in them.
@@ -115,6 +123,11 @@ impl Reading {
         Self::of_text_in(text, path, folder_of(path), &[])
     }
 
+    /// The scene that is rendered where no file is named.
+    pub fn of_builtin() -> Self {
+        Self::of_text(super::BUILTIN.to_owned(), Path::new("<lecture.toml>"))
+    }
+
     fn of_text_in(text: String, path: &Path, folder: &Path, set: &[String]) -> Self {
         if text.len() as u64 > LARGEST_FILE {
             let diagnostic = Diagnostic::new(Span::default(), too_large());
@@ -132,12 +145,26 @@ impl Reading {
         }
         let (scene, diagnostics, broken) = read(&mut document);
         let source = Arc::new(document.source);
+        let (scene, motion) = scene.map(|scene| scene.with(&source)).unzip();
         Self {
-            scene: scene.map(|scene| scene.with(&source)),
+            scene,
             source,
             diagnostics,
             broken,
+            motion,
+            frame: FIRST_FRAME,
         }
+    }
+
+    /// The same scene at another frame.
+    #[must_use]
+    pub fn at(mut self, frame: f64) -> Self {
+        if let (Some(scene), Some(motion)) = (&mut self.scene, &self.motion)
+            && let Err(diagnostics) = motion.set(scene, frame)
+        {
+            self.diagnostics.extend(diagnostics.into_list());
+        }
+        Self { frame, ..self }
     }
 
     fn of_read(read: Result<Vec<u8>, Problem>, path: &Path, folder: &Path, set: &[String]) -> Self {
@@ -180,6 +207,8 @@ impl Reading {
                 lost_entries: true,
                 ..Broken::default()
             },
+            motion: None,
+            frame: FIRST_FRAME,
         }
     }
 
@@ -217,20 +246,24 @@ struct Unsourced {
     lights: Vec<super::Entry<super::Light>>,
     objects: Vec<super::Entry<super::Object>>,
     inputs: Vec<Input>,
+    moving: Moving,
 }
 
 impl Unsourced {
-    fn with(self, source: &Arc<Source>) -> Scene {
-        Scene {
+    fn with(self, source: &Arc<Source>) -> (Scene, Motion) {
+        let anchor = self.moving.anchor(&source.text);
+        let motion = Motion::new(source, self.moving);
+        let scene = Scene {
             source: Arc::clone(source),
-            anchor: None,
+            anchor,
             image: self.image,
             camera: self.camera,
             materials: self.materials,
             lights: self.lights,
             objects: self.objects,
             inputs: self.inputs,
-        }
+        };
+        (scene, motion)
     }
 }
 
@@ -267,6 +300,14 @@ const fn too_large() -> Problem {
     }
 }
 
+fn out_of_memory(error: OutOfMemory) -> Diagnostic {
+    let problem = Problem::OutOfMemory {
+        error: error.for_what("what the scene file describes"),
+        way_out: "",
+    };
+    Diagnostic::new(Span::default(), problem)
+}
+
 /// The sections whose keys are the names of entries.
 const ENTRIES: [&str; 3] = [
     sections::MATERIALS.key,
@@ -288,6 +329,10 @@ fn read(document: &mut Document) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
         diagnostics: Vec::new(),
         files: Files::of(document),
         changes: Rc::new(Changes::read(&document.source, &mut of_texts)),
+        frame: FIRST_FRAME,
+        is_within_keys: false,
+        moved: None,
+        moving: Moving::nothing(),
     };
     let mut found = Found::default();
     let mut read = Ok(());
@@ -420,13 +465,7 @@ impl<'t> Found<'t> {
         let mut read = sections::MATERIALS.read(reader, root, &mut self.materials);
         read = read.and_then(|()| sections::LIGHTS.read(reader, root, &mut self.lights));
         read = read.and_then(|()| sections::OBJECTS.read(reader, root, &mut self.objects));
-        read.map_err(|error| {
-            let problem = Problem::OutOfMemory {
-                error: error.for_what("what the scene file describes"),
-                way_out: "",
-            };
-            Box::new(Diagnostic::new(Span::default(), problem))
-        })
+        read.map_err(|error| Box::new(out_of_memory(error)))
     }
 
     /// Reports sections that there are not, and finds out which were meant.
@@ -455,8 +494,10 @@ impl<'t> Found<'t> {
                 *node = changed;
             }
         }
-        let image = sections::image(&mut reader, &self.root, &self.misspelt);
-        let camera = sections::camera(&mut reader, &self.root, &self.misspelt);
+        let image = reader.watched(|reader| sections::image(reader, &self.root, &self.misspelt));
+        let image = reader.note_motion(image, "image", None, self.root.get("image"));
+        let camera = reader.watched(|reader| sections::camera(reader, &self.root, &self.misspelt));
+        let camera = reader.note_motion(camera, "camera", None, self.root.get("camera"));
         let (materials, lights) = (self.materials.names(), self.lights.names());
         let names = [materials, lights, self.objects.names()];
         changes.report_unused(names.each_ref().map(Vec::as_slice), &mut reader);
@@ -476,6 +517,7 @@ impl<'t> Found<'t> {
             lights: self.lights.in_order(),
             objects: self.objects.in_order(),
             inputs,
+            moving: reader.moving.with(reader.moved, reader.files),
         });
         (scene, reader.diagnostics, broken)
     }
@@ -483,7 +525,7 @@ impl<'t> Found<'t> {
 
 /// The files that one scene names, each read once; `None` for a file that could not be read,
 /// which has been reported.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Files {
     /// What paths are relative to that are named from these places on.
     folders: Vec<(usize, PathBuf)>,

@@ -64,7 +64,12 @@ impl Fields<'_, '_, '_> {
 }
 
 impl Reader<'_> {
+    /// A value, which may move.
     fn value(&mut self, key: &Key, node: &Node<'_>, purpose: Purpose) -> Option<Value> {
+        self.moving(node, |reader, node| reader.still_value(key, node, purpose))
+    }
+
+    fn still_value(&mut self, key: &Key, node: &Node<'_>, purpose: Purpose) -> Option<Value> {
         match node.get_ref() {
             DeValue::Integer(_) | DeValue::Float(_) => {
                 self.number(key, key.name, node).map(Value::Uniform)
@@ -161,7 +166,7 @@ impl Fields<'_, '_, '_> {
         match notation {
             Notation::Rgb => {
                 let node = self.require(&RGB);
-                let rgb = node.and_then(|node| self.reader.numbers(&RGB, RGB.name, node));
+                let rgb = node.and_then(|node| self.reader.moving_numbers(&RGB, node));
                 let space = self.color_space(&SPACE);
                 Some(Value::Rgb {
                     rgb: rgb?,
@@ -179,13 +184,16 @@ impl Fields<'_, '_, '_> {
             Notation::Lines => self.lines(),
             Notation::Sized(unit) => {
                 let amount = self.number(notation.key());
-                let white = Value::Uniform(1.0);
-                let color = self.value_or(&COLOR, Purpose::Color, white);
-                Some(Value::Sized {
-                    unit,
-                    amount: amount?.value,
-                    color: Box::new(color?.value),
-                })
+                let Some(node) = self.get(&COLOR) else {
+                    return Some(Value::sized(unit, amount?.value, 1.0));
+                };
+                // Lights of that size mix, rather than colors of any size.
+                let size = amount.map_or(1.0, |amount| amount.value);
+                let sized = self.reader.moving(node, |reader, node| {
+                    let color = reader.still_value(&COLOR, node, Purpose::Color)?;
+                    Some(Value::sized(unit, size, color))
+                });
+                amount.and(sized)
             }
             Notation::Density => self.density(),
         }

@@ -11,6 +11,7 @@ use std::ops::Bound;
 use toml::de::DeValue;
 
 use super::read::key::{AMOUNT, Form, Key, Kind, LARGEST, Presence, Purpose, Range};
+use super::read::moving::{LAST_FRAME, MOVING};
 use super::read::notation::Notation;
 use super::read::outline::{self, Named};
 use super::{MAX_RESOLUTION, Unit};
@@ -46,6 +47,22 @@ pub fn schema() -> String {
         ),
     ];
     properties.extend(outline::named().map(|section| (section.key, named(&section))));
+    let include = object([
+        (
+            "description",
+            Json::text("Files that are parts of this scene, relative to this one."),
+        ),
+        ("type", Json::text("array")),
+        (
+            "items",
+            object([
+                ("type", Json::text("string")),
+                ("minLength", Json::from(1.0)),
+            ]),
+        ),
+        ("examples", list([names(["lights.toml"])])),
+    ]);
+    properties.push(("include", include));
     let purposes = [
         (Purpose::Light, AMOUNT),
         (Purpose::Color, AMOUNT),
@@ -72,7 +89,14 @@ pub fn schema() -> String {
             ),
         ),
         ("type", Json::text("object")),
-        ("required", names(["image", "camera", "objects"])),
+        // What a file includes may have the rest.
+        (
+            "anyOf",
+            list(
+                [names(["image", "camera", "objects"]), names(["include"])]
+                    .map(|required| object([("required", required)])),
+            ),
+        ),
         ("additionalProperties", Json::Boolean(false)),
         ("properties", object(properties)),
         ("definitions", object(definitions)),
@@ -206,8 +230,85 @@ fn property(key: &Key, channels: Range) -> Json {
     Json::Object(members)
 }
 
-/// What a key may hold.
+/// What a key may hold: where it may move, keys of that as well.
 fn holds(kind: Kind, channels: Range) -> Members {
+    let still = holds_still(kind, channels);
+    match kind {
+        Kind::Number(_) | Kind::Vector | Kind::Direction | Kind::Corners | Kind::Channels => {
+            or_moving(still)
+        }
+        Kind::Factors => {
+            let moving = moving(&Json::Object(still.clone()));
+            still
+                .into_iter()
+                .map(|(name, member)| match member {
+                    Json::List(mut choices) => {
+                        choices.push(Json::Object(moving.clone()));
+                        (name, Json::List(choices))
+                    }
+                    member => (name, member),
+                })
+                .collect()
+        }
+        // Of values, the definition says so.
+        Kind::Value(..)
+        | Kind::Pixels
+        | Kind::Boolean
+        | Kind::Text
+        | Kind::LightName
+        | Kind::Name(_)
+        | Kind::Wavelengths
+        | Kind::Amounts
+        | Kind::Lines
+        | Kind::Density
+        | Kind::Keys => still,
+    }
+}
+
+/// The same, or keys of it. What is said of an object applies to that type alone, so that an editor still names the
+/// number that is out of range.
+fn or_moving(still: Members) -> Members {
+    let moving = moving(&Json::Object(still.clone()));
+    let mut members: Members = still
+        .into_iter()
+        .map(|(name, member)| match member {
+            Json::Text(kind) if name == "type" => (name, names([kind.as_str(), "object"])),
+            member => (name, member),
+        })
+        .collect();
+    members.extend(moving.into_iter().filter(|(name, _)| name != "type"));
+    members
+}
+
+/// Keys whose values are such.
+fn moving(value: &Json) -> Members {
+    let frame = (Bound::Included(-LAST_FRAME), Bound::Included(LAST_FRAME));
+    let pair = object([
+        ("type", Json::text("array")),
+        ("items", list([Json::Object(number(frame)), value.clone()])),
+        ("minItems", Json::from(2.0)),
+        ("maxItems", Json::from(2.0)),
+    ]);
+    let Json::Object(mut members) = Json::Object(keys(&MOVING, AMOUNT)) else {
+        return Vec::new();
+    };
+    for (name, member) in &mut members {
+        if name == "properties"
+            && let Json::Object(properties) = member
+        {
+            for (key, property) in properties {
+                if key == "keys"
+                    && let Json::Object(property) = property
+                {
+                    property.push(("items".to_owned(), pair.clone()));
+                }
+            }
+        }
+    }
+    members
+}
+
+fn holds_still(kind: Kind, channels: Range) -> Members {
     let members = match kind {
         Kind::Number(range) => return number(range),
         Kind::Vector => return vector(vec![]),
@@ -316,6 +417,7 @@ fn holds(kind: Kind, channels: Range) -> Members {
             let choices = std::iter::once(from_zero()).chain(curves);
             vec![("anyOf", list(choices))]
         }
+        Kind::Keys => vec![("type", Json::text("array")), ("minItems", Json::from(1.0))],
     };
     members
         .into_iter()
@@ -342,7 +444,7 @@ fn value(purpose: Purpose, range: Range) -> Json {
     let flat = ["number", "array", "string"];
     let mut members = number(range);
     members.retain(|(name, _)| name != "type");
-    members.extend(holds(Kind::Channels, range));
+    members.extend(holds_still(Kind::Channels, range));
     members.retain(|(name, _)| name != "type");
     let all = names(flat.into_iter().chain(["object"]));
     members.insert(0, ("type".to_owned(), all));
@@ -358,7 +460,10 @@ fn value(purpose: Purpose, range: Range) -> Json {
             Json::Object(table)
         });
     let flat = object([("type", names(flat))]);
-    let choices = list(std::iter::once(flat).chain(tables));
+    let place = format!("#/definitions/{}", definition(purpose, range));
+    let moving = moving(&object([("$ref", Json::text(&place))]));
+    let choices = std::iter::once(flat).chain(tables);
+    let choices = list(choices.chain([Json::Object(moving)]));
     members.push(("anyOf".to_owned(), choices));
     Json::Object(members)
 }

@@ -152,7 +152,8 @@ impl Literal {
             | Value::Blackbody(_)
             | Value::Curve(_)
             | Value::Lines(_)
-            | Value::Sized { .. } => None,
+            | Value::Sized { .. }
+            | Value::Mixed(_) => None,
         }
     }
 
@@ -206,6 +207,7 @@ impl Builder<'_> {
                 amount,
                 color,
             } => self.sized(written, *unit, *amount, color, spread),
+            Value::Mixed(mixture) => self.mixed_light(key, written, mixture, spread),
             value => match Literal::of(value) {
                 Some(literal) => self
                     .literal(key, written, &literal)
@@ -233,6 +235,10 @@ impl Builder<'_> {
         written: &Spanned<Value>,
         bound: Bound,
     ) -> Reflection {
+        if let Value::Mixed(mixture) = &written.value {
+            let mixed = self.mixed_reflection(key, written, mixture, bound);
+            return mixed.unwrap_or(Reflection::BLACK);
+        }
         let reflection = match Literal::of(&written.value) {
             Some(literal) => self
                 .literal(key, written, &literal)
@@ -513,7 +519,11 @@ impl Builder<'_> {
             Value::Blackbody(t) => within(BLACKBODY, "blackbody", *t).map(blackbody),
             Value::Curve(curve) => Ok(Spectrum::clone(&self.curves.of(curve).spectrum)),
             Value::Lines(lines) => Ok(lines.spectrum()),
-            Value::Uniform(_) | Value::Rgb { .. } | Value::Srgb(_) | Value::Sized { .. } => {
+            Value::Uniform(_)
+            | Value::Rgb { .. }
+            | Value::Srgb(_)
+            | Value::Sized { .. }
+            | Value::Mixed(_) => {
                 // The reader lets sizes stand only where a light is, and literals are none.
                 let conflict = format!("`{key}` cannot hold a size within a size");
                 self.report(written.span, Problem::Conflict(conflict));

@@ -5,6 +5,7 @@ mod color;
 mod light;
 mod material;
 mod mesh;
+mod mixture;
 mod range;
 mod shapes;
 
@@ -35,7 +36,23 @@ const LARGEST: f64 = 1e30;
 
 /// Builds the world of a whole scene, or says all that is wrong with it.
 pub(super) fn world(scene: &Scene) -> Result<(World, Camera), Diagnostics> {
-    let (made, diagnostics) = Builder::run(scene, &Broken::default());
+    finished(scene, Builder::run(scene, &Broken::default(), None))
+}
+
+/// The same for another frame than a world was made for.
+pub(super) fn world_again(
+    scene: &Scene,
+    change: scene::Change,
+    world: &World,
+) -> Result<(World, Camera), Diagnostics> {
+    let kept = (!change.triangles).then_some(world);
+    finished(scene, Builder::run(scene, &Broken::default(), kept))
+}
+
+fn finished(
+    scene: &Scene,
+    (made, diagnostics): (Option<(World, Camera)>, Vec<Diagnostic>),
+) -> Result<(World, Camera), Diagnostics> {
     match Diagnostics::new(Arc::clone(&scene.source), diagnostics) {
         Some(diagnostics) => Err(diagnostics),
         None => Ok(made.expect(CAMERA_IS_MADE)),
@@ -51,21 +68,30 @@ pub(super) fn world_of_reading(reading: Reading) -> Result<Loaded, Diagnostics> 
         scene,
         mut diagnostics,
         broken,
+        motion,
+        frame,
     } = reading;
     let validated = scene.map(|scene| {
-        let (made, found) = Builder::run(&scene, &broken);
-        diagnostics.extend(found);
+        let (made, found) = Builder::run(&scene, &broken, None);
+        let moves = motion.as_ref().is_some_and(|it| it.frames().is_some());
+        diagnostics.extend(
+            found
+                .into_iter()
+                .map(|found| if moves { found.at_frame(frame) } else { found }),
+        );
         (scene, made)
     });
     if let Some(diagnostics) = Diagnostics::new(source, diagnostics) {
         return Err(diagnostics);
     }
+    let motion = motion.expect("there is a scene");
     let (scene, made) = validated.expect("a scene that cannot be read has a diagnostic");
     let (world, camera) = made.expect(CAMERA_IS_MADE);
     Ok(Loaded {
         scene,
         world,
         camera,
+        motion,
     })
 }
 
@@ -77,6 +103,10 @@ struct Builder<'a> {
     broken: &'a Broken,
     anchor: DVec3,
     diagnostics: Vec<Diagnostic>,
+    /// A world whose triangles are all that there are.
+    kept: Option<&'a World>,
+    /// How many of its meshes are in this world so far.
+    kept_meshes: usize,
     /// What errors are about that are found now.
     entry: Option<Entry<'a>>,
     is_out_of_memory: bool,
@@ -121,14 +151,22 @@ struct Reported;
 
 impl<'a> Builder<'a> {
     /// Of a whole scene; no camera where it is in error.
-    fn run(scene: &'a Scene, broken: &'a Broken) -> (Option<(World, Camera)>, Vec<Diagnostic>) {
-        let look_at = DVec3::from_array(scene.camera.value.view().look_at.value);
+    fn run(
+        scene: &'a Scene,
+        broken: &'a Broken,
+        kept: Option<&'a World>,
+    ) -> (Option<(World, Camera)>, Vec<Diagnostic>) {
+        let look_at = scene.camera.value.view().look_at.value;
+        let look_at = DVec3::from_array(scene.anchor.map_or(look_at, |anchor| anchor.look_at));
         let anchor = if look_at.is_finite() {
             look_at
         } else {
             DVec3::ZERO
         };
-        let mut builder = Self::new(scene, broken, anchor);
+        let mut builder = Self {
+            kept,
+            ..Self::new(scene, broken, anchor)
+        };
         let camera = builder.camera();
         let world = builder.world();
         let made = camera.ok().map(|camera| (world, camera));
@@ -141,6 +179,8 @@ impl<'a> Builder<'a> {
             broken,
             anchor,
             diagnostics: Vec::new(),
+            kept: None,
+            kept_meshes: 0,
             entry: None,
             is_out_of_memory: false,
             materials: HashMap::new(),
@@ -204,6 +244,7 @@ impl<'a> Builder<'a> {
         let mut world = World {
             scene_hash: self.scene.hash().to_string(),
             inputs_hash: self.scene.inputs_hash().to_string(),
+            set: self.scene.source.set().map(str::to_owned).collect(),
             color_space: self.scene.image.color_space.value,
             background: Radiance(Rgb(background.rgb)),
             anchor: self.anchor,
@@ -213,7 +254,9 @@ impl<'a> Builder<'a> {
             objects: Vec::new(),
             spheres: Vec::new(),
             planes: Vec::new(),
-            triangles: Triangles::default(),
+            triangles: self.kept.map_or_else(Arc::<Triangles>::default, |world| {
+                Arc::clone(&world.triangles)
+            }),
             products: None,
             asked: self.scene.image.transport.value,
             observer: self.scene.image.observer.value,
@@ -458,7 +501,7 @@ impl<'a> Builder<'a> {
         if values.iter().any(|value| value.is_spectral()) {
             self.spectral_values.push(name());
         }
-        for value in values {
+        for value in values.into_iter().flat_map(Value::parts) {
             let curve = match value {
                 Value::Sized { color, .. } => color,
                 value => value,

@@ -58,8 +58,10 @@ fn of_zeros(n: DVec3, v: DVec3) -> f64 {
 }
 
 impl Builder<'_> {
+    /// Where a camera that moves is first: the numbers of a world do not depend on the frame that it is made for.
     fn eye(&self) -> DVec3 {
-        DVec3::from_array(self.scene.camera.value.view().eye.value)
+        let eye = || self.scene.camera.value.view().eye.value;
+        DVec3::from_array(self.scene.anchor.map_or_else(eye, |anchor| anchor.eye))
     }
 
     /// From `eye` to `look_at`.

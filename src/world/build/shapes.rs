@@ -1,6 +1,7 @@
 //! Objects: their shapes in world space, and their materials.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -50,9 +51,14 @@ impl Builder<'_> {
                 });
                 Shape::Plane(world.planes.len() - 1)
             }
+            // Where no triangle has moved, they are in the world already.
+            scene::Object::Triangle { .. } | scene::Object::Mesh { .. } if self.kept.is_some() => {
+                self.kept_meshes += 1;
+                Shape::Mesh(self.kept_meshes - 1)
+            }
             scene::Object::Triangle { vertices, .. } => {
                 let first = world.triangles.len();
-                self.triangle(vertices, id, &mut world.triangles)?;
+                self.triangle(vertices, id, Arc::make_mut(&mut world.triangles))?;
                 self.check_triangles(world, first, "vertices", vertices.span)?;
                 Shape::Mesh(world.triangles.meshes.len() - 1)
             }
@@ -78,10 +84,10 @@ impl Builder<'_> {
                     &placement?,
                     id,
                     file,
-                    &mut world.triangles,
+                    Arc::make_mut(&mut world.triangles),
                 )?;
                 self.check_triangles(world, first, "file", file.span)?;
-                if let Some(mesh) = world.triangles.meshes.last_mut() {
+                if let Some(mesh) = Arc::make_mut(&mut world.triangles).meshes.last_mut() {
                     mesh.shadow_terminator = *shadow_terminator;
                 }
                 Shape::Mesh(world.triangles.meshes.len() - 1)

@@ -317,14 +317,17 @@ fn triangle(fields: &mut Fields<'_, '_, '_>) -> Option<Object> {
 
 fn vertices(fields: &mut Fields<'_, '_, '_>) -> Option<Spanned<[[f64; 3]; 3]>> {
     let node = fields.require(&VERTICES)?;
-    let [a, b, c] = fields.reader.items::<3>(&VERTICES, VERTICES.name, node)?;
-    let mut corner = |name, node| fields.reader.numbers::<3>(&VERTEX, name, node);
-    let (a, b, c) = (
-        corner("vertices[0]", a),
-        corner("vertices[1]", b),
-        corner("vertices[2]", c),
-    );
-    Some(Spanned::new([a?, b?, c?], node.span().into()))
+    let vertices = fields.reader.moving(node, |reader, node| {
+        let [a, b, c] = reader.items::<3>(&VERTICES, VERTICES.name, node)?;
+        let mut corner = |name, node| reader.numbers::<3>(&VERTEX, name, node);
+        let (a, b, c) = (
+            corner("vertices[0]", a),
+            corner("vertices[1]", b),
+            corner("vertices[2]", c),
+        );
+        Some([a?, b?, c?])
+    });
+    spanned(vertices, node)
 }
 
 /// One of the `vertices`; the key is the one that out-of-range numbers name.
@@ -362,12 +365,14 @@ fn scale(fields: &mut Fields<'_, '_, '_>) -> Option<Spanned<[f64; 3]>> {
     let Some(node) = fields.get(&SCALE) else {
         return Some(Spanned::new([1.0; 3], fields.header));
     };
-    let scale = match node.get_ref() {
-        DeValue::Array(_) => fields.reader.numbers(&SCALE, SCALE.name, node),
-        _ => {
-            let factor = fields.reader.number(&SCALE, SCALE.name, node);
-            factor.map(|factor| [factor; 3])
-        }
-    };
+    let scale = fields
+        .reader
+        .moving(node, |reader, node| match node.get_ref() {
+            DeValue::Array(_) => reader.numbers(&SCALE, SCALE.name, node),
+            _ => {
+                let factor = reader.number(&SCALE, SCALE.name, node);
+                factor.map(|factor| [factor; 3])
+            }
+        });
     spanned(scale, node)
 }

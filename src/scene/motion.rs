@@ -1,0 +1,123 @@
+//! What of a scene moves, and the scene at any frame.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::diagnostic::Diagnostics;
+use super::read::Moving;
+use super::{Entry, Scene, Source};
+
+/// The frame of a scene that is looked at without saying which.
+pub const FIRST_FRAME: f64 = 1.0;
+
+/// What of a scene moves.
+///
+/// ```
+/// use candela::World;
+///
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("scene.toml");
+/// # std::fs::write(&path, "\
+/// # [image]\nresolution = [16, 9]\n\
+/// # [camera.orthographic]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nheight = 2\n\
+/// # [materials.clay.phong]\ndiffuse = 0.5\n\
+/// # [lights.key.point]\nposition = [0, 0, 5]\nintensity = { keys = [[1, 10], [11, 20]] }\n\
+/// # [objects.ball.sphere]\nmaterial = \"clay\"\ncenter = [0, 0, 0]\nradius = 0.5\n")?;
+/// // … with `intensity = { keys = [[1, 10], [11, 20]] }` for its light.
+/// let mut loaded = World::load(&path)?;
+/// assert_eq!(loaded.motion.frames(), Some([1.0, 11.0]));
+/// loaded.motion.set(&mut loaded.scene, 6.5)?;
+/// let (world, _) = World::new(&loaded.scene)?;
+/// assert_eq!(world.candelas(0), 15.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Motion {
+    source: Arc<Source>,
+    moving: Moving,
+}
+
+/// What is different from one frame to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moved {
+    /// The camera.
+    pub camera: bool,
+    /// Lights, materials, objects or the background.
+    pub world: bool,
+}
+
+/// What has changed from one frame of a scene to another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Change {
+    /// Triangles, of meshes and by themselves.
+    pub triangles: bool,
+}
+
+impl Motion {
+    pub(super) fn new(source: &Arc<Source>, moving: Moving) -> Self {
+        Self {
+            source: Arc::clone(source),
+            moving,
+        }
+    }
+
+    /// The first and the last frame that has a key; `None` where nothing moves.
+    pub fn frames(&self) -> Option<[f64; 2]> {
+        self.moving.frames
+    }
+
+    /// What moves at all.
+    pub fn moved(&self) -> Moved {
+        self.moving.moved
+    }
+
+    /// The entries that move, as people name them: "the camera", "light `key`".
+    pub fn names(&self) -> &[String] {
+        &self.moving.names
+    }
+
+    /// Sets all that moves in the scene to what it is at a frame, which may have a fraction.
+    ///
+    /// # Errors
+    /// If keys cannot be read; those of a scene that was read can.
+    pub fn set(&self, scene: &mut Scene, frame: f64) -> Result<Change, Diagnostics> {
+        if self.frames().is_none() {
+            return Ok(Change::default());
+        }
+        let at_frame = self.moving.at(frame, &self.source.text);
+        let at_frame = match Diagnostics::new(Arc::clone(&self.source), at_frame.diagnostics) {
+            Some(diagnostics) => return Err(diagnostics.at_frame(frame)),
+            None => at_frame.entries,
+        };
+        if let Some(image) = at_frame.image {
+            scene.image.background = image.background;
+        }
+        if let Some(camera) = at_frame.camera {
+            scene.camera = camera;
+        }
+        replace(&mut scene.materials, at_frame.materials, |_, _| {});
+        replace(&mut scene.lights, at_frame.lights, |_, _| {});
+        let mut change = Change::default();
+        replace(&mut scene.objects, at_frame.objects, |before, now| {
+            change.triangles |= !before.has_triangles_of(now);
+        });
+        Ok(change)
+    }
+}
+
+/// Puts entries in the place of those of their names.
+fn replace<T>(entries: &mut [Entry<T>], moved: Vec<Entry<T>>, mut look: impl FnMut(&T, &T)) {
+    let mut moved: HashMap<String, T> = moved
+        .into_iter()
+        .map(|entry| (entry.name, entry.value))
+        .collect();
+    for entry in entries {
+        if moved.is_empty() {
+            break;
+        }
+        if let Some(value) = moved.remove(&entry.name) {
+            look(&entry.value, &value);
+            entry.value = value;
+        }
+    }
+}
