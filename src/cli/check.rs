@@ -125,7 +125,7 @@ fn check_frames(
     world: &World,
 ) -> Result<(), Failure> {
     let mut first = None;
-    let mut others = Vec::new();
+    let mut count = 0;
     for frame in frames.iter().skip(1) {
         let number = frame.number();
         let change = motion.set(scene, number)?;
@@ -134,31 +134,20 @@ fn check_frames(
             triangles: change.triangles || motion.moved().world,
         };
         if let Err(errors) = world.again(scene, change) {
-            if first.is_none() {
-                first = Some(errors.at_frame(number));
-            } else {
-                others.push(frame.to_string());
-            }
+            count += 1;
+            first.get_or_insert(errors.at_frame(number));
         }
     }
-    match first {
-        None => Ok(()),
-        Some(errors) if others.is_empty() => Err(errors.into()),
-        Some(errors) => {
-            let more = others.len().saturating_sub(LISTED);
-            let listed = others
-                .into_iter()
-                .take(LISTED)
-                .collect::<Vec<_>>()
-                .join(", ");
-            let more = if more > 0 {
-                format!(" and {more} more")
-            } else {
-                String::new()
-            };
-            Err(format!("{errors}\n\nframes in error beside this: {listed}{more}").into())
-        }
+    let Some(errors) = first else {
+        return Ok(());
+    };
+    if count == 1 {
+        return Err(errors.into());
     }
+    let errors = errors.to_string();
+    let errors = errors.strip_prefix("error: ").unwrap_or(&errors);
+    let all = frames.len();
+    Err(format!("{errors}\n\n{count} of {all} frames are in error; this is the first").into())
 }
 
 fn print_motion(motion: &Motion, frames: &[Frame], output: &mut impl Write) -> Result<(), Failure> {

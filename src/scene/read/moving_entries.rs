@@ -206,15 +206,15 @@ impl Reader<'_> {
         (value, moved.is_some())
     }
 
-    /// Keeps what moves, to be read again at other frames.
+    /// Keeps what moves and is not in error, to be read again at other frames.
     pub(super) fn note_motion<T>(
         &mut self,
-        (value, moves): (T, bool),
+        (value, moves): (Option<T>, bool),
         section: &str,
         name: Option<(&str, Span)>,
         node: Option<&Node<'_>>,
-    ) -> T {
-        if let Some(node) = node.filter(|_| moves) {
+    ) -> Option<T> {
+        if let Some(node) = node.filter(|_| moves && value.is_some()) {
             self.moving.add(section, name, node, self.text);
         }
         value
