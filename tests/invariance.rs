@@ -8,7 +8,9 @@ use std::sync::Arc;
 
 use candela::image::Film;
 use candela::oracle::Oracle;
-use candela::scene::{Aim, Camera, Light, Material, Object, Scene, Spanned, Transport, Value};
+use candela::scene::{
+    Aim, Camera, Light, Material, Mixture, Object, Scene, Spanned, Transport, Value,
+};
 use candela::spectrum::{Curve, Lines};
 use candela::world::plan::Acceleration;
 use candela::world::{Plan, World};
@@ -213,6 +215,11 @@ fn times(value: &Value, factor: f64) -> Value {
             amount: amount * factor,
             color: color.clone(),
         },
+        Value::Mixed(mixture) => {
+            let parts = mixture.0.iter();
+            let parts = parts.map(|(weight, part)| (*weight, times(part, factor)));
+            Value::mixed(Mixture(parts.collect()))
+        }
         Value::Illuminant(_) | Value::Daylight(_) | Value::Blackbody(_) => {
             panic!("a color without a size is no light")
         }

@@ -32,6 +32,7 @@ mod limits;
 mod measured;
 mod memory;
 mod meshes;
+mod motion;
 mod opencolorio;
 mod openimageio;
 mod oracle;

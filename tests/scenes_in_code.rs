@@ -412,6 +412,7 @@ fn inputs_are_hashed_as_sha256sum_does() {
         scene,
         world,
         camera,
+        ..
     } = load(folder);
     let names: Vec<&str> = scene
         .inputs

@@ -14,10 +14,11 @@ use candela::output::Unfinished;
 use clap::builder::{OsStringValueParser, PossibleValuesParser, TypedValueParser};
 
 use super::Failure;
+use super::advice::frame_number;
 use super::develop::ExposureArguments;
 use super::numbers::number;
 use super::render::count;
-use super::sequence::{input_name, named_after};
+use super::sequence::{found, input_name, named_after};
 use equations::equation;
 use sheet::{Cell, GROUND, Head, Layout, sheet};
 
@@ -33,9 +34,11 @@ const HIGHEST: u32 = 4;
 /// What the sheet's name has in place of the file's extension.
 const SUFFIX: &str = "contact.png";
 
-/// Make a sheet of small pictures of an EXR: all views of it, or all its layers
+/// Make a sheet of small pictures: all views of an EXR, or all its layers, or the frames of a sequence
 ///
 /// Of a PNG, JPEG, TIFF or Radiance HDR too, as `candela tonemap` reads it, all views.
+///
+/// Frames are `f.####.exr` or `f.%04d.exr`, a pattern such as `*.exr`, or several files; of more than 100, 100 are shown.
 ///
 /// Each picture is made small in linear light, from the file itself, and has its name below. All are at the same
 /// exposure. Of layers, those with colors are shown as light; single channels as grays over their range, which is
@@ -53,11 +56,13 @@ Examples:
   candela contact-sheet scene.exr --layers --view reinhard --width 240
       Smaller, and nothing clips
   candela contact-sheet scene.exr --layer light_key
-      What one light adds, in each view")]
+      What one light adds, in each view
+  candela contact-sheet f.####.exr --width 240 -o shot.png
+      The frames of a sequence, with their numbers")]
 pub(crate) struct Arguments {
-    /// The EXR file, or a PNG, JPEG, TIFF or Radiance HDR; - is standard input
-    #[arg(value_name = "IN.exr")]
-    input: PathBuf,
+    /// The EXR file, or a PNG, JPEG, TIFF or Radiance HDR; - is standard input; or frames, f.####.exr
+    #[arg(value_name = "IN.exr", required = true)]
+    inputs: Vec<PathBuf>,
 
     /// The PNG file, or - for standard output [default: IN.contact.png in the current folder]
     #[arg(short, long, value_name = "OUT.png", value_parser = png_path())]
@@ -71,11 +76,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", conflicts_with = "layers")]
     layer: Option<String>,
 
-    /// The view of layers with light [default: srgb]
+    /// The view of layers with light, and of frames [default: srgb]
     #[arg(
         long,
         value_name = "NAME",
-        requires = "layers",
         value_parser = PossibleValuesParser::new(View::ALL.map(View::name))
             .try_map(|name| name.parse::<View>())
     )]
@@ -89,33 +93,62 @@ pub(crate) struct Arguments {
     exposure: ExposureArguments,
 }
 
+impl Arguments {
+    /// What is wrong with the options as they stand together.
+    pub(crate) fn misuse(&self) -> Option<String> {
+        let is_pattern = frame_number(self.input()).is_some()
+            || self.input().to_string_lossy().contains(['*', '?', '[']);
+        // A file of that very name is meant.
+        let is_there = || self.input().symlink_metadata().is_ok();
+        let is_one = self.inputs.len() == 1 && (!is_pattern || is_there());
+        if is_one && !self.layers && self.view.is_some() {
+            let message =
+                "one file is shown in all views; --view goes with --layers, or with frames";
+            return Some(message.to_owned());
+        }
+        (!is_one && self.layers).then(|| {
+            "--layers shows those of one file; leave it out to see frames, or name one file"
+                .to_owned()
+        })
+    }
+
+    /// What the sheet is about: the first of several files.
+    fn input(&self) -> &Path {
+        self.inputs.first().map_or(Path::new("-"), PathBuf::as_path)
+    }
+}
+
 /// Makes the sheet; warnings, and the exposure if it was chosen, go to `messages`.
 pub(crate) fn run(
     arguments: &Arguments,
     unfinished: &Unfinished,
     messages: &mut impl Write,
 ) -> Result<(), Failure> {
+    let frames = found(&arguments.inputs)?;
+    let input = arguments.input();
     let default;
     let output = match &arguments.output {
         Some(output) => output.as_path(),
         None => {
-            default = named_after(&arguments.input, SUFFIX)?;
+            default = match frame_number(input) {
+                Some(part) => {
+                    let name = input.to_string_lossy().replacen(&part, "", 1);
+                    named_after(Path::new(&name.replace("..", ".")), SUFFIX)?
+                }
+                None => named_after(input, SUFFIX)?,
+            };
             &default
         }
     };
     super::refuse_terminal(output)?;
-    let found = if arguments.layers {
-        layers(arguments, output)?
-    } else {
-        views(arguments, output)?
+    let found = match frames.as_slice() {
+        [(one, None)] if arguments.layers => layers(arguments, one, output)?,
+        [(one, None)] => views(arguments, one, output)?,
+        frames => sequence(arguments, frames, output)?,
     };
     // Nowhere is left to report that the messages themselves cannot be written.
     for warning in &found.warnings {
-        let _ = writeln!(
-            messages,
-            "warning: {}: {warning}",
-            input_name(&arguments.input)
-        );
+        let _ = writeln!(messages, "warning: {}: {warning}", input_name(input));
     }
     if arguments.exposure.exposure().is_auto() {
         let _ = writeln!(messages, "exposure: {}", shown_exposure(found.ev));
@@ -124,7 +157,7 @@ pub(crate) fn run(
     let mut notes = vec![format!("{width} × {height}"), short_exposure(found.ev)];
     notes.extend(arguments.view.map(|view| view.name().to_owned()));
     let head = Head {
-        title: title(&arguments.input, arguments.layer.as_deref()),
+        title: title(input, arguments.layer.as_deref()),
         note: notes.join("  ·  "),
     };
     let layout = Layout::new(found.cells.len() as u32, found.picture);
@@ -145,9 +178,9 @@ struct Found {
 }
 
 /// One picture in all views.
-fn views(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
-    let input = Input::open(&arguments.input, arguments.layer.as_deref())?;
-    super::refuse_same_files(&[&arguments.input], &[output])?;
+fn views(arguments: &Arguments, path: &Path, output: &Path) -> Result<Found, Failure> {
+    let input = Input::open(path, arguments.layer.as_deref())?;
+    super::refuse_same_files(&[path], &[output])?;
     let picture = small(arguments.width, &input);
     let thumbnail = Thumbnail::new(&input, picture, arguments.exposure.exposure())?;
     let ev = thumbnail.ev();
@@ -166,9 +199,9 @@ fn views(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
 }
 
 /// All layers of a file.
-fn layers(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
-    let file = Input::layers(&arguments.input)?;
-    super::refuse_same_files(&[&arguments.input], &[output])?;
+fn layers(arguments: &Arguments, path: &Path, output: &Path) -> Result<Found, Failure> {
+    let file = Input::layers(path)?;
+    super::refuse_same_files(&[path], &[output])?;
     let view = arguments.view.unwrap_or_default();
     let mut warnings = Vec::new();
     let names: Vec<&str> = file.names().collect();
@@ -181,7 +214,7 @@ fn layers(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
         ));
     }
     let Some((&first, rest)) = shown.split_first() else {
-        let file = input_name(&arguments.input);
+        let file = input_name(path);
         return Err(format!("{file} has no channels, so that there is nothing to show").into());
     };
 
@@ -197,6 +230,66 @@ fn layers(arguments: &Arguments, output: &Path) -> Result<Found, Failure> {
         cells.push(cell(name, &thumbnail, view, ev));
         add_warnings(&mut warnings, &thumbnail);
     }
+    Ok(Found {
+        resolution,
+        ev,
+        picture,
+        cells,
+        warnings,
+    })
+}
+
+/// Frames of a sequence, all at the exposure of the first.
+fn sequence(
+    arguments: &Arguments,
+    frames: &[(PathBuf, Option<String>)],
+    output: &Path,
+) -> Result<Found, Failure> {
+    let paths: Vec<&Path> = frames.iter().map(|(path, _)| path.as_path()).collect();
+    super::refuse_same_files(&paths, &[output])?;
+    let mut warnings = Vec::new();
+    if frames.len() > MOST {
+        let all = counted(frames.len(), "frame", "frames");
+        warnings.push(format!("{MOST} of {all} are shown, evenly over all"));
+    }
+    let shown = frames.len().min(MOST);
+    let last = (frames.len() - 1) as u64;
+    // The first and the last are among them.
+    let place = |number: usize| number as u64 * last / (shown as u64 - 1).max(1);
+    let mut first: Option<([u32; 2], [u32; 2], f64)> = None;
+    let mut cells = Vec::new();
+    for number in 0..shown {
+        let (path, frame) = &frames[place(number) as usize];
+        let input = Input::open(path, arguments.layer.as_deref())?;
+        let resolution = input.resolution();
+        let exposure = first.map_or_else(
+            || arguments.exposure.exposure(),
+            |(_, _, ev)| Exposure::Ev(ev),
+        );
+        let picture =
+            first.map_or_else(|| small(arguments.width, &input), |(_, picture, _)| picture);
+        let thumbnail = Thumbnail::new(&input, picture, exposure)?;
+        let (of_first, _, ev) = *first.get_or_insert((resolution, picture, thumbnail.ev()));
+        if of_first != resolution {
+            let name = |[width, height]: [u32; 2]| format!("{width} × {height}");
+            return Err(format!(
+                "{} has {} pixels, and {} before it {}; a sheet shows frames of one size",
+                printable_path(path),
+                name(resolution),
+                printable_path(paths[0]),
+                name(of_first),
+            )
+            .into());
+        }
+        let shown = frame.clone().unwrap_or_else(|| title(path, None));
+        let view = arguments.view.unwrap_or_default();
+        cells.push(Cell {
+            name: printable(&shown),
+            ..cell("", &thumbnail, view, ev)
+        });
+        add_warnings(&mut warnings, &thumbnail);
+    }
+    let (resolution, picture, ev) = first.unwrap_or(([0; 2], [1; 2], 0.0));
     Ok(Found {
         resolution,
         ev,

@@ -97,6 +97,16 @@ pub(super) fn conversions(
     Ok(conversions)
 }
 
+/// The files that inputs stand for, each with the number of its frame as its name has it, where it is one of frames.
+pub(super) fn found(inputs: &[PathBuf]) -> Result<Vec<(PathBuf, Option<String>)>, Failure> {
+    let mut all = Vec::new();
+    for input in inputs {
+        let files = files(input)?.into_iter();
+        all.extend(files.map(|Found { path, number }| (path, number)));
+    }
+    Ok(all)
+}
+
 /// Whether outputs go into it.
 fn is_folder(path: &Path) -> bool {
     path != Path::new("-") && (path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/"))

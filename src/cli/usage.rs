@@ -33,12 +33,12 @@ fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
     let misuse = match &arguments.command {
         Command::Render(render) => render.misuse().map(|misuse| ("render", misuse)),
         Command::Tonemap(tonemap) => tonemap.misuse().map(|misuse| ("tonemap", misuse)),
+        Command::ContactSheet(sheet) => sheet.misuse().map(|misuse| ("contact-sheet", misuse)),
         Command::Check(_)
         | Command::Probe(_)
         | Command::Verify(_)
         | Command::Report(_)
         | Command::Diff(_)
-        | Command::ContactSheet(_)
         | Command::Relight(_)
         | Command::New(_)
         | Command::Completions(_)

@@ -5,6 +5,7 @@ mod contact_sheet;
 mod diff;
 mod exit_codes;
 mod files;
+mod frames;
 mod help;
 mod interruption;
 mod layers;

@@ -60,12 +60,10 @@ impl Reader<'_> {
             DeValue::Table(table) if has_keys(table.keys().map(|key| key.get_ref())) => table,
             _ => return read(self, node),
         };
-        let span = node.span().into();
-        if self.is_within_keys {
-            let message = "keys within keys; write one list of keys";
-            self.report(span, Problem::Conflict(message.to_owned()));
+        if self.are_keys_within_keys(node) {
             return None;
         }
+        let span = node.span().into();
         self.is_within_keys = true;
         let mut fields = Fields::new(self, MOVING, table, span);
         let pairs = fields.require(&KEYS);
@@ -85,6 +83,17 @@ impl Reader<'_> {
         }
         let blend = Blend::at(self.frame, &frames, interpolation?.value);
         Some(T::blended(&values, &blend))
+    }
+
+    /// Reports keys in the value of a key.
+    pub(super) fn are_keys_within_keys(&mut self, node: &Node<'_>) -> bool {
+        let names = node.get_ref().as_table().into_iter().flatten();
+        if !self.is_within_keys || !has_keys(names.map(|(key, _)| key.get_ref())) {
+            return false;
+        }
+        let message = "keys within keys; write one list of keys";
+        self.report(node.span().into(), Problem::Conflict(message.to_owned()));
+        true
     }
 
     /// The frames and the values of keys, of which there is at least one.

@@ -99,6 +99,7 @@ impl Reader<'_> {
                 }
                 color.map(Value::Srgb)
             }
+            DeValue::Table(_) if self.are_keys_within_keys(node) => None,
             DeValue::Table(table) => self.value_table(node, table, purpose),
             DeValue::Boolean(_) | DeValue::Datetime(_) => {
                 self.wrong_type(key.name, node, key.value);
