@@ -285,6 +285,7 @@ fn sequence(
         let view = arguments.view.unwrap_or_default();
         cells.push(Cell {
             name: printable(&shown),
+            note: String::new(),
             ..cell("", &thumbnail, view, ev)
         });
         add_warnings(&mut warnings, &thumbnail);

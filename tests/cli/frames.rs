@@ -393,7 +393,7 @@ fn scenes_in_several_files() {
             "include = \"parts/lights.toml\"\n",
             "expected a list of files",
         ),
-        ("include = [\"bad.toml\"]\n", "--> bad.toml:2:1"),
+        ("include = [\"bad.toml\"]\n", "--> bad.toml:2:5"),
         ("include = [\"twice.toml\"]\n", "is there twice"),
     ] {
         fs::write(folder.join("bad.toml"), "# a line\nx = \n").unwrap();
