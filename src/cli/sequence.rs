@@ -97,6 +97,15 @@ pub(super) fn conversions(
     Ok(conversions)
 }
 
+/// The files that arguments stand for, as those of [`conversions`], each as often as it is named.
+pub(super) fn inputs(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut inputs = Vec::new();
+    for argument in arguments {
+        inputs.extend(files(argument)?.into_iter().map(|found| found.path));
+    }
+    Ok(inputs)
+}
+
 /// Whether outputs go into it.
 fn is_folder(path: &Path) -> bool {
     path != Path::new("-") && (path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/"))

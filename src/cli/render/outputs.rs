@@ -51,12 +51,16 @@ impl Outputs {
     }
 }
 
-/// SCENE.exr in the current folder; scene.exr for a scene from standard input.
+/// SCENE.exr in the current folder, SCENE.tile0003.exr for a tile; scene.exr for a scene from standard input.
 fn default_output(arguments: &Arguments) -> PathBuf {
     let scene = match arguments.scene.as_deref() {
         None => Path::new("lecture.toml"),
         Some(scene) if is_standard_input(scene) => Path::new("scene.toml"),
         Some(scene) => scene,
     };
-    PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene"))).with_extension("exr")
+    let name = PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene")));
+    match arguments.tile {
+        None => name.with_extension("exr"),
+        Some(tile) => name.with_extension(format!("tile{:04}.exr", tile.index())),
+    }
 }
