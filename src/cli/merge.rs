@@ -19,9 +19,9 @@ use super::{Failure, refuse_same_files, refuse_terminal, sequence};
 #[command(after_long_help = "\
 Examples:
   candela merge t0.exr t1.exr t2.exr -o scene.exr
-      Three tiles, written by --tile 0/3, 1/3 and 2/3
+      The three tiles of an image
   candela merge scene.tile####.exr -o scene.exr
-      All tiles under the names that `render --tile` gives without -o
+      All tiles under the names that `candela render` gives them where no other is said
   candela merge 'tiles/*.exr' -o scene.exr
       All files of a folder")]
 pub(crate) struct Arguments {

@@ -119,7 +119,12 @@ pub(crate) struct Arguments {
     /// Tiles are whole rows of the image, or of the part of --crop, cut at multiples of 16 rows, or of the rows that
     /// --compression takes together where these are more. There are at most as many tiles as such strips. All tiles of
     /// one image are rendered with the same options.
-    #[arg(long, value_name = "I/N", conflicts_with = "full_window", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "I/N",
+        conflicts_with = "full_window",
+        allow_hyphen_values = true
+    )]
     #[arg(value_parser = |text: &str| text.parse::<TileNumber>())]
     tile: Option<TileNumber>,
 

@@ -191,7 +191,10 @@ impl<'f> ExrFile<'f> {
             if let Some(place) = written.residual_place {
                 head[place as usize..][..residual.len()].copy_from_slice(&residual);
             }
-            (place as u64, TileHash::new(block_hash(&head)).finish(&blocks))
+            (
+                place as u64,
+                TileHash::new(block_hash(&head)).finish(&blocks),
+            )
         });
         if let Some((place, hash)) = &hash {
             patches.push((*place, hash.as_bytes()));

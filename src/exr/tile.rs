@@ -35,8 +35,8 @@ pub struct Tile {
 /// There are fewer rows than so many tiles need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{number} are too many tiles: {height} rows make {strips} strip{} of {lines} rows under compression {compression}, and each \
-     tile has at least one; choose N of I/N from 1 to {strips}",
+    "{number} is a tile of too many: {height} rows make {strips} strip{} of {lines} rows under compression {compression}, \
+     and each tile has at least one; choose N of I/N from 1 to {strips}",
     if *strips == 1 { "" } else { "s" }
 )]
 pub struct TooManyTiles {
@@ -193,8 +193,22 @@ mod tests {
             assert_eq!(number.to_string(), text);
         }
         for text in [
-            "", "/", "3", "3/", "/16", "16/16", "17/16", "0/0", "-1/16", "+1/16", "1/ 16", "1/2/3",
-            "a/b", "1.0/2", "0/4294967296", "3of16",
+            "",
+            "/",
+            "3",
+            "3/",
+            "/16",
+            "16/16",
+            "17/16",
+            "0/0",
+            "-1/16",
+            "+1/16",
+            "1/ 16",
+            "1/2/3",
+            "a/b",
+            "1.0/2",
+            "0/4294967296",
+            "3of16",
         ] {
             assert_eq!(text.parse::<TileNumber>(), Err(NoTileNumber), "{text}");
         }

@@ -45,7 +45,7 @@ impl Request {
         let of_tile = tile.map(|tile| tile.window(arguments.compression));
         let of_tile = of_tile
             .transpose()
-            .map_err(|error| failure::Misuse(format!("--tile {error}")))?;
+            .map_err(|error| failure::Misuse(format!("--tile: {error}")))?;
         let options = Options {
             samples: arguments.accuracy.samples,
             target: arguments.accuracy.target(),

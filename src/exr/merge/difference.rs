@@ -6,7 +6,7 @@ use crate::exr::tile::{TILE, TILE_HASH, TILE_WINDOW};
 use crate::printable::{printable_bytes, shortened};
 
 /// What tells most comes first: where the scene has changed, so may have much else.
-const TELLING: [&str; 12] = [
+const TELLING: [&str; 13] = [
     "software",
     "candela:inputs_sha256",
     "candela:scene_sha256",
@@ -15,6 +15,7 @@ const TELLING: [&str; 12] = [
     "candela:max_samples",
     "candela:error_floor",
     "candela:layers",
+    "candela:transport",
     "displayWindow",
     TILE_WINDOW,
     "compression",
@@ -154,7 +155,11 @@ fn value(attribute: &Attribute) -> Shown {
 /// Names and types of channels. The list was found to be sound.
 fn channels(mut list: &[u8]) -> String {
     let mut texts = Vec::new();
-    while let Some(end) = list.iter().position(|&byte| byte == 0).filter(|&end| end > 0) {
+    while let Some(end) = list
+        .iter()
+        .position(|&byte| byte == 0)
+        .filter(|&end| end > 0)
+    {
         let kind = match list.get(end + 1) {
             Some(0) => "UINT",
             Some(1) => "HALF",

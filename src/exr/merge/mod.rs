@@ -144,14 +144,17 @@ impl Merger {
                 }),
             };
             check_window(path, &stored, tile, compression)?;
-            merger.totals.add(stored.attributes()).map_err(|name| {
-                MergeError::Damaged {
+            merger
+                .totals
+                .add(stored.attributes())
+                .map_err(|name| MergeError::Damaged {
                     path: path.clone(),
                     number: tile.number,
                     reason: format!("its attribute `{name}` is no such number"),
-                }
-            })?;
-            merger.tiles.push(TileFile::new(path, &stored, tile.number)?);
+                })?;
+            merger
+                .tiles
+                .push(TileFile::new(path, &stored, tile.number)?);
         }
         let Some(mut merger) = merger else {
             return Err(MergeError::NoTiles);
@@ -189,7 +192,11 @@ impl Merger {
     /// Puts the tiles in order, and finds out whether each is there once.
     fn complete(&mut self) -> Result<(), MergeError> {
         self.tiles.sort_by_key(|tile| tile.number);
-        if let Some([one, other]) = self.tiles.array_windows().find(|[a, b]| a.number == b.number) {
+        if let Some([one, other]) = self
+            .tiles
+            .array_windows()
+            .find(|[a, b]| a.number == b.number)
+        {
             return Err(MergeError::Twice {
                 paths: [one.path.clone(), other.path.clone()],
                 number: one.number,
@@ -198,7 +205,12 @@ impl Merger {
         let count = self.tiles[0].number.count();
         let mut missing = Vec::new();
         let mut next = 0;
-        for index in self.tiles.iter().map(|tile| tile.number.index()).chain([count]) {
+        for index in self
+            .tiles
+            .iter()
+            .map(|tile| tile.number.index())
+            .chain([count])
+        {
             if next < index {
                 missing.push(next..=index - 1);
             }
@@ -370,7 +382,11 @@ impl TileFile {
             return Ok(Arc::clone(stored));
         }
         let stored = StoredExr::open(&self.path).map_err(|error| self.unreadable(error))?;
-        if stored.length() != self.length || head_hash(&stored) != Some(self.head) {
+        let hash = attribute(&stored, TILE_HASH, b"string");
+        let is_same = stored.length() == self.length
+            && hash == Some(&self.hash)
+            && head_hash(&stored) == Some(self.head);
+        if !is_same {
             return Err(MergeError::Changed(self.path.clone()));
         }
         Ok(Arc::clone(open.stored.insert(Arc::new(stored))))

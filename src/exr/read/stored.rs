@@ -166,10 +166,9 @@ impl StoredExr {
             Compression::PXR24 => Some(Ours::Pxr24),
             Compression::DWAA(_) => Some(Ours::Dwaa),
             Compression::DWAB(_) => Some(Ours::Dwab),
-            Compression::B44
-            | Compression::B44A
-            | Compression::HTJ2K32
-            | Compression::HTJ2K256 => None,
+            Compression::B44 | Compression::B44A | Compression::HTJ2K32 | Compression::HTJ2K256 => {
+                None
+            }
         }
     }
 
