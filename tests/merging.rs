@@ -14,6 +14,7 @@ use candela::scene::Scene;
 use candela::world::World;
 
 use crate::fuzzing;
+use sha2::{Digest, Sha256};
 
 const RESOLUTION: [u32; 2] = [20, 90];
 
@@ -59,6 +60,42 @@ fn files(folder: &Path, compression: Compression) -> (Vec<u8>, Vec<PathBuf>) {
 
 fn merged(tiles: &[PathBuf], output: &Path) -> Result<MergeReport, MergeError> {
     merge(tiles, output, &Unfinished::new())
+}
+
+/// The hash in a tile is that of docs/tiles.md.
+#[test]
+fn the_hash_of_a_tile_is_as_documented() {
+    for compression in [Compression::Zips, Compression::Piz] {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, tiles) = files(folder.path(), compression);
+        let bytes = fs::read(&tiles[0]).unwrap();
+        // Attributes are name, type, length, value; the header ends with an empty name.
+        let number = |place: usize| i32::from_le_bytes(bytes[place..place + 4].try_into().unwrap());
+        let end_of = |place: usize| place + bytes[place..].iter().position(|&b| b == 0).unwrap();
+        let (mut place, mut hash) = (8, 0..0);
+        while bytes[place] != 0 {
+            let end = end_of(place);
+            let value = end_of(end + 1) + 5;
+            let length = number(value - 4) as usize;
+            if &bytes[place..end] == b"candela:tile_sha256" {
+                hash = value..value + length;
+            }
+            place = value + length;
+        }
+        let mut head = bytes[..=place].to_vec();
+        head[hash.clone()].fill(b'0');
+        let mut all = Sha256::digest(&head).to_vec();
+        // Blocks follow the table, which says where the first one is.
+        let mut block = number(place + 1) as usize;
+        while block < bytes.len() {
+            let end = block + 8 + number(block + 4) as usize;
+            all.extend(Sha256::digest(&bytes[block..end]));
+            block = end;
+        }
+        let digits = Sha256::digest(&all);
+        let digits: String = digits.iter().map(|byte| format!("{byte:02x}")).collect();
+        assert_eq!(digits.as_bytes(), &bytes[hash], "{compression}");
+    }
 }
 
 /// Every byte of a tile, and every length.

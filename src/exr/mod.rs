@@ -27,6 +27,7 @@ pub use read::{
 pub use read::{ExrError, ExrImage, ExrProblem, read};
 pub(crate) use read::{SampleKind, StoredExr};
 pub(crate) use rewrite::{COPIES_OF_BLOCK, RewriteError, Rewritten, rewrite};
+pub(crate) use tile::TILE_ATTRIBUTES;
 pub use tile::{NoTileNumber, Tile, TileNumber, TooManyTiles};
 
 use crate::image::{Channel, ChannelKind, Channels, Window};

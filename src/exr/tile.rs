@@ -142,6 +142,9 @@ pub(super) const TILE_WINDOW: &str = "candela:tile_window";
 /// The hash of a tile, see [`TileHash`].
 pub(super) const TILE_HASH: &str = "candela:tile_sha256";
 
+/// All that only a tile has.
+pub(crate) const TILE_ATTRIBUTES: [&str; 3] = [TILE, TILE_WINDOW, TILE_HASH];
+
 /// What stands for a hash that is not known yet.
 pub(super) const NO_HASH: [u8; 64] = [b'0'; 64];
 

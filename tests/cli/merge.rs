@@ -285,6 +285,11 @@ fn what_cannot_be_merged_is_said() {
     fs::write(path("short.exr"), &bytes[..300]).unwrap();
     fs::write(path("text.exr"), "no EXR").unwrap();
     fs::write(path("old.exr"), "old").unwrap();
+    other("--samples 1 --layers lights", "lights");
+    succeeds(
+        folder.path(),
+        "relight lights.exr -q -o relit.exr --light key=2",
+    );
     let before = files(folder.path());
     for (inputs, parts) in [
         ("t0.exr", &["tiles 1-2 of 3 are missing", "--tile 1/3"][..]),
@@ -345,6 +350,7 @@ fn what_cannot_be_merged_is_said() {
             "plain.exr",
             &["plain.exr is no tile", "candela render --tile I/N"],
         ),
+        ("t0.exr relit.exr t2.exr", &["relit.exr is no tile"]),
         ("t0.exr part.exr t2.exr", &["part.exr is no tile", "--crop"]),
         (
             "t0.exr t1.exr place.exr",

@@ -24,7 +24,8 @@ use super::ordered::Ordered;
 use super::read::{Attribute, ExrProblem, StoredExr};
 use super::rewrite::stored_head;
 use super::tile::{
-    BlockHash, NO_HASH, TILE, TILE_HASH, TILE_WINDOW, Tile, TileHash, TileNumber, block_hash,
+    BlockHash, NO_HASH, TILE, TILE_ATTRIBUTES, TILE_HASH, TILE_WINDOW, Tile, TileHash, TileNumber,
+    block_hash,
 };
 use crate::image::Window;
 use crate::output::{self, Unfinished};
@@ -237,9 +238,8 @@ impl Merger {
         let corners = [x, y, x + width - 1, y + height - 1];
         let window: Vec<u8> = corners.into_iter().flat_map(u32::to_le_bytes).collect();
         let is_of_tile = |name: &[u8]| {
-            [TILE, TILE_WINDOW, TILE_HASH]
-                .iter()
-                .any(|own| own.as_bytes() == name)
+            let mut own = TILE_ATTRIBUTES.iter();
+            own.any(|own| own.as_bytes() == name)
         };
         let kept = self.attributes.iter().filter(|it| !is_of_tile(&it.name));
         let attributes: Vec<Attribute> = kept
