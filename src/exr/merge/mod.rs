@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Blocks are not decoded: a compression that loses digits would lose more, and each tile has a hash of all that is in
-//! it, which finds damage under every compression. Of every thread one block is in memory, and of each tile its place.
+//! it, which finds damage under every compression. Of every thread a few blocks are in memory at most, and of each tile
+//! its place.
 
 mod difference;
 mod error;
@@ -32,6 +33,10 @@ use crate::output::{self, Unfinished};
 use crate::turns::in_turn;
 use difference::difference;
 use totals::Totals;
+
+/// Blocks for each thread that are read together: one that comes late, as over a network, must not let all others pile
+/// up in memory behind it.
+const TOGETHER: usize = 8;
 
 /// What was merged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -274,17 +279,23 @@ impl Merger {
                 hashes: vec![BlockHash::default(); self.blocks],
                 error: None,
             });
-            in_turn(
-                self.blocks,
-                || (),
-                |(), index| match self.copy(index, &open, &merged) {
-                    Ok(()) => ControlFlow::Continue(()),
-                    Err(error) => {
-                        lock(&merged).error.get_or_insert(error);
-                        ControlFlow::Break(())
-                    }
-                },
-            );
+            let together = TOGETHER * rayon::current_num_threads();
+            for first in (0..self.blocks).step_by(together) {
+                in_turn(
+                    together.min(self.blocks - first),
+                    || (),
+                    |(), index| match self.copy(first + index, &open, &merged) {
+                        Ok(()) => ControlFlow::Continue(()),
+                        Err(error) => {
+                            lock(&merged).error.get_or_insert(error);
+                            ControlFlow::Break(())
+                        }
+                    },
+                );
+                if lock(&merged).error.is_some() {
+                    break;
+                }
+            }
             let merged = merged.into_inner().unwrap_or_else(PoisonError::into_inner);
             let checked = match merged.error {
                 None => self.check_hashes(&merged.hashes).map_err(Failure::Merge),
