@@ -190,6 +190,10 @@ mod tests {
             Vec::<u64>::new().try_reserve(usize::MAX).unwrap_err()
         )));
         assert!(is_cured_later(transient("no memory".into())));
+        assert!(is_cured_later(MergeError::Vanished("a.exr".into())));
+        assert!(is_cured_later(MergeError::Write(error_of(
+            io::ErrorKind::StorageFull
+        ))));
     }
 
     #[test]
@@ -198,6 +202,7 @@ mod tests {
         assert!(!is_cured_later(error_of(io::ErrorKind::ReadOnlyFilesystem)));
         assert!(!is_cured_later(io::Error::from(io::ErrorKind::NotFound)));
         assert!(!is_cured_later("the pixel is outside of the image"));
+        assert!(!is_cured_later(MergeError::NoTile("a.exr".into())));
     }
 
     #[test]

@@ -6,10 +6,12 @@ use crate::exr::tile::{TILE, TILE_HASH, TILE_WINDOW};
 use crate::printable::{printable_bytes, shortened};
 
 /// What tells most comes first: where the scene has changed, so may have much else.
-const TELLING: [&str; 13] = [
+const TELLING: [&str; 15] = [
     "software",
     "candela:inputs_sha256",
     "candela:scene_sha256",
+    "candela:frame",
+    "candela:set",
     "candela:samples",
     "candela:max_error",
     "candela:max_samples",
@@ -46,6 +48,7 @@ impl Difference {
             "candela:inputs_sha256" | "candela:scene_sha256" => {
                 "the scene or a file that it names has changed, so render all tiles of the new one"
             }
+            "candela:frame" => "an image is merged from tiles of one frame",
             _ => "render all tiles with the same options",
         }
     }

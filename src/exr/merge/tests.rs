@@ -90,3 +90,38 @@ fn ranges_of_missing_tiles() {
     let text = missing((0..100).map(|index| 2 * index..=2 * index).collect(), 300);
     assert!(text.contains("36, 38, … of 300 are missing"), "{text}");
 }
+
+/// What tells most is named, wherever it stands.
+#[test]
+fn the_most_telling_difference_is_named() {
+    let tile = |entries: &[(&str, &str)]| -> Vec<Attribute> {
+        let entries = entries.iter();
+        entries
+            .map(|(name, value)| Attribute {
+                name: name.as_bytes().to_vec(),
+                kind: b"string".to_vec(),
+                value: value.as_bytes().to_vec(),
+            })
+            .collect()
+    };
+    let one = tile(&[
+        ("candela:camera", "left"),
+        ("candela:frame", "1"),
+        (TILE, "0/2"),
+    ]);
+    let other = tile(&[
+        ("candela:camera", "right"),
+        ("candela:frame", "2"),
+        (TILE, "1/2"),
+    ]);
+    let found = difference([2, 2], [&one, &other]).unwrap();
+    assert_eq!(found.name(), "`candela:frame`");
+    assert_eq!(found.values, ["`1`", "`2`"]);
+    assert!(found.way_out().contains("one frame"));
+    let found = difference([2, 2], [&one[..1], &other[..1]]).unwrap();
+    assert_eq!(found.name(), "`candela:camera`");
+    // Which tile it is may differ, and nothing else.
+    assert_eq!(difference([2, 2], [&one[2..], &other[2..]]), None);
+    let found = difference([2, 1026], [&one[2..], &other[2..]]).unwrap();
+    assert_eq!(found.values, ["0x2", "0x402"]);
+}
