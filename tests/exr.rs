@@ -93,6 +93,7 @@ fn options(precision: Precision, compression: Compression) -> ExrOptions {
         compression,
         chromaticities: false,
         full_window: false,
+        tile: None,
     }
 }
 

@@ -31,6 +31,7 @@ mod layers;
 mod limits;
 mod measured;
 mod memory;
+mod merging;
 mod meshes;
 mod motion;
 mod opencolorio;

@@ -229,6 +229,7 @@ fn the_image_that_is_preserved_is_what_the_file_shows() {
                     precision,
                     chromaticities: false,
                     full_window: false,
+                    tile: None,
                 };
                 let mut file = Cursor::new(Vec::new());
                 let rendered = renderer.exr(

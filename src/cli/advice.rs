@@ -61,7 +61,7 @@ const OPTIONS: [Advice; 20] = [
         "threads are `--threads N`",
     ),
     (
-        &["render", "tonemap", "contact-sheet", "relight"],
+        &["render", "tonemap", "contact-sheet", "relight", "merge"],
         &[
             "--out",
             "--outfile",

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use candela::OutOfMemory;
 use candela::display::DisplayError;
-use candela::exr::ExrError;
+use candela::exr::{ExrError, MergeError};
 use candela::image_file::ImageFileError;
 use candela::output::{self, OutputError};
 use candela::scene::Diagnostics;
@@ -35,6 +35,14 @@ pub(super) fn is_passing(failure: &Failure) -> bool {
     any(&**failure, &is_transient)
 }
 
+/// Where the command line is wrong, as clap says it.
+const MISUSE: u8 = 2;
+
+/// Arguments that are wrong, which only the files show that they are about.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct Misuse(pub(super) String);
+
 /// Where something is further off than a limit allows.
 const BEYOND: u8 = 3;
 
@@ -53,6 +61,8 @@ pub(super) fn report(failure: &Failure) -> ExitCode {
     print(failure);
     if failure.is::<Beyond>() {
         BEYOND.into()
+    } else if failure.is::<Misuse>() {
+        MISUSE.into()
     } else if any(failure, &is_transient) {
         TRANSIENT.into()
     } else {
@@ -85,6 +95,9 @@ fn is_transient(error: &(dyn Error + 'static)) -> bool {
         || error
             .downcast_ref::<ExrError>()
             .is_some_and(ExrError::is_transient)
+        || error
+            .downcast_ref::<MergeError>()
+            .is_some_and(MergeError::is_transient)
         || error
             .downcast_ref::<ImageFileError>()
             .is_some_and(ImageFileError::is_transient)
@@ -177,6 +190,10 @@ mod tests {
             Vec::<u64>::new().try_reserve(usize::MAX).unwrap_err()
         )));
         assert!(is_cured_later(transient("no memory".into())));
+        assert!(is_cured_later(MergeError::Vanished("a.exr".into())));
+        assert!(is_cured_later(MergeError::Write(error_of(
+            io::ErrorKind::StorageFull
+        ))));
     }
 
     #[test]
@@ -185,6 +202,7 @@ mod tests {
         assert!(!is_cured_later(error_of(io::ErrorKind::ReadOnlyFilesystem)));
         assert!(!is_cured_later(io::Error::from(io::ErrorKind::NotFound)));
         assert!(!is_cured_later("the pixel is outside of the image"));
+        assert!(!is_cured_later(MergeError::NoTile("a.exr".into())));
     }
 
     #[test]

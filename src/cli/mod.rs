@@ -13,6 +13,7 @@ mod failure;
 mod frames;
 mod legend;
 mod man;
+mod merge;
 mod new;
 mod numbers;
 mod probe;
@@ -63,6 +64,8 @@ Examples:
       All layers of an image on one sheet
   candela relight scene.exr -o relit.exr --light key=2 --light fill=off
       Other light on an image, without rendering
+  candela merge scene.tile####.exr -o scene.exr
+      One image of tiles that many machines have rendered
   candela check scene.toml
       Is it legal, what will be computed, what will it cost
   candela probe scene.toml --pixel 640,360
@@ -93,6 +96,7 @@ enum Command {
     Tonemap(tonemap::Arguments),
     ContactSheet(contact_sheet::Arguments),
     Relight(relight::Arguments),
+    Merge(merge::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
     Verify(verify::Arguments),
@@ -135,6 +139,9 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         }),
         Command::Relight(arguments) => with_threads(None, || {
             relight::run(arguments, unfinished, &mut io::stderr())
+        }),
+        Command::Merge(arguments) => with_threads(None, || {
+            merge::run(arguments, unfinished, &mut io::stderr())
         }),
         Command::Check(arguments) => with_threads(None, || check::run(arguments, &mut output)),
         Command::Probe(arguments) => with_threads(None, || probe(arguments, &mut output)),

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use candela::display::{self, Alpha};
-use candela::exr::{self, Compression, ExrImage};
+use candela::exr::{self, Compression, ExrImage, TileNumber};
 use candela::internal::printable_path;
 use candela::output::{self, Unfinished, Written};
 use candela::render::{Built, SimdLevel};
@@ -77,6 +77,8 @@ Examples:
       Pixel centers and nothing else: a quick look, and values to compare
   candela render scene.toml --crop 600,300,700,400 --samples 256
       Only a part, at its place in the whole image
+  candela render scene.toml --tile 3/16
+      The fourth of 16 tiles, scene.tile0003.exr; `candela merge` makes one image of all
   candela render scene.toml --half --compression dwaa
       A small file
   candela render scene.toml --layers lights,depth,normal
@@ -122,6 +124,20 @@ pub(crate) struct Arguments {
     /// left. The EXR keeps the place in the whole image, the preview shows the part alone
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop, allow_hyphen_values = true)]
     crop: Option<Crop>,
+
+    /// Render only tile I of N, for `candela merge`; I is from 0 to N - 1
+    ///
+    /// Tiles are whole rows of the image, or of the part of --crop, cut at multiples of 16 rows, or of the rows that
+    /// --compression takes together where these are more. There are at most as many tiles as such strips. All tiles of
+    /// one image are rendered with the same options.
+    #[arg(
+        long,
+        value_name = "I/N",
+        conflicts_with = "full_window",
+        allow_hyphen_values = true
+    )]
+    #[arg(value_parser = |text: &str| text.parse::<TileNumber>())]
+    tile: Option<TileNumber>,
 
     /// Threads to render with, 1 to 1024 [default: one for each logical processor]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]

@@ -40,6 +40,7 @@ fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
         | Command::Report(_)
         | Command::Diff(_)
         | Command::Relight(_)
+        | Command::Merge(_)
         | Command::New(_)
         | Command::Completions(_)
         | Command::Schema(_)

@@ -12,6 +12,7 @@ use super::head::{head, residual_place};
 use super::ordered::Ordered;
 use super::preserve::Preserved;
 use super::store::{FileChannel, Halves, residual};
+use super::tile::{BlockHash, TileHash, block_hash, hash_place};
 use super::zip::Zip;
 use super::{ExrImage, ExrOptions, ExrReport, Precision, Preserve};
 use crate::image::{ImageSpec, Rows};
@@ -26,6 +27,8 @@ pub(crate) struct ExrFile<'f> {
     /// Of light.
     precision: Precision,
     preserved: Option<Preserved>,
+    /// Whether this is a tile, whose hash is in the header.
+    is_hashed: bool,
     has_failed: AtomicBool,
     written: Mutex<Written<'f>>,
 }
@@ -37,8 +40,19 @@ struct Written<'f> {
     residual_place: Option<u64>,
     residual: f64,
     halves: Halves,
+    /// Where this is a tile, whose hash is in the header.
+    hashed: Option<Hashed>,
     /// What ended the writing.
     error: Option<io::Error>,
+}
+
+/// What the hash of a tile is made of.
+struct Hashed {
+    head: Vec<u8>,
+    /// Where in the head the hash is.
+    place: usize,
+    /// Of each block.
+    blocks: Vec<BlockHash>,
 }
 
 /// What a thread compresses one block after the other with.
@@ -74,9 +88,15 @@ impl<'f> ExrFile<'f> {
             Preserve::Image => Some(Preserved::new(spec, options, &channels)?),
         };
         let head = head(&header).map_err(into_io)?;
+        let hash_place = options.tile.and_then(|_| hash_place(&head));
         let written = Written {
             residual_place: residual_place(&head),
             residual: 0.0,
+            hashed: hash_place.map(|place| Hashed {
+                head: head.clone(),
+                place,
+                blocks: vec![BlockHash::default(); header.chunk_count],
+            }),
             blocks: Ordered::begin(sink, head, header.chunk_count)?,
             halves: Halves::default(),
             error: None,
@@ -87,6 +107,7 @@ impl<'f> ExrFile<'f> {
             sums: &spec.channels.sums,
             precision: options.precision,
             preserved,
+            is_hashed: written.hashed.is_some(),
             has_failed: AtomicBool::new(false),
             written: Mutex::new(written),
         })
@@ -125,7 +146,11 @@ impl<'f> ExrFile<'f> {
     pub(crate) fn add(&self, index: usize, rows: Rows<'_>, packer: &mut Packer) {
         match self.pack(index, rows, packer) {
             Ok((halves, residual)) => {
+                let hash = self.is_hashed.then(|| block_hash(&packer.block));
                 let mut written = self.written();
+                if let Some((hashed, hash)) = written.hashed.as_mut().zip(hash) {
+                    hashed.blocks[index] = hash;
+                }
                 written.halves.add(halves);
                 written.residual = written.residual.max(residual);
                 if written.error.is_none()
@@ -152,10 +177,29 @@ impl<'f> ExrFile<'f> {
         if let Some(error) = written.error {
             return Err(error);
         }
-        let patch = written
-            .residual_place
-            .map(|place| (place, (written.residual as f32).to_le_bytes()));
-        let bytes = written.blocks.finish(patch)?;
+        let residual = (written.residual as f32).to_le_bytes();
+        let mut patches: Vec<(u64, &[u8])> = Vec::new();
+        if let Some(place) = written.residual_place {
+            patches.push((place, &residual));
+        }
+        let hash = written.hashed.map(|hashed| {
+            let Hashed {
+                mut head,
+                place,
+                blocks,
+            } = hashed;
+            if let Some(place) = written.residual_place {
+                head[place as usize..][..residual.len()].copy_from_slice(&residual);
+            }
+            (
+                place as u64,
+                TileHash::new(block_hash(&head)).finish(&blocks),
+            )
+        });
+        if let Some((place, hash)) = &hash {
+            patches.push((*place, hash.as_bytes()));
+        }
+        let bytes = written.blocks.finish(&patches)?;
         let report = ExrReport {
             clamped_to_half: written.halves.clamped,
             small_in_half: written.halves.small,

@@ -9,6 +9,7 @@ use exr::meta::{BlockDescription, Requirements, magic_number, sequence_end};
 use exr::prelude::{SmallVec, Vec2};
 
 use super::store::FileChannel;
+use super::tile::{NO_HASH, TILE, TILE_HASH, TILE_WINDOW, Tile};
 use super::{COLOR_INTEROP_ID, Compression, ExrOptions, Precision};
 use crate::color::ColorSpace;
 use crate::image::{Channels, ImageSpec, Metadata, Number};
@@ -28,6 +29,9 @@ impl ImageSpec {
             .collect();
         let (window, [width, height]) = (self.window, self.resolution);
 
+        let mut own = attributes(&self.metadata, &self.channels);
+        own.other
+            .extend(options.tile.iter().flat_map(tile_attributes));
         let mut image =
             ImageAttributes::new(IntegerBounds::from_dimensions((width as _, height as _)));
         if options.chromaticities || self.metadata.color_space != ColorSpace::Rec709 {
@@ -47,7 +51,7 @@ impl ImageSpec {
         .with_attributes(LayerAttributes {
             // The scene's limit on the resolution is far below the largest i32.
             layer_position: Vec2(window.x as i32, window.y as i32),
-            ..attributes(&self.metadata, &self.channels)
+            ..own
         })
     }
 }
@@ -132,6 +136,24 @@ fn attributes(metadata: &Metadata, channels: &Channels) -> LayerAttributes {
             .insert(name, AttributeValue::Text(text(value)));
     }
     attributes
+}
+
+/// What says which tile a file is.
+fn tile_attributes(tile: &Tile) -> [(Text, AttributeValue); 3] {
+    let text = |bytes: &[u8]| Text::from_slice_unchecked(bytes);
+    let Tile { number, of } = tile;
+    let window = IntegerBounds::new(
+        (of.x as i32, of.y as i32),
+        (of.width as usize, of.height as usize),
+    );
+    let number = number.to_string();
+    [
+        (TILE, AttributeValue::Text(text(number.as_bytes()))),
+        (TILE_WINDOW, AttributeValue::IntegerBounds(window)),
+        // It is known when all is written.
+        (TILE_HASH, AttributeValue::Text(text(&NO_HASH))),
+    ]
+    .map(|(name, value)| (text(name.as_bytes()), value))
 }
 
 /// An M44f in Imath's convention, p' = p M with p a row, from a matrix for columns, p' = M p.

@@ -2,12 +2,14 @@
 
 mod file;
 mod head;
+mod merge;
 mod ordered;
 mod planes;
 mod preserve;
 mod read;
 mod rewrite;
 mod store;
+mod tile;
 mod whole;
 mod write;
 mod zip;
@@ -16,6 +18,7 @@ use std::fmt;
 use std::str::FromStr;
 
 pub(crate) use file::{ExrFile, Packer};
+pub use merge::{MergeError, MergeReport, merge};
 #[doc(hidden)]
 pub use planes::write_planes;
 #[doc(hidden)]
@@ -25,6 +28,8 @@ pub use read::{
 pub use read::{ExrError, ExrImage, ExrProblem, read};
 pub(crate) use read::{SampleKind, StoredExr};
 pub(crate) use rewrite::{COPIES_OF_BLOCK, RewriteError, Rewritten, rewrite};
+pub(crate) use tile::TILE_ATTRIBUTES;
+pub use tile::{NoTileNumber, Tile, TileNumber, TooManyTiles};
 pub(crate) use whole::is_whole;
 
 use crate::image::{Channel, ChannelKind, Channels, Window};
@@ -43,6 +48,9 @@ pub struct ExrOptions {
     /// Whether a part of an image is written with a data window of the whole image, for readers that lose its place:
     /// outside of the part nothing is hit, and there is no light. Default: no.
     pub full_window: bool,
+    /// Which tile this is, if it is one: the header says so, for [`merge`](merge()). The film's window is then
+    /// [`Tile::window`]. Default: none.
+    pub tile: Option<Tile>,
 }
 
 impl ExrOptions {
@@ -56,7 +64,7 @@ impl ExrOptions {
     /// # Errors
     /// Where the blocks of lines that are compressed together are too large, as thousands of
     /// columns with hundreds of channels are under the compressions of 32 lines and more; and where numbers that stand
-    /// for names would lose digits.
+    /// for names would lose digits; and where the window is not that of [`ExrOptions::tile`].
     pub fn check(&self, window: Window, channels: &Channels) -> Result<(), ExrOptionsError> {
         let is_matte = |channel: &Channel| match channel.kind {
             ChannelKind::Matte => true,
@@ -64,6 +72,11 @@ impl ExrOptions {
         };
         if channels.list.iter().any(is_matte) && !self.compression.is_lossless(Precision::Float) {
             return Err(ExrOptionsError::LossyMattes(self.compression));
+        }
+        if let Some(tile) = self.tile
+            && tile.window(self.compression) != Ok(window)
+        {
+            return Err(ExrOptionsError::NotTheTile(tile.number));
         }
         let bytes = |precision: Precision| precision.bytes() as u64;
         let further = channels.list.iter().map(|channel| match channel.kind {
@@ -102,6 +115,9 @@ pub enum ExrOptionsError {
          none, or leave the layer `cryptomatte` out"
     )]
     LossyMattes(Compression),
+    /// The window is not where the tile is.
+    #[error("the window that is rendered is not that of tile {0}; take the one of `Tile::window`")]
+    NotTheTile(TileNumber),
 }
 
 /// So many channels do not fit the blocks of a compression.

@@ -63,20 +63,20 @@ impl<'f> Ordered<'f> {
         Ok(())
     }
 
-    /// Writes the table, after all blocks have come, and over a number of the head what is known by then; the file's
-    /// length.
+    /// Writes the table, after all blocks have come, and over some places of the head what is known by then; the
+    /// file's length.
     ///
     /// # Errors
     /// What the sink reports.
-    pub(super) fn finish(self, number: Option<(u64, [u8; 4])>) -> io::Result<u64> {
+    pub(super) fn finish(self, patches: &[(u64, &[u8])]) -> io::Result<u64> {
         let sink = self.sink;
         sink.seek(SeekFrom::Start(self.table))?;
         let offsets = self.offsets.into_iter();
         let table: Vec<u8> = offsets.flat_map(u64::to_le_bytes).collect();
         sink.write_all(&table)?;
-        if let Some((place, bytes)) = number {
+        for &(place, bytes) in patches {
             sink.seek(SeekFrom::Start(place))?;
-            sink.write_all(&bytes)?;
+            sink.write_all(bytes)?;
         }
         sink.flush()?;
         Ok(self.position)

@@ -106,7 +106,9 @@ pub(crate) fn rewrite<S: Send>(
     let number = residual_place
         .zip(residual(&states))
         .map(|(place, residual)| (place, (residual as f32).to_le_bytes()));
-    let length = ordered.finish(number).map_err(RewriteError::Write)?;
+    let number = number.as_ref().map(|(place, bytes)| (*place, &bytes[..]));
+    let length = ordered.finish(number.as_slice());
+    let length = length.map_err(RewriteError::Write)?;
     Ok((length, states))
 }
 
@@ -192,7 +194,14 @@ fn head(stored: &StoredExr, rewritten: &Rewritten<'_>) -> io::Result<Vec<u8>> {
         .chain(of_attributes)
         .any(|length| length > SHORT_NAME);
     let version = 2 | if has_long_names { LONG_NAMES } else { 0 };
+    stored_head(version, &attributes)
+}
 
+/// A file up to the offset table, with these attributes in this order.
+///
+/// # Errors
+/// Where one does not fit the format.
+pub(super) fn stored_head(version: u32, attributes: &[Attribute]) -> io::Result<Vec<u8>> {
     let mut bytes = super::read::MAGIC.to_vec();
     bytes.extend(u32::to_le_bytes(version));
     for Attribute { name, kind, value } in attributes {

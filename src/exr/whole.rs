@@ -6,7 +6,9 @@ use rayon::prelude::*;
 
 use super::ExrOptions;
 use super::head::{RESIDUAL, head};
+use super::merge::has_its_hash;
 use super::read::{Attribute, StoredExr, attributes_of};
+use super::tile::TILE_HASH;
 use crate::image::ImageSpec;
 
 /// Whether the file at `path` is whole, and its header is that of such an image, but for attributes that are not known
@@ -33,9 +35,19 @@ pub(crate) fn is_whole(
     };
     let is_told = |attribute: &&Attribute| {
         let name = String::from_utf8_lossy(&attribute.name);
-        name != RESIDUAL && is_known(&name)
+        name != RESIDUAL && name != TILE_HASH && is_known(&name)
     };
-    stored.attributes().iter().filter(is_told).eq(expected.iter().filter(is_told))
-        // A copy that was cut off, or that lost bytes on its way.
-        && (0..stored.blocks()).into_par_iter().all(|block| stored.lines(block).is_ok())
+    let is_same = stored
+        .attributes()
+        .iter()
+        .filter(is_told)
+        .eq(expected.iter().filter(is_told));
+    // A copy that was cut off, or that lost bytes on its way.
+    let is_whole = || match options.tile {
+        Some(_) => has_its_hash(&stored),
+        None => (0..stored.blocks())
+            .into_par_iter()
+            .all(|block| stored.lines(block).is_ok()),
+    };
+    is_same && is_whole()
 }

@@ -30,7 +30,9 @@ use std::sync::{Mutex, PoisonError};
 pub use error::RelightError;
 pub use setting::{Setting, SettingError};
 
-use crate::exr::{self, COPIES_OF_BLOCK, ExrError, RewriteError, Rewritten, StoredExr};
+use crate::exr::{
+    self, COPIES_OF_BLOCK, ExrError, RewriteError, Rewritten, StoredExr, TILE_ATTRIBUTES,
+};
 use crate::memory;
 use crate::output::{self, Unfinished};
 use crate::turns::in_turn;
@@ -101,10 +103,12 @@ pub fn relight(
     let lights = shares.record.iter();
     let lights = lights.map(|lights| (record::LIGHTS, record::text(lights)));
     let texts: Vec<(&str, String)> = lights.chain([(record::RELIT, steps)]).collect();
+    // A tile in other light is none of the image that the others are of.
+    let left_out = [&plan.left_out[..], &TILE_ATTRIBUTES].concat();
     let rewritten = Rewritten {
         kept: &plan.kept,
         texts: &texts,
-        left_out: &plan.left_out,
+        left_out: &left_out,
     };
     let mut unreadable = None;
     let written = output::write(output, unfinished, |sink| {

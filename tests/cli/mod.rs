@@ -9,6 +9,7 @@ mod frames;
 mod help;
 mod interruption;
 mod layers;
+mod merge;
 mod new;
 mod probe;
 mod relight;
@@ -30,11 +31,12 @@ use tempfile::TempDir;
 
 use crate::openimageio::{decode, oiiotool};
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "render",
     "tonemap",
     "contact-sheet",
     "relight",
+    "merge",
     "check",
     "probe",
     "verify",

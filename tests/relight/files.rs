@@ -43,6 +43,7 @@ fn a_file_stays_what_it_is() {
                 compression,
                 chromaticities: true,
                 full_window: false,
+                tile: None,
             };
             write(&film, &a, &options);
             relight(&a, &b, &settings(&["key=1"]), &Unfinished::new()).unwrap();

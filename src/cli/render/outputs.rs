@@ -106,7 +106,8 @@ impl Outputs {
     }
 }
 
-/// SCENE.exr in the current folder, SCENE.####.exr for frames; scene.exr for a scene from standard input.
+/// SCENE.exr in the current folder; SCENE.####.exr for frames, SCENE.tile0003.exr for a tile, SCENE.tile0003.####.exr for
+/// tiles of frames; scene.exr for a scene from standard input.
 fn default_output(arguments: &Arguments) -> PathBuf {
     let scene = match arguments.scene.as_deref() {
         None => Path::new("lecture.toml"),
@@ -114,7 +115,10 @@ fn default_output(arguments: &Arguments) -> PathBuf {
         Some(scene) => scene,
     };
     let name = PathBuf::from(scene.file_name().unwrap_or(OsStr::new("scene")));
-    let name = name.with_extension("exr");
+    let name = match arguments.tile {
+        None => name.with_extension("exr"),
+        Some(tile) => name.with_extension(format!("tile{:04}.exr", tile.index())),
+    };
     match &arguments.frames {
         Some(frames) if frames.list().len() > 1 => with_place(&name),
         Some(_) | None => name,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use candela::Camera;
-use candela::exr::{ExrOptions, Precision, Preserve};
+use candela::exr::{ExrOptions, Precision, Preserve, Tile};
 use candela::image::{Channels, Window};
 use candela::internal::{Size, printable_path};
 use candela::render::{self, Layers, Options};
@@ -42,10 +42,19 @@ impl Request {
         let crop = arguments
             .crop
             .map(|crop| crop.within("--crop", camera.resolution()));
+        let crop = crop.transpose()?;
+        let tile = arguments.tile.map(|number| Tile {
+            number,
+            of: crop.unwrap_or(Window::whole(camera.resolution())),
+        });
+        let of_tile = tile.map(|tile| tile.window(arguments.compression));
+        let of_tile = of_tile
+            .transpose()
+            .map_err(|error| failure::Misuse(format!("--tile: {error}")))?;
         let options = Options {
             samples: arguments.accuracy.samples,
             target: arguments.accuracy.target(),
-            window: crop.transpose()?,
+            window: of_tile.or(crop),
             layers: arguments.layers.layers(),
             simd: arguments.simd.unwrap_or_default(),
             frame: stage.frame(frame),
@@ -62,6 +71,7 @@ impl Request {
                 compression: arguments.compression,
                 chromaticities: arguments.chromaticities,
                 full_window: arguments.full_window,
+                tile,
             },
             resolution: camera.resolution(),
             frame,

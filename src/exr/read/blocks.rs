@@ -40,6 +40,16 @@ struct Samples {
     values: Vec<f32>,
 }
 
+/// Where a block is in the file.
+struct Found {
+    block: Rectangle,
+    /// Where its pixels start.
+    start: u64,
+    /// How long what is before them is.
+    head: usize,
+    length: usize,
+}
+
 impl Blocks {
     pub(super) fn new(
         source: Arc<Source>,
@@ -398,8 +408,31 @@ impl Blocks {
         self.codec.bytes(self.geometry.rectangle(0, 0))
     }
 
+    /// A block of scan lines as the file has it, with its place and its length before it.
+    pub(super) fn packed(&self, row: u32) -> Result<Vec<u8>, ExrProblem> {
+        let Found {
+            start,
+            head,
+            length,
+            ..
+        } = self.find(0, row)?;
+        self.source.bytes_at(start - head as u64, head + length)
+    }
+
     /// Reads and decodes a block.
     fn block(&self, column: u32, row: u32) -> Result<(Rectangle, Vec<u8>), ExrProblem> {
+        let Found {
+            block,
+            start,
+            length,
+            ..
+        } = self.find(column, row)?;
+        let bytes = self.source.bytes_at(start, length)?;
+        Ok((block, self.codec.decode(block, bytes)?))
+    }
+
+    /// Finds a block in the file.
+    fn find(&self, column: u32, row: u32) -> Result<Found, ExrProblem> {
         let block = self.geometry.rectangle(column, row);
         let number = row as usize * self.geometry.blocks[0] as usize + column as usize;
         let offset = self.offsets[number];
@@ -427,8 +460,12 @@ impl Blocks {
         if length as u64 > self.codec.bytes(block) {
             return Err(damaged("a block is longer than its pixels"));
         }
-        let bytes = self.source.bytes_at(offset + head.len() as u64, length)?;
-        Ok((block, self.codec.decode(block, bytes)?))
+        Ok(Found {
+            block,
+            start: offset + head.len() as u64,
+            head: head.len(),
+            length,
+        })
     }
 }
 

@@ -25,6 +25,8 @@ const MAX_ATTRIBUTES: usize = 1 << 12;
 #[derive(Debug)]
 pub(crate) struct StoredExr {
     path: PathBuf,
+    /// The version field, flags among it.
+    version: u32,
     attributes: Vec<Attribute>,
     channels: Vec<Channel>,
     /// The names of the channels.
@@ -80,7 +82,7 @@ impl StoredExr {
                 "it has channels of fewer samples than pixels; save it as R, G and B first",
             );
         }
-        let attributes = attributes(&source)?;
+        let (version, attributes) = attributes(&source)?;
         let compression = match codec::compression(part.compression)? {
             Compression::DWAA(_) => Compression::DWAA(dwa_level(&attributes)),
             Compression::DWAB(_) => Compression::DWAB(dwa_level(&attributes)),
@@ -95,6 +97,7 @@ impl StoredExr {
         let names = names.map(|channel| String::from_utf8_lossy(&channel.name).into_owned());
         Ok(Self {
             path: path.to_path_buf(),
+            version,
             attributes,
             names: names.collect(),
             channels: part.channels.clone(),
@@ -107,6 +110,16 @@ impl StoredExr {
     /// All attributes, in the order of the file.
     pub(crate) fn attributes(&self) -> &[Attribute] {
         &self.attributes
+    }
+
+    /// The version field, flags among it.
+    pub(in crate::exr) const fn version(&self) -> u32 {
+        self.version
+    }
+
+    /// The length of the file in bytes, when it was opened.
+    pub(in crate::exr) fn length(&self) -> u64 {
+        self.blocks.source.length()
     }
 
     /// The text of an attribute, if it is there.
@@ -141,6 +154,24 @@ impl StoredExr {
         self.blocks.geometry.size
     }
 
+    /// How it is compressed, where candela writes such files.
+    pub(in crate::exr) const fn compression(&self) -> Option<crate::exr::Compression> {
+        use crate::exr::Compression as Ours;
+        match self.compression {
+            Compression::Uncompressed => Some(Ours::None),
+            Compression::RLE => Some(Ours::Rle),
+            Compression::ZIP1 => Some(Ours::Zips),
+            Compression::ZIP16 => Some(Ours::Zip),
+            Compression::PIZ => Some(Ours::Piz),
+            Compression::PXR24 => Some(Ours::Pxr24),
+            Compression::DWAA(_) => Some(Ours::Dwaa),
+            Compression::DWAB(_) => Some(Ours::Dwab),
+            Compression::B44 | Compression::B44A | Compression::HTJ2K32 | Compression::HTJ2K256 => {
+                None
+            }
+        }
+    }
+
     /// How many blocks of lines there are.
     pub(crate) const fn blocks(&self) -> usize {
         self.blocks.geometry.blocks[1] as usize
@@ -160,6 +191,16 @@ impl StoredExr {
         // As many as the height has, which is an u32.
         let lines = self.blocks.lines(block as u32);
         lines.map_err(|problem| self.error(problem))
+    }
+
+    /// A block as the file has it, with its place and its length before it.
+    ///
+    /// # Errors
+    /// See [`ExrProblem`]; it is not decoded.
+    pub(in crate::exr) fn packed(&self, block: usize) -> Result<Vec<u8>, ExrError> {
+        // As many as the height has, which is an u32.
+        let packed = self.blocks.packed(block as u32);
+        packed.map_err(|problem| self.error(problem))
     }
 
     /// How far a stored value is from what it was before, relatively, at most: by rounding alone, or by
@@ -258,19 +299,19 @@ impl StoredExr {
 
 /// The attributes of a head in memory.
 pub(in crate::exr) fn attributes_of(head: Vec<u8>) -> Result<Vec<Attribute>, ExrProblem> {
-    attributes(&Source::of_memory(head))
+    attributes(&Source::of_memory(head)).map(|(_, attributes)| attributes)
 }
 
-/// The attributes of a header that was found to be sound.
-fn attributes(source: &Source) -> Result<Vec<Attribute>, ExrProblem> {
+/// The version field and the attributes of a header that was found to be sound.
+fn attributes(source: &Source) -> Result<(u32, Vec<Attribute>), ExrProblem> {
     let mut cursor = Cursor::new(source);
-    // The version follows.
-    cursor.skip(MAGIC.len() as u64 + 4)?;
+    cursor.skip(MAGIC.len() as u64)?;
+    let version = u32::from_le_bytes(cursor.array()?);
     let mut attributes: Vec<Attribute> = Vec::new();
     loop {
         let name = cursor.text()?;
         if name.is_empty() {
-            return Ok(attributes);
+            return Ok((version, attributes));
         }
         if attributes.len() == MAX_ATTRIBUTES {
             return Err(ExrProblem::Unsupported(format!(
