@@ -261,6 +261,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         },
         statistics: Vec::new(),
         manifest: Manifest::new(arguments, &stage.scene),
+        is_first: true,
         told: HashSet::new(),
         finishing: None,
     };
@@ -284,7 +285,9 @@ struct Render<'a> {
     /// Of each frame.
     statistics: Vec<serde_json::Value>,
     manifest: Option<Manifest>,
-    /// Warnings that were given.
+    /// Whether no frame is rendered yet.
+    is_first: bool,
+    /// Kinds of warnings that were given.
     told: HashSet<String>,
     /// The frame before, and what there is to say of it.
     finishing: Option<(Finishing, String)>,
@@ -390,7 +393,8 @@ impl Render<'_> {
                 resolution: stage.camera.resolution(),
                 window: request.window,
                 has_lights: !stage.world.lights().is_empty(),
-                warnings: if self.told.is_empty() {
+                // Of the first frame: they take their time, and `check` has them of any.
+                warnings: if std::mem::replace(&mut self.is_first, false) {
                     physics::warnings(&stage.world)
                 } else {
                     Vec::new()

@@ -44,11 +44,15 @@ impl Summary<'_> {
         let warnings = self.checked().into_iter().chain(self.of_view());
         let warnings = warnings.chain(self.of_values()).chain(self.of_preview());
         let warnings = warnings.chain(self.unseen.clone());
-        // Of one kind there is one in a sequence, whatever its numbers.
+        // Those of one kind are given at one frame of a sequence, whatever their numbers.
         let kind = |warning: &String| warning.replace(|c: char| c.is_ascii_digit() || c == '.', "");
-        let warnings = warnings.filter(|warning| told.insert(kind(warning)));
-        let warnings = warnings.map(|warning| format!("warning: {warning}"));
+        let warnings: Vec<String> = warnings.collect();
+        let kinds: Vec<String> = warnings.iter().map(kind).collect();
+        let warnings = warnings.into_iter().zip(&kinds);
+        let warnings = warnings.filter(|(_, kind)| !told.contains(*kind));
+        let warnings = warnings.map(|(warning, _)| format!("warning: {warning}"));
         let lines: Vec<String> = files.into_iter().chain(warnings).collect();
+        told.extend(kinds);
         lines.join("\n")
     }
 

@@ -20,6 +20,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use error::MergeError;
 
+use rayon::prelude::*;
+
 use super::Compression;
 use super::ordered::Ordered;
 use super::read::{Attribute, ExrProblem, StoredExr};
