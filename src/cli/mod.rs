@@ -92,7 +92,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(render::Arguments),
+    Render(Box<render::Arguments>),
     Tonemap(tonemap::Arguments),
     ContactSheet(contact_sheet::Arguments),
     Relight(relight::Arguments),

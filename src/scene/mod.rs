@@ -10,7 +10,6 @@ mod curve;
 pub mod diagnostic;
 mod inputs;
 mod keys;
-mod motion;
 mod read;
 mod schema;
 mod value;
@@ -33,7 +32,7 @@ pub use schema::schema;
 pub use value::{Falloff, Mixture, ShadowTerminator, Transport, Unit, Value};
 
 pub use keys::Interpolation;
-pub use motion::{Change, FIRST_FRAME, Motion, Moved};
+pub use read::{Change, FIRST_FRAME, Motion, Moved};
 
 pub use crate::color::ColorSpace;
 pub use crate::input::Hash;

@@ -32,12 +32,13 @@ impl Finishing {
 
     /// Waits until the files have their names.
     pub(super) fn wait(self) -> Result<(), Failure> {
-        Ok(match self.0 {
+        let finished = match self.0 {
             State::Elsewhere(thread) => {
                 let joined = thread.join();
-                joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?
+                joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
             }
-            State::Done(finished) => finished?,
-        })
+            State::Done(finished) => finished,
+        };
+        Ok(finished?)
     }
 }

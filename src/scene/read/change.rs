@@ -7,9 +7,7 @@ use toml_parser::lexer::TokenKind;
 
 use super::super::Source;
 use super::super::diagnostic::{Diagnostic, Problem, Span};
-use super::fields::Reader;
-use super::pieces::shift;
-use super::sections::{self, SECTIONS};
+use super::place::shift;
 use super::{ENTRIES, Node};
 use crate::printable::shortened;
 
@@ -46,54 +44,35 @@ impl<'t> Changes<'t> {
         Self(changes)
     }
 
-    /// What is at these keys with what was set in it; `None` where nothing was.
-    pub(super) fn apply(
-        &self,
-        keys: &[&str],
-        node: &Node<'t>,
-        reader: &mut Reader<'_>,
-    ) -> Option<Node<'t>> {
+    /// What is at these keys with what was set in it, and what is wrong with that; `None` where nothing was.
+    pub(super) fn apply(&self, keys: &[&str], node: &Node<'t>) -> Option<(Node<'t>, Vec<Wrong>)> {
         let is_about = |change: &&Change<'_>| {
             let mut names = change.keys.iter().map(|key| key.get_ref().as_ref());
             keys.iter().all(|&key| names.next() == Some(key))
         };
         let mut changes = self.0.iter().filter(is_about).peekable();
         changes.peek()?;
-        let mut changed = node.clone();
+        let (mut changed, mut wrong) = (node.clone(), Vec::new());
         for change in changes {
             change.is_used.set(true);
             let further = &change.keys[keys.len()..];
-            if let Err((span, problem)) = set(&mut changed, keys, further, &change.value) {
-                reader.report(span, problem);
-            }
+            wrong.extend(set(&mut changed, keys, further, &change.value).err());
         }
-        Some(changed)
+        Some((changed, wrong))
     }
 
-    /// Reports what was set of entries that there are not.
-    pub(super) fn report_unused(&self, names: [&[&str]; 3], reader: &mut Reader<'_>) {
-        for Change { keys, .. } in self.0.iter().filter(|change| !change.is_used.get()) {
-            let [section, entry @ ..] = keys.as_slice() else {
-                continue;
-            };
-            let name = section.get_ref().as_ref();
-            let kinds = ["material", "light", "object"];
-            let known = ENTRIES.iter().position(|&known| known == name);
-            if let (Some(number), [entry, ..]) = (known, entry) {
-                let known = names[number].iter().copied();
-                let problem = Problem::unknown(kinds[number], entry.get_ref(), known);
-                reader.report(entry.span().into(), problem);
-            } else if !SECTIONS.contains(&name) {
-                reader.report(section.span().into(), sections::unknown_section(name));
-            } else if known.is_some() {
-                reader.report(section.span().into(), sets_nothing());
-            }
-            // That there is no image or camera is said already.
-        }
+    /// The keys of what was set of entries that there are not.
+    pub(super) fn unused(&self) -> impl Iterator<Item = &[toml::Spanned<DeString<'t>>]> {
+        let unused = self.0.iter().filter(|change| !change.is_used.get());
+        unused.map(|change| change.keys.as_slice())
     }
 }
 
-fn sets_nothing() -> Problem {
+/// What is wrong, and where.
+pub(super) type Wrong = (Span, Problem);
+
+/// That keys lead to no value.
+pub(super) fn sets_nothing() -> Problem {
     Problem::Conflict(format!("this sets no value; expected {EXAMPLE}"))
 }
 
@@ -169,7 +148,7 @@ fn set<'t>(
     above: &[&str],
     keys: &[toml::Spanned<DeString<'t>>],
     value: &Node<'t>,
-) -> Result<(), (Span, Problem)> {
+) -> Result<(), Wrong> {
     let [key, further @ ..] = keys else {
         return Err((value.span().into(), sets_nothing()));
     };

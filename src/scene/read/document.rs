@@ -89,9 +89,8 @@ impl Document {
         let text = &self.source.text[range.clone()];
         let files = match included(text) {
             Ok(files) => files,
-            Err(Diagnostic { span, problem, .. }) => {
-                let diagnostic = Diagnostic::new(shifted(span, range.start), problem);
-                self.diagnostics.push(diagnostic);
+            Err(wrong) => {
+                self.diagnostics.push(wrong.placed(&|at| at + range.start));
                 return;
             }
         };
@@ -148,7 +147,7 @@ pub(super) fn shifted(span: Span, start: usize) -> Span {
 }
 
 /// The names of the files that a text includes, with their places.
-fn included(text: &str) -> Result<Vec<(String, Span)>, Diagnostic> {
+fn included(text: &str) -> Result<Vec<(String, Span)>, Box<Diagnostic>> {
     let top = above_headers(text);
     if !top.contains(INCLUDE) {
         return Ok(Vec::new());
@@ -167,7 +166,7 @@ fn included(text: &str) -> Result<Vec<(String, Span)>, Diagnostic> {
             found,
             expected,
         };
-        Diagnostic::new(node.span().into(), problem)
+        Box::new(Diagnostic::new(node.span().into(), problem))
     };
     let expected = "a list of files, such as `include = [\"lights.toml\"]`";
     let Some(items) = node.get_ref().as_array() else {

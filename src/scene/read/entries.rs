@@ -107,7 +107,11 @@ impl<T> Section<T> {
             let name = key.get_ref().as_ref();
             let span = Span::from(key.span());
             let changes = Rc::clone(&reader.changes);
-            let changed = changes.apply(&[self.key, name], node, reader);
+            let changed = changes.apply(&[self.key, name], node);
+            let changed = changed.map(|(changed, wrong)| {
+                reader.report_all(wrong);
+                changed
+            });
             let node = changed.as_ref().unwrap_or(node);
             let read = reader.watched(|reader| self.entry(reader, name, span, node));
             match reader.note_motion(read, self.key, Some((name, span)), Some(node)) {

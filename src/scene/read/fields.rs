@@ -42,6 +42,13 @@ impl Reader<'_> {
         }
     }
 
+    /// Reports each of several problems.
+    pub(super) fn report_all(&mut self, problems: impl IntoIterator<Item = (Span, Problem)>) {
+        for (span, problem) in problems {
+            self.report(span, problem);
+        }
+    }
+
     /// Reports that `key` holds something else than it should.
     pub(super) fn wrong_type(&mut self, key: &str, node: &Node<'_>, expected: &'static str) {
         let problem = Problem::WrongType {

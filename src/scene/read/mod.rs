@@ -12,11 +12,13 @@ mod foreign;
 mod habits;
 mod illuminant;
 pub(super) mod key;
+mod motion;
 pub(super) mod moving;
 mod moving_entries;
 pub(super) mod notation;
 pub(super) mod outline;
 mod pieces;
+mod place;
 mod sections;
 mod syntax;
 #[cfg(test)]
@@ -34,19 +36,19 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::diagnostic::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span, Spanned};
 use super::inputs::Input;
-use super::motion::{FIRST_FRAME, Motion};
 use super::{Scene, Source};
 use crate::input::Hash;
 use crate::memory::{self, OutOfMemory};
 use crate::mesh::MeshFile;
 use crate::spectrum::Curve;
 
-use change::Changes;
+use change::{Changes, sets_nothing};
 use document::{Document, INCLUDE};
 use entries::Entries;
 pub(crate) use entries::objection as name_objection;
 use fields::Reader;
-pub(super) use moving_entries::Moving;
+pub use motion::{Change, FIRST_FRAME, Motion, Moved};
+use moving_entries::Moving;
 pub(super) use value::srgb;
 
 use pieces::Tree;
@@ -483,24 +485,46 @@ impl<'t> Found<'t> {
         }
     }
 
+    /// What is wrong with something that was set, whose keys lead to no entry.
+    fn unused_change(&self, keys: &[toml::Spanned<DeString<'_>>]) -> Option<(Span, Problem)> {
+        let (section, entry) = keys.split_first()?;
+        let (name, span) = (section.get_ref().as_ref(), Span::from(section.span()));
+        let kinds = ["material", "light", "object"];
+        let Some(number) = ENTRIES.iter().position(|&known| known == name) else {
+            let is_known = sections::SECTIONS.contains(&name);
+            // That there is no image or camera is said already.
+            return (!is_known).then(|| (span, sections::unknown_section(name)));
+        };
+        let Some(entry) = entry.first() else {
+            return Some((span, sets_nothing()));
+        };
+        let names = match number {
+            0 => self.materials.names(),
+            1 => self.lights.names(),
+            _ => self.objects.names(),
+        };
+        let problem = Problem::unknown(kinds[number], entry.get_ref(), names);
+        Some((entry.span().into(), problem))
+    }
+
     fn complete(
         mut self,
         mut reader: Reader<'t>,
         of_texts: Vec<Diagnostic>,
     ) -> (Option<Unsourced>, Vec<Diagnostic>, Broken) {
         let changes = Rc::clone(&reader.changes);
-        for (key, node) in self.root.iter_mut() {
-            if let Some(changed) = changes.apply(&[key.get_ref()], node, &mut reader) {
+        for (key, node) in &mut self.root {
+            if let Some((changed, wrong)) = changes.apply(&[key.get_ref()], node) {
                 *node = changed;
+                reader.report_all(wrong);
             }
         }
         let image = reader.watched(|reader| sections::image(reader, &self.root, &self.misspelt));
         let image = reader.note_motion(image, "image", None, self.root.get("image"));
         let camera = reader.watched(|reader| sections::camera(reader, &self.root, &self.misspelt));
         let camera = reader.note_motion(camera, "camera", None, self.root.get("camera"));
-        let (materials, lights) = (self.materials.names(), self.lights.names());
-        let names = [materials, lights, self.objects.names()];
-        changes.report_unused(names.each_ref().map(Vec::as_slice), &mut reader);
+        let unused = changes.unused();
+        reader.report_all(unused.filter_map(|keys| self.unused_change(keys)));
         reader.diagnostics.extend(of_texts);
         let inputs = reader.files.inputs();
         let broken = |names: &[String]| names.iter().cloned().collect();

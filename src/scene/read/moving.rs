@@ -2,7 +2,7 @@
 
 use toml::de::DeValue;
 
-use super::super::diagnostic::Problem;
+use super::super::diagnostic::{Problem, Span};
 use super::super::keys::{Blend, Blendable, Interpolation};
 use super::Node;
 use super::fields::{Fields, Reader};
@@ -57,7 +57,7 @@ impl Reader<'_> {
         read: impl Fn(&mut Self, &Node<'i>) -> Option<T>,
     ) -> Option<T> {
         let table = match node.get_ref() {
-            DeValue::Table(table) if has_keys(table.keys().map(|key| key.get_ref())) => table,
+            DeValue::Table(table) if has_keys(table.keys().map(toml::Spanned::get_ref)) => table,
             _ => return read(self, node),
         };
         if self.are_keys_within_keys(node) {
@@ -112,12 +112,8 @@ impl Reader<'_> {
         let mut is_sound = true;
         for (index, item) in items.iter().enumerate() {
             let name = format!("{}[{index}]", KEYS.name);
-            let pair = item.get_ref().as_array();
-            let Some([frame, value]) = pair
-                .and_then(|pair| pair.get(0).zip(pair.get(1)))
-                .filter(|_| pair.is_some_and(|pair| pair.len() == 2))
-                .map(|(frame, value)| [frame, value])
-            else {
+            let pair = item.get_ref().as_array().map(|pair| &**pair);
+            let Some([frame, value]) = pair else {
                 self.wrong_type(&name, item, "a frame and a value, such as `[24, 0.5]`");
                 is_sound = false;
                 continue;
@@ -159,6 +155,34 @@ impl Reader<'_> {
     fn moves(&mut self, first: f64, last: f64) {
         let [before, after] = self.moved.unwrap_or([first, last]);
         self.moved = Some([before.min(first), after.max(last)]);
+    }
+}
+
+impl Reader<'_> {
+    /// Reads something, and whether that moves.
+    pub(super) fn watched<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> (T, bool) {
+        let before = self.moved.take();
+        let value = read(self);
+        let moved = self.moved;
+        self.moved = match (before, moved) {
+            (Some([first, last]), Some([a, b])) => Some([first.min(a), last.max(b)]),
+            (before, moved) => before.or(moved),
+        };
+        (value, moved.is_some())
+    }
+
+    /// Keeps what moves and is not in error, to be read again at other frames.
+    pub(super) fn note_motion<T>(
+        &mut self,
+        (value, moves): (Option<T>, bool),
+        section: &str,
+        name: Option<(&str, Span)>,
+        node: Option<&Node<'_>>,
+    ) -> Option<T> {
+        if let Some(node) = node.filter(|_| moves && value.is_some()) {
+            self.moving.add(section, name, node, self.text);
+        }
+        value
     }
 }
 

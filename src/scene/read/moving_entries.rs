@@ -4,47 +4,33 @@
 //! and values point where they were written.
 
 use std::collections::HashMap;
-use std::rc::Rc;
 
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
-use super::super::diagnostic::{Diagnostic, Span, Spanned};
-use super::super::motion::Moved;
-use super::super::{Anchor, Camera, Entry, Image, Light, Material, Object};
-use super::change::Changes;
-use super::entries::Entries;
-use super::fields::Reader;
-use super::pieces::shift;
-use super::syntax::{self, Damage};
-use super::{Files, Node, sections};
+use super::super::diagnostic::Span;
+use super::{Files, Node};
+
+/// What is different from one frame to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moved {
+    /// The camera.
+    pub camera: bool,
+    /// Lights, materials, objects or the background.
+    pub world: bool,
+}
 
 /// What moves.
 #[derive(Clone, Debug)]
-pub(in crate::scene) struct Moving {
+pub(super) struct Moving {
     /// The first and the last frame that has a key.
-    pub(in crate::scene) frames: Option<[f64; 2]>,
-    pub(in crate::scene) moved: Moved,
+    pub(super) frames: Option<[f64; 2]>,
+    pub(super) moved: Moved,
     /// "the camera", "light `key`"
-    pub(in crate::scene) names: Vec<String>,
-    text: String,
+    pub(super) names: Vec<String>,
+    pub(super) text: String,
     /// Where in the scene's text the ends of keys and values are, by where they are in this one.
-    places: HashMap<usize, usize>,
-    files: Files,
-}
-
-/// What moves, at a frame.
-pub(in crate::scene) struct AtFrame {
-    pub(in crate::scene) entries: MovingEntries,
-    pub(in crate::scene) diagnostics: Vec<Diagnostic>,
-}
-
-/// Of a scene, the entries that move.
-pub(in crate::scene) struct MovingEntries {
-    pub(in crate::scene) image: Option<Image>,
-    pub(in crate::scene) camera: Option<Spanned<Camera>>,
-    pub(in crate::scene) materials: Vec<Entry<Material>>,
-    pub(in crate::scene) lights: Vec<Entry<Light>>,
-    pub(in crate::scene) objects: Vec<Entry<Object>>,
+    pub(super) places: HashMap<usize, usize>,
+    pub(super) files: Files,
 }
 
 impl Moving {
@@ -151,99 +137,5 @@ impl Moving {
             | DeValue::Datetime(_) => self.text.push_str(&source[span.clone()]),
         }
         self.places.insert(self.text.len(), span.end);
-    }
-
-    /// All that moves at a frame; `source` is the scene's text.
-    pub(in crate::scene) fn at(&self, frame: f64, source: &str) -> AtFrame {
-        let (mut root, _, diagnostics) = syntax::parse(&self.text, 0);
-        shift(&mut root, &|place| {
-            self.places.get(&place).copied().unwrap_or(0)
-        });
-        let mut reader = Reader {
-            text: source,
-            damage: Damage::none(),
-            diagnostics,
-            files: self.files.clone(),
-            changes: Rc::new(Changes::default()),
-            frame,
-            is_within_keys: false,
-            moved: None,
-            moving: Self::nothing(),
-        };
-        let entries = reader.moving_entries(&root);
-        AtFrame {
-            entries,
-            diagnostics: reader.diagnostics,
-        }
-    }
-}
-
-impl Moving {
-    /// Where a camera that moves is at first.
-    pub(super) fn anchor(&self, source: &str) -> Option<Anchor> {
-        if !self.moved.camera {
-            return None;
-        }
-        let camera = self.at(f64::NEG_INFINITY, source).entries.camera?;
-        let view = camera.value.view();
-        Some(Anchor {
-            eye: view.eye.value,
-            look_at: view.look_at.value,
-        })
-    }
-}
-
-impl Reader<'_> {
-    /// Reads something, and whether that moves.
-    pub(super) fn watched<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> (T, bool) {
-        let before = self.moved.take();
-        let value = read(self);
-        let moved = self.moved;
-        self.moved = match (before, moved) {
-            (Some([first, last]), Some([a, b])) => Some([first.min(a), last.max(b)]),
-            (before, moved) => before.or(moved),
-        };
-        (value, moved.is_some())
-    }
-
-    /// Keeps what moves and is not in error, to be read again at other frames.
-    pub(super) fn note_motion<T>(
-        &mut self,
-        (value, moves): (Option<T>, bool),
-        section: &str,
-        name: Option<(&str, Span)>,
-        node: Option<&Node<'_>>,
-    ) -> Option<T> {
-        if let Some(node) = node.filter(|_| moves && value.is_some()) {
-            self.moving.add(section, name, node, self.text);
-        }
-        value
-    }
-
-    fn moving_entries(&mut self, root: &DeTable<'_>) -> MovingEntries {
-        let mut image = None;
-        if root.contains_key("image") {
-            image = sections::image(self, root, &[]);
-        }
-        let mut camera = None;
-        if root.contains_key("camera") {
-            camera = sections::camera(self, root, &[]);
-        }
-        let (mut materials, mut lights, mut objects) =
-            (Entries::default(), Entries::default(), Entries::default());
-        let read = sections::MATERIALS
-            .read(self, root, &mut materials)
-            .and_then(|()| sections::LIGHTS.read(self, root, &mut lights))
-            .and_then(|()| sections::OBJECTS.read(self, root, &mut objects));
-        if let Err(error) = read {
-            self.diagnostics.push(super::out_of_memory(error));
-        }
-        MovingEntries {
-            image,
-            camera,
-            materials: materials.sound,
-            lights: lights.sound,
-            objects: objects.sound,
-        }
     }
 }

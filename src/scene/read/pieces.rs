@@ -17,13 +17,13 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 use toml_parser::lexer::{Lexer, TokenKind};
 
 use super::super::diagnostic::{Diagnostic, Problem, Span};
+use super::place::shift;
 use super::sections::SECTIONS;
-use super::{ENTRIES, Node, syntax};
+use super::{ENTRIES, syntax};
 
 /// The size in bytes from which on a piece ends with its last entry.
 const PIECE: usize = 64 << 10;
@@ -90,40 +90,6 @@ fn parse<'p>(
     let tree = DeTable::parse(piece)
         .map_err(|error| Box::new(syntax::first_error(piece, &error).placed(place)))?;
     Ok(tree.into_inner())
-}
-
-/// Moves all places in a tree.
-pub(super) fn shift(tree: &mut DeTable<'_>, place: &impl Fn(usize) -> usize) {
-    let members = std::mem::take(tree);
-    *tree = members
-        .into_iter()
-        .map(|(key, mut node)| {
-            shift_node(&mut node, place);
-            let span = key.span();
-            let key = Spanned::new(place(span.start)..place(span.end), key.into_inner());
-            (key, node)
-        })
-        .collect();
-}
-
-fn shift_node(node: &mut Node<'_>, place: &impl Fn(usize) -> usize) {
-    let span = node.span();
-    let nothing = Spanned::new(0..0, DeValue::Boolean(false));
-    let mut value = std::mem::replace(node, nothing).into_inner();
-    match &mut value {
-        DeValue::Table(table) => shift(table, place),
-        DeValue::Array(items) => {
-            for item in items.iter_mut() {
-                shift_node(item, place);
-            }
-        }
-        DeValue::String(_)
-        | DeValue::Integer(_)
-        | DeValue::Float(_)
-        | DeValue::Boolean(_)
-        | DeValue::Datetime(_) => {}
-    }
-    *node = Spanned::new(place(span.start)..place(span.end), value);
 }
 
 /// Finds the pieces.

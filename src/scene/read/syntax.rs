@@ -8,7 +8,7 @@ use toml_parser::lexer::TokenKind;
 
 use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span};
 use super::Node;
-use super::{habits, pieces};
+use super::{habits, place};
 use crate::printable::shortened;
 
 /// The size in bytes up to which more than the first syntax error is looked for: text that is
@@ -103,7 +103,7 @@ pub(super) fn parse(text: &str, start: usize) -> (DeTable<'_>, Damage, Vec<Diagn
         return (root, damage, diagnostics);
     }
     let place = |at: usize| at + start;
-    pieces::shift(&mut root, &place);
+    place::shift(&mut root, &place);
     let diagnostics = diagnostics.into_iter();
     let diagnostics = diagnostics.map(|diagnostic| diagnostic.placed(&place));
     (root, damage.shifted(start), diagnostics.collect())

@@ -1,11 +1,21 @@
 //! What of a scene moves, and the scene at any frame.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 use std::sync::Arc;
 
-use super::diagnostic::Diagnostics;
-use super::read::Moving;
-use super::{Entry, Scene, Source};
+use toml::de::DeTable;
+
+use super::super::diagnostic::{Diagnostic, Diagnostics, Spanned};
+use super::super::{Anchor, Camera, Entry, Image, Light, Material, Object, Scene, Source};
+use super::change::Changes;
+use super::entries::Entries;
+use super::fields::Reader;
+pub use super::moving_entries::Moved;
+use super::moving_entries::Moving;
+use super::place::shift;
+use super::sections;
+use super::syntax::{self, Damage};
 
 /// The frame of a scene that is looked at without saying which.
 pub const FIRST_FRAME: f64 = 1.0;
@@ -35,15 +45,6 @@ pub const FIRST_FRAME: f64 = 1.0;
 pub struct Motion {
     source: Arc<Source>,
     moving: Moving,
-}
-
-/// What is different from one frame to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Moved {
-    /// The camera.
-    pub camera: bool,
-    /// Lights, materials, objects or the background.
-    pub world: bool,
 }
 
 /// What has changed from one frame of a scene to another.
@@ -118,6 +119,89 @@ fn replace<T>(entries: &mut [Entry<T>], moved: Vec<Entry<T>>, mut look: impl FnM
         if let Some(value) = moved.remove(&entry.name) {
             look(&entry.value, &value);
             entry.value = value;
+        }
+    }
+}
+
+/// What moves, at a frame.
+struct AtFrame {
+    entries: MovingEntries,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// Of a scene, the entries that move.
+struct MovingEntries {
+    image: Option<Image>,
+    camera: Option<Spanned<Camera>>,
+    materials: Vec<Entry<Material>>,
+    lights: Vec<Entry<Light>>,
+    objects: Vec<Entry<Object>>,
+}
+
+impl Moving {
+    /// All that moves at a frame; `source` is the scene's text.
+    fn at(&self, frame: f64, source: &str) -> AtFrame {
+        let (mut root, _, diagnostics) = syntax::parse(&self.text, 0);
+        shift(&mut root, &|place| {
+            self.places.get(&place).copied().unwrap_or(0)
+        });
+        let mut reader = Reader {
+            text: source,
+            damage: Damage::none(),
+            diagnostics,
+            files: self.files.clone(),
+            changes: Rc::new(Changes::default()),
+            frame,
+            is_within_keys: false,
+            moved: None,
+            moving: Self::nothing(),
+        };
+        let entries = reader.moving_entries(&root);
+        AtFrame {
+            entries,
+            diagnostics: reader.diagnostics,
+        }
+    }
+
+    /// Where a camera that moves is at first.
+    pub(super) fn anchor(&self, source: &str) -> Option<Anchor> {
+        if !self.moved.camera {
+            return None;
+        }
+        let camera = self.at(f64::NEG_INFINITY, source).entries.camera?;
+        let view = camera.value.view();
+        Some(Anchor {
+            eye: view.eye.value,
+            look_at: view.look_at.value,
+        })
+    }
+}
+
+impl Reader<'_> {
+    fn moving_entries(&mut self, root: &DeTable<'_>) -> MovingEntries {
+        let mut image = None;
+        if root.contains_key("image") {
+            image = sections::image(self, root, &[]);
+        }
+        let mut camera = None;
+        if root.contains_key("camera") {
+            camera = sections::camera(self, root, &[]);
+        }
+        let (mut materials, mut lights, mut objects) =
+            (Entries::default(), Entries::default(), Entries::default());
+        let read = sections::MATERIALS
+            .read(self, root, &mut materials)
+            .and_then(|()| sections::LIGHTS.read(self, root, &mut lights))
+            .and_then(|()| sections::OBJECTS.read(self, root, &mut objects));
+        if let Err(error) = read {
+            self.diagnostics.push(super::out_of_memory(error));
+        }
+        MovingEntries {
+            image,
+            camera,
+            materials: materials.sound,
+            lights: lights.sound,
+            objects: objects.sound,
         }
     }
 }
