@@ -52,6 +52,9 @@ done
 "$candela" render scenes/lecture.toml --samples 64 -o "$work/lecture.exr" --quiet
 "$candela" contact-sheet "$work/lecture.exr" --exposure 1 --width 300 -o docs/pictures/contact-sheet.png
 
+"$candela" render scenes/moving.toml --set image.resolution=[480,270] --frames 1-24 --samples 64 -o "$work/moving.####.exr" --quiet
+"$candela" contact-sheet "$work/moving.####.exr" --width 180 -o docs/pictures/sequence.png
+
 "$candela" render scenes/terms.toml --samples 64 -o "$work/terms.exr" --quiet \
     --layers lights,light-diffuse,light-specular,shadow,diffuse,specular,albedo,irradiance,normal
 "$candela" contact-sheet "$work/terms.exr" --layers --width 300 -o docs/pictures/terms-layers.png
@@ -68,12 +71,14 @@ done
 
 for name; do
     scene=scenes/$name.toml
+    frame=1
     case $name in
     lecture | first)
         "$candela" render "$scene" -o "$work/$name.exr" --preview "docs/pictures/$name.png" --quiet
         continue
         ;;
     many-*) width=320 ;;
+    moving) width=480 frame=18 ;;
     *) width=480 ;;
     esac
     awk -v width="$width" '
@@ -82,6 +87,6 @@ for name; do
             $0 = "resolution = [" width ", " int(width * size[2] / size[1] + 0.5) "]"
         }
         { print }' "$scene" > "$small"
-    "$candela" render "$small" -o "$work/$name.exr" --samples 64 --quiet
+    "$candela" render "$small" --frame $frame -o "$work/$name.exr" --samples 64 --quiet
     "$candela" tonemap "$work/$name.exr" -o "docs/pictures/$name.png" --alpha opaque
 done
