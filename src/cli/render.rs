@@ -390,6 +390,7 @@ impl Render<'_> {
             let summary = Summary {
                 arguments,
                 outputs,
+                frame,
                 resolution: stage.camera.resolution(),
                 window: request.window,
                 has_lights: !stage.world.lights().is_empty(),

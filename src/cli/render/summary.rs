@@ -12,6 +12,7 @@ use candela::world::physics::Warning;
 
 use super::Arguments;
 use super::outputs::Outputs;
+use crate::cli::frames::Frame;
 
 /// Warnings of `candela check` beyond so many are counted, not listed.
 const LISTED: usize = 5;
@@ -20,6 +21,7 @@ const LISTED: usize = 5;
 pub(super) struct Summary<'a> {
     pub(super) arguments: &'a Arguments,
     pub(super) outputs: &'a Outputs,
+    pub(super) frame: Option<Frame>,
     /// The whole image's.
     pub(super) resolution: [u32; 2],
     /// What was rendered of it.
@@ -230,7 +232,8 @@ impl Summary<'_> {
         let scene = self.arguments.scene.as_deref();
         let scene = scene.map_or_else(|| "SCENE.toml".to_owned(), printable_path);
         let (x, y) = (x + width / 2, y + height / 2);
-        format!("`candela probe {scene} --pixel {x},{y}`")
+        let frame = self.frame.map_or_else(String::new, |frame| format!(" --frame {frame}"));
+        format!("`candela probe {scene}{frame} --pixel {x},{y}`")
     }
 }
 
