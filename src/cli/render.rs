@@ -219,6 +219,9 @@ impl Arguments {
     }
 }
 
+/// Of more frames than this, the files are looked at when they are written.
+const CHECKED: usize = 1000;
+
 /// Nothing says what errors are relative to.
 const TOO_DARK: &str = "the image is too dark to say what errors are relative to: it is black at 64 × 64 points over \
     it, but not everywhere; set the radiance below which errors do not matter with --error-floor, in cd/m²";
@@ -240,7 +243,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
     // Found out now rather than after an hour of rendering.
     let inputs = stage.scene.files();
     let request = Request::new(arguments, &stage, frames[0])?;
-    for frame in &frames {
+    for frame in frames.iter().take(CHECKED) {
         all.of(*frame).check(&inputs)?;
     }
     request.check(&stage.world)?;
