@@ -1,6 +1,7 @@
 //! `candela render`: a scene file becomes an EXR.
 
 mod accuracy;
+mod cost;
 mod finish;
 mod layers;
 mod manifest;
@@ -34,6 +35,7 @@ use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
 use accuracy::AccuracyArguments;
 pub(super) use accuracy::max_error;
+pub(super) use cost::FirstFrame;
 use finish::Finishing;
 use layers::LayerArguments;
 pub(super) use layers::transports;
@@ -157,7 +159,7 @@ pub(crate) struct Arguments {
     /// --spectral-output. One process keeps what does not change from frame to frame. Without, a scene that moves is
     /// rendered at frame 1.
     #[arg(long, visible_alias = "frame", value_name = "LIST", value_parser = frames, allow_hyphen_values = true)]
-    frames: Option<Frames>,
+    pub(super) frames: Option<Frames>,
 
     /// Leave files as they are that are whole and say of themselves what would be rendered: of the same inputs, options
     /// and version. Previews are made anew of them
