@@ -490,7 +490,7 @@ fn bundles_name_every_file() {
 fn what_is_no_job_is_said() {
     let folder = folder("shot.toml");
     let folder = folder.path();
-    let cases: [(&[&str], i32, &str); 13] = [
+    let cases: [(&[&str], i32, &str); 15] = [
         (&["shot.toml", "--tiles", "7"], 2, "from 1 to 6"),
         (&["shot.toml", "--tiles", "0"], 2, "from 1 to"),
         (&["-"], 2, "no standard input"),
@@ -506,6 +506,12 @@ fn what_is_no_job_is_said() {
             "f.####.exr",
         ),
         (&["shot.toml", "--", "--sampels", "4"], 2, "--sampels"),
+        (&["shot.toml", "--", "--frames", "1"], 2, "after `--`"),
+        (
+            &["shot.toml", "-o", "a.exr", "--", "-o", "b.exr"],
+            2,
+            "after `--`",
+        ),
         (&["shot.toml", "--", "-o", "b.exr"], 2, "after `--`"),
         (
             &["shot.toml", "--", "--preview", "b.png"],

@@ -10,7 +10,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use candela::internal::{printable, printable_path};
+use candela::internal::{counted, printable, printable_path};
 use candela::output::{self, Unfinished};
 use clap::{Parser, ValueEnum};
 
@@ -22,7 +22,7 @@ use super::source::is_standard_input;
 use super::{Command, Failure};
 use chunks::{Cost, chunk_size};
 
-/// More tiles than any image is worth.
+/// More tiles than any image is worth; how many an image may have, its strips say.
 const MOST_TILES: u32 = 10_000;
 
 /// The farm that takes the job.
@@ -87,7 +87,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     bundle: Option<PathBuf>,
 
-    /// Options of `candela render` for all tasks, after --
+    /// Options of `candela render` for all tasks, after --, such as --samples 64 --layers lights
     #[arg(last = true, value_name = "OPTIONS")]
     options: Vec<String>,
 }
@@ -180,6 +180,17 @@ impl Arguments {
         };
         if let Some(misuse) = render.misuse() {
             return Err(Misuse(misuse).into());
+        }
+        for (name, is_twice) in [
+            ("-o", render.has_output() != self.output.is_some()),
+            ("--frames", render.has_frames() != self.frames.is_some()),
+        ] {
+            if is_twice {
+                return Err(Misuse(format!(
+                    "{name} stands after `--`; it is an option of `candela job`, and stands before"
+                ))
+                .into());
+            }
         }
         if let Some(option) = render.beyond_jobs() {
             return Err(Misuse(format!(
@@ -313,7 +324,11 @@ impl Job {
     fn remark(&self) -> String {
         let frames = self.frames.as_ref().map_or(1, |list| list.list().len());
         match self.tiles {
-            Some(tiles) => format!("{frames} image(s) in {tiles} tiles each, and their merge."),
+            Some(tiles) => format!(
+                "{}, each in {}, and their merge.",
+                counted(frames, "image", "images"),
+                counted(tiles as usize, "tile", "tiles"),
+            ),
             None => self.cost.remark(frames, self.chunk),
         }
     }

@@ -159,7 +159,7 @@ pub(crate) struct Arguments {
     /// --spectral-output. One process keeps what does not change from frame to frame. Without, a scene that moves is
     /// rendered at frame 1.
     #[arg(long, visible_alias = "frame", value_name = "LIST", value_parser = frames, allow_hyphen_values = true)]
-    pub(super) frames: Option<Frames>,
+    frames: Option<Frames>,
 
     /// Leave files as they are that are whole and say of themselves what would be rendered: of the same inputs, options
     /// and version. Previews are made anew of them

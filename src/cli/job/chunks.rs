@@ -1,5 +1,7 @@
 //! How many frames make a task, and their numbers as text.
 
+use candela::internal::counted;
+
 use crate::cli::frames::{Frame, Frames};
 
 /// Seconds that a task should take at most: some minutes, in which starting it, reading the scene and building its tree
@@ -28,7 +30,11 @@ impl Cost {
     /// A sentence about a task of so many of all frames.
     pub(super) fn remark(self, frames: usize, chunk: usize) -> String {
         let tasks = frames.div_ceil(chunk);
-        let parted = format!("{frames} frame(s) in {tasks} task(s) of at most {chunk}");
+        let parted = format!(
+            "{} in {} of at most {chunk}",
+            counted(frames, "frame", "frames"),
+            counted(tasks, "task", "tasks"),
+        );
         match self {
             Self::Unknown => format!("{parted}."),
             Self::Stated(seconds) => format!("{parted}: --seconds-per-frame {seconds}."),

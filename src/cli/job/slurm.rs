@@ -40,7 +40,6 @@ pub(super) fn script(job: &Job) -> String {
 set -u
 
 candela=${{CANDELA:-candela}}
-task=${{SLURM_ARRAY_TASK_ID:-0}}
 
 # Puts the task back into the queue, at most {TRIES} times; it goes on where it was ended.
 again() {{
@@ -49,7 +48,8 @@ again() {{
     fi
 }}
 
-# Runs candela. Exit code 75 is what a later try may cure; USR1 comes before the time is over.
+# Runs candela. Exit code 75 is what a later try may cure; 137 is SIGKILL, by which a system that is short of
+# memory ends programs; USR1 comes before the time is over.
 run() {{
     local code out_of_time=0
     \"$candela\" \"$@\" &
@@ -59,7 +59,7 @@ run() {{
     # A signal ends `wait` before the child is gone.
     while wait \"$child\"; code=$?; kill -0 \"$child\" 2>/dev/null; do :; done
     trap - TERM INT USR1
-    if [ \"$code\" = 75 ] || [ \"$out_of_time\" = 1 ]; then
+    if [ \"$code\" = 75 ] || [ \"$code\" = 137 ] || {{ [ \"$out_of_time\" = 1 ] && [ \"$code\" != 0 ]; }}; then
         again
     fi
     return \"$code\"
@@ -69,6 +69,9 @@ run() {{
         printable(&job.scene),
         job.remark(),
     );
+    if tasks > 1 {
+        script.push_str("task=${SLURM_ARRAY_TASK_ID:-0}\n");
+    }
     script.push_str(&body(job));
     script
 }

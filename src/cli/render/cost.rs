@@ -42,6 +42,16 @@ impl Arguments {
         .into_iter()
         .find_map(|(name, is_there)| is_there.then_some(name))
     }
+
+    /// Whether it says itself where the EXR goes.
+    pub(in crate::cli) const fn has_output(&self) -> bool {
+        self.output.is_some()
+    }
+
+    /// Whether it says itself which frames.
+    pub(in crate::cli) const fn has_frames(&self) -> bool {
+        self.frames.is_some()
+    }
 }
 
 impl FirstFrame {
