@@ -389,6 +389,20 @@ fn scripts_for_slurm_run() {
         .count();
     assert_eq!(frames, 3);
 
+    // One chunk, and a still.
+    for arguments in [
+        &[NASTY, "--frames", "1-2", "-o", "g.####.exr"][..],
+        &[NASTY, "-o", "h.exr"],
+    ] {
+        job(
+            folder,
+            "job.sh",
+            &[arguments, &["--engine", "slurm"]].concat(),
+        );
+        task(folder, "job.sh", 0, &[]);
+    }
+    assert!(folder.join("g.0002.exr").exists() && folder.join("h.exr").exists());
+
     let slurm = ["--engine", "slurm", "--tiles", "2"];
     job(
         folder,

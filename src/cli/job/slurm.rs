@@ -69,7 +69,7 @@ run() {{
         printable(&job.scene),
         job.remark(),
     );
-    if tasks > 1 {
+    if job.tiles.is_some() || job.frames.is_some() {
         script.push_str("task=${SLURM_ARRAY_TASK_ID:-0}\n");
     }
     script.push_str(&body(job));
