@@ -101,7 +101,7 @@ fn body(job: &Job) -> String {
         }
         (Some(tiles), None) => {
             let (start, end) = around(job, None);
-            let merged = shell(&format!("{}%d{}", start, end));
+            let merged = shell(&format!("{start}%d{end}"));
             format!(
                 "if [ \"${{1:-}}\" = merge ]; then
     run merge {merged} -o {whole} --quiet

@@ -89,9 +89,14 @@ impl FirstFrame {
         let Self { stage, request } = self;
         let renderer = Renderer::new(&stage.world)?;
         let whole = request.window;
+        // With an error to render to, each part looks at all of the picture first, which is not to count.
+        let part = match request.options.target {
+            Some(_) => [whole.width, PART[1]],
+            None => PART,
+        };
         let (columns, rows) = (
-            whole.width.div_ceil(PART[0]),
-            whole.height.div_ceil(PART[1]),
+            whole.width.div_ceil(part[0]),
+            whole.height.div_ceil(part[1]),
         );
         let count = u64::from(columns) * u64::from(rows);
         let together = rayon::current_num_threads() as u64;
@@ -101,26 +106,23 @@ impl FirstFrame {
             let rendered: Result<Vec<u64>, Failure> = (next..(next + together).min(count))
                 .into_par_iter()
                 .map(|number| {
-                    let place = (number as f64 * SPREAD).fract() * count as f64;
+                    let place = ((number as f64 * SPREAD).fract() * count as f64) as u64;
                     // Below the number of columns, and of rows.
-                    let [column, row] = [
-                        place as u64 % u64::from(columns),
-                        place as u64 / u64::from(columns),
-                    ]
-                    .map(|index| index as u32);
-                    let (x, y) = (column * PART[0], row * PART[1]);
-                    let part = Window {
+                    let [column, row] = [place % u64::from(columns), place / u64::from(columns)]
+                        .map(|index| index as u32);
+                    let (x, y) = (column * part[0], row * part[1]);
+                    let window = Window {
                         x: whole.x + x,
                         y: whole.y + y,
-                        width: PART[0].min(whole.width - x),
-                        height: PART[1].min(whole.height - y),
+                        width: part[0].min(whole.width - x),
+                        height: part[1].min(whole.height - y),
                     };
                     let options = Options {
-                        window: Some(part),
+                        window: Some(window),
                         ..request.options.clone()
                     };
                     renderer.film(&stage.camera, &options, &Job::new())?;
-                    Ok(part.count())
+                    Ok(window.count())
                 })
                 .collect();
             pixels += rendered?.into_iter().sum::<u64>();
