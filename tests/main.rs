@@ -17,6 +17,7 @@ mod energy;
 mod examples;
 mod exr;
 mod extremes;
+mod farm;
 mod frames;
 mod fuzz_mesh;
 mod fuzz_scene;

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Brings what ./check needs beside Rust: a C linker, Python with virtual environments, and in target/ the
 # judges of other people: OpenImageIO's oiiotool and idiff, colour-science, and Taplo,
-# which checks scenes by the JSON schema as editors do, the evaluator of FLIP, OpenColorIO, and the OpenEXR project's Python package. What is there already stays;
+# which checks scenes by the JSON schema as editors do, the evaluator of FLIP, OpenColorIO, the OpenEXR project's Python package, and the
+# engine of Open Job Description. What is there already stays;
 # what is missing of the system's packages is installed as root or by sudo, or the command for it is said.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -12,6 +13,8 @@ colour_science=(colour-science==0.4.7 numpy==2.4.6 scipy==1.17.1 "${openimageio[
 taplo=(taplo==0.9.3)
 flip_evaluator=(flip-evaluator==1.7 numpy==2.4.6)
 opencolorio=(opencolorio==2.6.0 numpy==2.4.6 "${openimageio[@]}")
+# The engine of Open Job Description; its model and sessions are pinned too, which do the work.
+openjd=(openjd-cli==0.8.0 openjd-model==0.13.0 openjd-sessions==0.13.0)
 clients=(openexr==3.5.3 numpy==2.4.6 "${openimageio[@]}")
 least_python=3.11
 
@@ -104,12 +107,14 @@ environment taplo "${taplo[@]}"
 environment flip-evaluator "${flip_evaluator[@]}"
 environment opencolorio "${opencolorio[@]}"
 environment clients "${clients[@]}"
+environment openjd "${openjd[@]}"
 # All must run here; ignored is colour-science's warning that it cannot draw without matplotlib.
 target/openimageio/bin/oiiotool --version >/dev/null
 target/openimageio/bin/idiff --version >/dev/null
 target/taplo/bin/taplo --version >/dev/null
 target/flip-evaluator/bin/python -c "import flip_evaluator"
 target/opencolorio/bin/python -c "import OpenImageIO, PyOpenColorIO"
+target/openjd/bin/openjd --version >/dev/null
 target/clients/bin/python -c "import OpenEXR, OpenImageIO"
 target/colour-science/bin/python -W ignore -c "from colour import read_spectral_image_Fichet2021"
 

@@ -25,6 +25,17 @@ const MOST: usize = 1_000_000;
 pub(super) struct Frame(i64);
 
 impl Frame {
+    pub(super) const ONE: Self = Self(PARTS);
+
+    /// How many frames it comes after another.
+    pub(super) const fn after(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+
+    pub(super) const fn is_whole(self) -> bool {
+        self.0 % PARTS == 0
+    }
+
     pub(super) fn number(self) -> f64 {
         self.0 as f64 / PARTS as f64
     }

@@ -11,6 +11,7 @@ mod display_server;
 mod drawing;
 mod failure;
 mod frames;
+mod job;
 mod legend;
 mod man;
 mod merge;
@@ -66,6 +67,8 @@ Examples:
       Other light on an image, without rendering
   candela merge scene.tile####.exr -o scene.exr
       One image of tiles that many machines have rendered
+  candela job scene.toml --frames 1-240 > job.yaml
+      What a render farm takes: Open Job Description, Slurm or OpenCue
   candela check scene.toml
       Is it legal, what will be computed, what will it cost
   candela probe scene.toml --pixel 640,360
@@ -97,6 +100,7 @@ enum Command {
     ContactSheet(contact_sheet::Arguments),
     Relight(relight::Arguments),
     Merge(merge::Arguments),
+    Job(job::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
     Verify(verify::Arguments),
@@ -148,6 +152,7 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         Command::Verify(arguments) => {
             with_threads(None, || verify::run(arguments, unfinished, &mut output))
         }
+        Command::Job(arguments) => job::run(arguments, unfinished, &mut output),
         Command::Report(arguments) => report::run(arguments, unfinished, &mut output),
         Command::Diff(arguments) => {
             with_threads(None, || diff::run(arguments, unfinished, &mut output))

@@ -1,6 +1,7 @@
 //! `candela render`: a scene file becomes an EXR.
 
 mod accuracy;
+mod cost;
 mod finish;
 mod layers;
 mod manifest;
@@ -34,6 +35,7 @@ use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
 use accuracy::AccuracyArguments;
 pub(super) use accuracy::max_error;
+pub(super) use cost::FirstFrame;
 use finish::Finishing;
 use layers::LayerArguments;
 pub(super) use layers::transports;

@@ -41,6 +41,7 @@ fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
         | Command::Diff(_)
         | Command::Relight(_)
         | Command::Merge(_)
+        | Command::Job(_)
         | Command::New(_)
         | Command::Completions(_)
         | Command::Schema(_)

@@ -31,12 +31,13 @@ use tempfile::TempDir;
 
 use crate::openimageio::{decode, oiiotool};
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "render",
     "tonemap",
     "contact-sheet",
     "relight",
     "merge",
+    "job",
     "check",
     "probe",
     "verify",
