@@ -212,7 +212,7 @@ impl Arguments {
                 .into());
             }
         }
-        Ok(render)
+        Ok(*render)
     }
 }
 
