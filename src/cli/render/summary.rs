@@ -232,7 +232,9 @@ impl Summary<'_> {
         let scene = self.arguments.scene.as_deref();
         let scene = scene.map_or_else(|| "SCENE.toml".to_owned(), printable_path);
         let (x, y) = (x + width / 2, y + height / 2);
-        let frame = self.frame.map_or_else(String::new, |frame| format!(" --frame {frame}"));
+        let frame = self
+            .frame
+            .map_or_else(String::new, |frame| format!(" --frame {frame}"));
         format!("`candela probe {scene}{frame} --pixel {x},{y}`")
     }
 }

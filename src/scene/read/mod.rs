@@ -8,6 +8,7 @@ mod change;
 mod document;
 mod entries;
 mod fields;
+mod files;
 mod foreign;
 mod habits;
 mod illuminant;
@@ -25,10 +26,10 @@ mod syntax;
 mod tests;
 mod value;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, Read as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -37,16 +38,15 @@ use toml::de::{DeString, DeTable, DeValue};
 use super::diagnostic::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span, Spanned};
 use super::inputs::Input;
 use super::{Scene, Source};
-use crate::input::Hash;
 use crate::memory::{self, OutOfMemory};
 use crate::mesh::MeshFile;
-use crate::spectrum::Curve;
 
 use change::{Changes, sets_nothing};
 use document::{Document, INCLUDE};
 use entries::Entries;
 pub(crate) use entries::objection as name_objection;
 use fields::Reader;
+use files::Files;
 pub use motion::{Change, FIRST_FRAME, Motion, Moved};
 use moving_entries::Moving;
 pub(super) use value::srgb;
@@ -544,55 +544,6 @@ impl<'t> Found<'t> {
             moving: reader.moving.with(reader.moved, reader.files),
         });
         (scene, reader.diagnostics, broken)
-    }
-}
-
-/// The files that one scene names, each read once; `None` for a file that could not be read,
-/// which has been reported.
-#[derive(Clone, Debug, Default)]
-struct Files {
-    /// What paths are relative to that are named from these places on.
-    folders: Vec<(usize, PathBuf)>,
-    meshes: HashMap<PathBuf, Option<Arc<MeshFile>>>,
-    curves: HashMap<PathBuf, Option<Arc<Curve>>>,
-    /// Those that were read, and where they are named first.
-    read: Vec<(Span, Input)>,
-}
-
-impl Files {
-    fn of(document: &Document) -> Self {
-        Self {
-            folders: document.folders.clone(),
-            meshes: HashMap::new(),
-            curves: HashMap::new(),
-            read: document.included.clone(),
-        }
-    }
-
-    /// Where the file is that is named at `name.span`.
-    fn path(&self, name: &Spanned<String>) -> PathBuf {
-        let is_before = |(start, _): &&(usize, PathBuf)| *start <= name.span.start;
-        match self.folders.iter().rfind(is_before) {
-            Some((_, folder)) => folder.join(&name.value),
-            None => PathBuf::from(&name.value),
-        }
-    }
-
-    /// Remembers a file that was read for what is written at `name.span`.
-    fn note(&mut self, name: &Spanned<String>, path: &Path, hash: Hash) {
-        let input = Input {
-            name: name.value.clone(),
-            path: path.to_owned(),
-            hash,
-        };
-        self.read.push((name.span, input));
-    }
-
-    /// The files that were read, in the order in which the scene names them: sections are read in
-    /// another one.
-    fn inputs(&mut self) -> Vec<Input> {
-        self.read.sort_by_key(|&(span, _)| span);
-        self.read.drain(..).map(|(_, input)| input).collect()
     }
 }
 
