@@ -129,10 +129,19 @@ const OPTIONS: [Advice; 20] = [
             "--cropwindow",
             "--crop-window",
             "--border",
-            "--tile",
-            "--tiles",
         ],
         "a part of the picture is `--crop X0,Y0,X1,Y1`, in pixels",
+    ),
+    (
+        &["render"],
+        &[
+            "--tiles",
+            "--tile-count",
+            "--tile-index",
+            "--bucket",
+            "--slice",
+        ],
+        "one of N tiles for one of N machines is `--tile I/N`, and `candela merge` makes the whole of them",
     ),
     (
         &["render"],
