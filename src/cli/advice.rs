@@ -15,7 +15,7 @@ type Advice = (
     &'static str,
 );
 
-const OPTIONS: [Advice; 20] = [
+const OPTIONS: [Advice; 21] = [
     (
         &["render"],
         &[
