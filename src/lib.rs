@@ -59,9 +59,9 @@
 //!
 //! In: diffuse point lights and spots; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
 //! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
-//! spaces, or as spectra.
+//! spaces, or as spectra; sequences of what moves.
 //!
-//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion.
+//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion blur.
 //!
 //! # Example
 //!
