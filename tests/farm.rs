@@ -313,7 +313,7 @@ fn a_cancel_leaves_nothing_half_written() {
     job(
         folder,
         "job.yaml",
-        &["shot.toml", "-o", "still.exr", "--", "--samples", "4096"],
+        &["shot.toml", "-o", "still.exr", "--", "--samples", "256"],
     );
     let Some(mut openjd) = openjd(folder) else {
         return;
@@ -332,7 +332,7 @@ fn a_cancel_leaves_nothing_half_written() {
         .contains("openjd_progress")
     {
         assert!(
-            start.elapsed() < Duration::from_secs(60),
+            start.elapsed() < Duration::from_secs(300),
             "nothing is rendered"
         );
         assert!(child.try_wait().unwrap().is_none(), "it ended by itself");

@@ -17,6 +17,7 @@ use toml_parser::lexer::TokenKind;
 use super::super::diagnostic::{Diagnostic, Problem, Span};
 use super::super::inputs::Input;
 use super::super::{Part, Source};
+use super::syntax::described;
 use super::{LARGEST_FILE, change, folder_of, read_bytes, too_large};
 use crate::input::Hash;
 
@@ -160,7 +161,7 @@ fn included(text: &str) -> Result<Vec<(String, Span)>, Box<Diagnostic>> {
         return Ok(Vec::new());
     };
     let wrong = |node: &toml::Spanned<DeValue<'_>>, key: String, expected| {
-        let found = super::fields::described(node.get_ref());
+        let found = described(node.get_ref());
         let problem = Problem::WrongType {
             key,
             found,

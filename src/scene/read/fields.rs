@@ -8,9 +8,8 @@ use super::super::diagnostic::{Diagnostic, MOST_COLLECTED, Problem, Span, Spanne
 use super::change::Changes;
 use super::key::{Form, Key};
 use super::moving_entries::Moving;
-use super::syntax::Damage;
+use super::syntax::{Damage, described};
 use super::{Files, Node};
-use crate::printable::shortened;
 
 /// Reads a tree and collects what is wrong with it.
 pub(super) struct Reader<'a> {
@@ -283,18 +282,4 @@ fn integer_as_f64(integer: &DeInteger<'_>) -> Option<f64> {
     u128::from_str_radix(integer.as_str(), integer.radix())
         .ok()
         .map(|integer| integer as f64)
-}
-
-/// A value as errors name it.
-pub(super) fn described(value: &DeValue<'_>) -> String {
-    match value {
-        DeValue::String(text) => format!("the string \"{}\"", shortened(text)),
-        DeValue::Integer(integer) => format!("the integer {}", shortened(&integer.to_string())),
-        DeValue::Float(float) => format!("the number {}", shortened(float.as_str())),
-        DeValue::Boolean(value) => format!("`{value}`"),
-        DeValue::Datetime(_) => "a date or time".to_owned(),
-        DeValue::Array(items) if items.is_empty() => "an empty array".to_owned(),
-        DeValue::Array(items) => format!("an array of {}", items.len()),
-        DeValue::Table(_) => "a table".to_owned(),
-    }
 }

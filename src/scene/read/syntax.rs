@@ -557,3 +557,17 @@ pub(super) fn header(text: &str, key: Span, node: &Node<'_>) -> Span {
     let has_header = node.get_ref().is_table() && text[span.start..].starts_with('[');
     if has_header { span } else { key }
 }
+
+/// A value as errors name it.
+pub(super) fn described(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => format!("the string \"{}\"", shortened(text)),
+        DeValue::Integer(integer) => format!("the integer {}", shortened(&integer.to_string())),
+        DeValue::Float(float) => format!("the number {}", shortened(float.as_str())),
+        DeValue::Boolean(value) => format!("`{value}`"),
+        DeValue::Datetime(_) => "a date or time".to_owned(),
+        DeValue::Array(items) if items.is_empty() => "an empty array".to_owned(),
+        DeValue::Array(items) => format!("an array of {}", items.len()),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}
