@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub use build::{NotAColor, Placement};
 #[doc(hidden)]
 pub use curve::CurveError;
-pub use diagnostic::{Diagnostic, Diagnostics, Problem, Span, Spanned};
+pub use diagnostic::{Diagnostic, Diagnostics, IncludeError, Problem, Span, Spanned};
 #[doc(hidden)]
 pub use inputs::Input;
 pub(crate) use read::name_objection;

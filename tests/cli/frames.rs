@@ -332,6 +332,7 @@ fn a_sequence_that_is_killed_goes_on() {
 }
 
 /// Text beside text: a scene in several files is the scene in one, and its hash covers all of them.
+#[cfg(unix)]
 #[test]
 fn scenes_in_several_files() {
     let folder = folder();
@@ -372,11 +373,15 @@ fn scenes_in_several_files() {
         "render main.toml -o parts.exr -q --set lights.fill.point.intensity=5",
     );
     assert_ne!(hash("parts.exr"), after);
+    std::os::unix::fs::symlink("/dev/zero", folder.join("pipe.toml")).unwrap();
     // An included file is an input, which nothing is written over.
     let told = fails(folder, "render main.toml -o parts/lights.toml", 2);
     assert!(told.contains("writes EXR"), "{told}");
 
     for (text, part) in [
+        ("include = [\"parts\"]\n", "it is a directory"),
+        ("include = [\"pipe.toml\"]\n", "it is a device or pipe"),
+        ("include = [\"image.toml\"]\n", "it is no text"),
         (
             "include = [\"no.toml\"]\n",
             "cannot read the included file no.toml",
@@ -397,6 +402,7 @@ fn scenes_in_several_files() {
         ("include = [\"twice.toml\"]\n", "is there twice"),
     ] {
         fs::write(folder.join("bad.toml"), "# a line\nx = \n").unwrap();
+        fs::write(folder.join("image.toml"), b"\x89PNG\r\n").unwrap();
         fs::write(
             folder.join("twice.toml"),
             "[objects.ball.sphere]\nmaterial = \"clay\"\ncenter = [0, 0, 0]\nradius = 1\n",

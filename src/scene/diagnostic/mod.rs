@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::Source;
 use super::curve::CurveError;
-use crate::input::is_transient;
+use crate::input::{NotAFile, is_transient};
 use crate::memory::OutOfMemory;
 use crate::mesh::MeshError;
 use crate::printable::{QUOTED_LENGTH, printable, printable_path, shortened};
@@ -92,7 +92,7 @@ pub enum Problem {
         /// The file, joined to the folder of the one that includes it.
         path: PathBuf,
         /// Why.
-        error: io::Error,
+        error: IncludeError,
     },
     /// More text than a scene may have.
     #[error("the scene file is larger than {limit} MB")]
@@ -243,6 +243,21 @@ pub enum Problem {
     },
 }
 
+/// Why a file that a scene includes cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IncludeError {
+    /// The system reports an error.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// A folder, a device or a pipe.
+    #[error("{0}")]
+    NotAFile(#[from] NotAFile),
+    /// Not text.
+    #[error("it is no text; save it as UTF-8")]
+    NotUtf8,
+}
+
 /// How many errors of one scene are collected; an entry in error after these is still left out.
 pub(crate) const MOST_COLLECTED: usize = 1_000;
 
@@ -291,7 +306,15 @@ impl Problem {
     pub fn is_transient(&self) -> bool {
         match self {
             Self::OutOfMemory { .. } => true,
-            Self::Unreadable(error) | Self::Included { error, .. } => is_transient(error),
+            Self::Unreadable(error)
+            | Self::Included {
+                error: IncludeError::Io(error),
+                ..
+            } => is_transient(error),
+            Self::Included {
+                error: IncludeError::NotAFile(_) | IncludeError::NotUtf8,
+                ..
+            } => false,
             Self::Mesh { error, .. } => error.is_transient(),
             Self::Curve { error, .. } => error.is_transient(),
             Self::TooLarge { .. }

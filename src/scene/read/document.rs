@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 use toml_parser::lexer::TokenKind;
 
-use super::super::diagnostic::{Diagnostic, Problem, Span};
+use super::super::diagnostic::{Diagnostic, IncludeError, Problem, Span};
 use super::super::inputs::Input;
 use super::super::{Part, Source};
 use super::syntax::described;
-use super::{LARGEST_FILE, change, folder_of, read_bytes, too_large};
-use crate::input::Hash;
+use super::{LARGEST_FILE, change, folder_of, read_stream, too_large};
+use crate::input::{self, Hash};
 
 /// The key above all sections that names further files.
 pub(super) const INCLUDE: &str = "include";
@@ -109,26 +109,27 @@ impl Document {
             return Err(Problem::Conflict(message));
         }
         let path = folder.join(name);
-        let unreadable = |error| Problem::Included {
+        let unreadable = |error: IncludeError| Problem::Included {
             path: path.clone(),
             error,
         };
-        let real = fs::canonicalize(&path).map_err(unreadable)?;
+        let real = fs::canonicalize(&path).map_err(|error| unreadable(error.into()))?;
+        // A pipe would be waited for.
+        let (file, length) = input::open(&path).map_err(unreadable)?;
+        if self.source.text.len() as u64 + length > LARGEST_FILE {
+            return Err(too_large());
+        }
         if !self.known.insert(real) {
             let message = format!("`{name}` is a part of this scene already; include it once");
             return Err(Problem::Conflict(message));
         }
-        let bytes = match read_bytes(&path) {
+        let bytes = match read_stream(file) {
             Ok(bytes) => bytes,
-            Err(Problem::Unreadable(error)) => return Err(unreadable(error)),
+            Err(Problem::Unreadable(error)) => return Err(unreadable(error.into())),
             Err(problem) => return Err(problem),
         };
-        if (self.source.text.len() + bytes.len()) as u64 > LARGEST_FILE {
-            return Err(too_large());
-        }
         let hash = Hash::of(&bytes);
-        let text = String::from_utf8(bytes)
-            .map_err(|_| Problem::Conflict(format!("`{name}` is no text; save it as UTF-8")))?;
+        let text = String::from_utf8(bytes).map_err(|_| unreadable(IncludeError::NotUtf8))?;
         let input = Input {
             name: name.to_owned(),
             path: path.clone(),
