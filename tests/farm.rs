@@ -79,7 +79,9 @@ fn openjd(folder: &Path) -> Option<Command> {
     let mut command = Command::new(program);
     command
         .current_dir(folder)
-        .env("PYTHONDONTWRITEBYTECODE", "1");
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        // Else its lines come when it has ended.
+        .env("PYTHONUNBUFFERED", "1");
     Some(command)
 }
 
