@@ -38,7 +38,7 @@ pub const FIRST_FRAME: f64 = 1.0;
 /// assert_eq!(loaded.motion.frames(), Some([1.0, 11.0]));
 /// loaded.motion.set(&mut loaded.scene, 6.5)?;
 /// let (world, _) = World::new(&loaded.scene)?;
-/// assert_eq!(world.candelas(0), 15.5);
+/// assert!((world.candelas(0) - 15.5).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
