@@ -157,7 +157,7 @@ pub mod internal {
     pub use crate::color::difference::{Lab, delta_e_2000};
     pub use crate::color::transfer::srgb_decode;
     pub use crate::memory::{Size, look_for_threads};
-    pub use crate::printable::{counted, is_printable, printable, printable_path};
+    pub use crate::printable::{counted, is_printable, printable, printable_path, shell_word};
 }
 
 /// The code of the page about the library compiles.

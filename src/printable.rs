@@ -63,6 +63,15 @@ pub fn is_printable(character: char) -> bool {
     !steers(character)
 }
 
+/// A text as one word of a POSIX shell: in single quotes (XCU 2.2.2) where it holds more than plain letters.
+pub fn shell_word(text: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:,=".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        return text.to_owned();
+    }
+    format!("'{}'", text.replace('\'', r"'\''"))
+}
+
 /// A count with its noun: `1 triangle`, `2 triangles`.
 pub fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })

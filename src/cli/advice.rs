@@ -396,10 +396,31 @@ pub(super) fn frame_number(path: &Path) -> Option<String> {
             .count();
         return Some(name[start..start + 2 + digits].to_owned());
     }
-    let lower = name.to_lowercase();
+    let lower = name.to_ascii_lowercase();
     let words = ["<frame>", "<f>", "{frame}", "[frame]"];
-    let word = words.iter().find(|word| lower.contains(**word));
-    word.map(|word| (*word).to_owned())
+    words.iter().find_map(|word| {
+        let start = lower.find(word)?;
+        Some(name[start..start + word.len()].to_owned())
+    })
+}
+
+/// The same, of a name that frames are written to: it has one such place, or none.
+///
+/// # Errors
+/// There are two.
+pub(super) fn place_of_number(path: &Path) -> Result<Option<String>, String> {
+    let Some(part) = frame_number(path) else {
+        return Ok(None);
+    };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let rest = name.replacen(&part, "1", 1);
+    match frame_number(Path::new(&rest)) {
+        Some(other) => Err(format!(
+            "{} has two places for the number of a frame, `{part}` and `{other}`; leave one of them",
+            printable(&path.to_string_lossy()),
+        )),
+        None => Ok(Some(part)),
+    }
 }
 
 /// The error that a file name with such a part is where one file is written.

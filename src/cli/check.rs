@@ -5,7 +5,7 @@ use std::io::Write;
 use candela::Renderer;
 use candela::internal::Size;
 use candela::internal::{counted, printable, printable_path};
-use candela::scene::{Change, Motion, Scene, Transport};
+use candela::scene::{Motion, Scene, Transport};
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
@@ -13,6 +13,7 @@ use candela::world::{Light, Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
 use super::frames::{Frame, Frames, frames};
+use super::legality::{self, Triangles};
 use super::source::SceneArguments;
 
 /// Check a scene without rendering it: is it legal, what will be computed and what left out, what
@@ -27,12 +28,12 @@ Examples:
   generate | candela check - --base models
       A scene from another program, whose files are in models
   candela check shot.toml --frames 1-240
-      Is every frame legal")]
+      Is every frame legal; without, those of keys are looked at")]
 pub(crate) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
 
-    /// Also check each of these frames; what is printed is of the first
+    /// Also check each of these frames, beside those of keys; what is printed is of the first
     #[arg(long, visible_alias = "frame", value_name = "LIST", value_parser = frames, allow_hyphen_values = true)]
     frames: Option<Frames>,
 }
@@ -46,7 +47,16 @@ pub(crate) fn run(arguments: &Arguments, output: &mut impl Write) -> Result<(), 
         camera,
         motion,
     } = arguments.scene.load(first, |_| {})?;
-    check_frames(frames, &motion, &mut scene.clone(), &world)?;
+    // What a key says is wrong at whatever frames are looked at.
+    let keys = motion.key_frames().iter().copied();
+    let mut numbers: Vec<f64> = frames
+        .iter()
+        .map(|frame| frame.number())
+        .chain(keys)
+        .collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers.dedup();
+    legality::check_frames(&numbers, &motion, &scene, &world, Triangles::Placed)?;
     let renderer = Renderer::new(&world)?;
     let plan = renderer.plan();
 
@@ -116,39 +126,6 @@ const SOLVED: usize = 10_000;
 
 /// More entries of a kind than this are counted, not listed.
 const LISTED: usize = 20;
-
-/// Whether all further frames are legal; the errors of the first that is not, and which others are not.
-fn check_frames(
-    frames: &[Frame],
-    motion: &Motion,
-    scene: &mut Scene,
-    world: &World,
-) -> Result<(), Failure> {
-    let mut first = None;
-    let mut count = 0;
-    for frame in frames.iter().skip(1) {
-        let number = frame.number();
-        let change = motion.set(scene, number)?;
-        // Of a frame in error there is no world; its triangles may be gone.
-        let change = Change {
-            triangles: change.triangles || motion.moved().world,
-        };
-        if let Err(errors) = world.again(scene, change) {
-            count += 1;
-            first.get_or_insert(errors.at_frame(number));
-        }
-    }
-    let Some(errors) = first else {
-        return Ok(());
-    };
-    if count == 1 {
-        return Err(errors.into());
-    }
-    let errors = errors.to_string();
-    let errors = errors.strip_prefix("error: ").unwrap_or(&errors);
-    let all = frames.len();
-    Err(format!("{errors}\n\n{count} of {all} frames are in error; this is the first").into())
-}
 
 fn print_motion(motion: &Motion, frames: &[Frame], output: &mut impl Write) -> Result<(), Failure> {
     let Some([first, last]) = motion.frames() else {

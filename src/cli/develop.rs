@@ -103,7 +103,8 @@ pub(super) struct ExposureArguments {
     /// Choose the EV from the picture
     ///
     /// log-average, or no value: the log-average luminance of what is lit becomes 18 % gray;
-    /// percentile:99: the luminance that 99 % of what is lit does not exceed becomes the screen's white.
+    /// percentile:99: the luminance that 99 % of what is lit does not exceed becomes the screen's white. Of many
+    /// pictures each is exposed by itself; a contact sheet has one exposure, for all.
     #[arg(
         long,
         value_name = "RULE",
@@ -140,6 +141,13 @@ pub(super) struct ExposureArguments {
 impl DevelopArguments {
     pub(super) fn exposure(&self) -> Exposure {
         self.exposure.exposure()
+    }
+
+    /// What is to be known before frames of a sequence become pictures.
+    pub(super) fn of_frames(&self) -> Option<&'static str> {
+        let warning = "--auto-exposure exposes each frame by itself, so that a movie of them may flicker; give all of \
+                       them one --exposure, such as the one that is told for a frame in the middle";
+        self.exposure().is_auto().then_some(warning)
     }
 
     /// What is read from files for a picture of this resolution.

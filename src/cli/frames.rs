@@ -6,10 +6,8 @@ use std::path::{Path, PathBuf};
 
 use candela::internal::printable_path;
 
+use super::sequence::DECIMALS;
 use super::{advice, sequence};
-
-/// The decimals that the number of a frame may have.
-const DECIMALS: u32 = 6;
 
 /// A frame is kept in these parts, so that steps add up without rounding.
 const PARTS: i64 = 1_000_000;
@@ -170,7 +168,7 @@ fn number(text: &str) -> Option<(Frame, &str)> {
 
 /// Whether a name has a place for numbers of frames just where there are several.
 pub(super) fn check_name(path: &Path, frames: Option<&Frames>) -> Result<(), String> {
-    let part = advice::frame_number(path);
+    let part = advice::place_of_number(path)?;
     let shown = || printable_path(path);
     match (part, frames) {
         (Some(part), None) => Err(format!(
@@ -259,6 +257,9 @@ mod tests {
         assert_eq!(name("f.####.exr", "12.5"), "f.0012.5.exr");
         assert_eq!(name("f.####.exr", "-7"), "f.-007.exr");
         assert_eq!(name("f.####.exr", "0"), "f.0000.exr");
+        assert_eq!(name("f.####.exr", "-0.5"), "f.-000.5.exr");
+        assert_eq!(name("f.%d.exr", "-0.5"), "f.-0.5.exr");
+        assert_eq!(name("f.<FRAME>.exr", "7"), "f.7.exr");
         assert_eq!(name("still.exr", "3"), "still.exr");
     }
 
@@ -280,5 +281,9 @@ mod tests {
         assert_eq!(check("f.exr", Some(frames("3"))), Ok(()));
         assert_eq!(check("f.####.exr", Some(frames("3"))), Ok(()));
         assert_eq!(check("f.exr", None), Ok(()));
+        for name in ["f.%04d.####.exr", "f.####.####.exr"] {
+            let error = check(name, Some(frames("1-2"))).unwrap_err();
+            assert!(error.contains("two places"), "{error}");
+        }
     }
 }

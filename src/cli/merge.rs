@@ -4,10 +4,11 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use candela::exr::{self, MergeReport};
-use candela::internal::{counted, printable_path};
+use candela::internal::counted;
 use candela::output::{self, Unfinished};
 
 use super::render::named;
+use super::sequence::output_name;
 use super::{Failure, refuse_same_files, refuse_terminal, sequence};
 
 /// Merge the tiles of an image, rendered by many machines perhaps, to the bytes of the whole render
@@ -22,6 +23,8 @@ Examples:
       The three tiles of an image
   candela merge scene.tile####.exr -o scene.exr
       All tiles under the names that `candela render` gives them where no other is said
+  candela merge scene.tile####.0001.exr -o scene.0001.exr
+      Those of frame 1, of a sequence whose frames are rendered in tiles
   candela merge 'tiles/*.exr' -o scene.exr
       All files of a folder")]
 pub(crate) struct Arguments {
@@ -77,11 +80,7 @@ fn summarize(
     } else {
         format!("{columns} × {rows} of {width} × {height}")
     };
-    let name = if arguments.output.as_os_str() == "-" {
-        "standard output".to_owned()
-    } else {
-        printable_path(&arguments.output)
-    };
+    let name = output_name(&arguments.output);
     let tiles = counted(report.tiles as usize, "tile", "tiles");
     writeln!(messages, "{name}: {size}, merged from {tiles}")
 }

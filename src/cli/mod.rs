@@ -12,6 +12,7 @@ mod drawing;
 mod failure;
 mod frames;
 mod job;
+mod legality;
 mod legend;
 mod man;
 mod merge;
@@ -42,7 +43,7 @@ use candela::output::{OutputError, OutputProblem, Place, Unfinished};
 use candela::render::{Job, Options};
 use candela::world::Loaded;
 use clap::{ColorChoice, Parser, Subcommand};
-use failure::{Failure, StandardOutput};
+use failure::{Failure, Misuse, StandardOutput};
 
 /// More threads than any machine makes use of.
 const MAX_THREADS: u32 = 1024;
@@ -277,7 +278,7 @@ fn refuse_same_files(inputs: &[&Path], outputs: &[&Path]) -> Result<(), Failure>
         if let Some(index) = written.iter().position(|other| other.is(&place)) {
             if place.is_standard_output() && written[index].is_standard_output() {
                 let message = "two outputs would go to standard output; give one of them a file";
-                return Err(message.into());
+                return Err(Misuse(message.to_owned()).into());
             }
             return Err(format!(
                 "{} and {} would be one file; give another name",

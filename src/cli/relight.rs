@@ -3,12 +3,13 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use candela::internal::{printable, printable_path};
+use candela::internal::printable;
 use candela::output::{self, Unfinished};
 use candela::relight::{self, RelightError, Report, Setting};
 
 use super::Failure;
 use super::render::named;
+use super::sequence::{input_name, output_name};
 
 /// Change the lights of an image that was rendered: brighter, darker, off, or in another color
 ///
@@ -93,7 +94,7 @@ fn summarize(arguments: &Arguments, report: &Report, messages: &mut impl Write) 
     writeln!(
         messages,
         "{}: {size}, relit with {}",
-        name(&arguments.output, "standard output"),
+        output_name(&arguments.output),
         printable(&lights.join(" "))
     )?;
     for note in &report.notes {
@@ -130,15 +131,6 @@ fn told(input: &Path, error: RelightError) -> Failure {
         RelightError::Read(error) => error.into(),
         RelightError::Write(error) => error.into(),
         RelightError::Memory(error) => error.into(),
-        error => format!("cannot relight {}: {error}", name(input, "standard input")).into(),
-    }
-}
-
-/// How a message names a file.
-fn name(path: &Path, stream: &str) -> String {
-    if path.as_os_str() == "-" {
-        stream.to_owned()
-    } else {
-        printable_path(path)
+        error => format!("cannot relight {}: {error}", input_name(input)).into(),
     }
 }

@@ -20,7 +20,6 @@ use std::time::Instant;
 
 use candela::display::{self, Alpha};
 use candela::exr::{self, Compression, ExrImage, TileNumber};
-use candela::internal::printable_path;
 use candela::output::{self, Unfinished, Written};
 use candela::render::{Built, SimdLevel};
 use candela::render::{Job, RenderError, RenderedExr, Renderer};
@@ -31,6 +30,7 @@ use super::crop::{Crop, crop};
 use super::develop::DevelopArguments;
 use super::display_server::DisplayServer;
 use super::frames::{Frame, Frames, frames};
+use super::sequence::output_name;
 use super::source::BaseArguments;
 use super::{Failure, MAX_THREADS};
 use accuracy::AccuracyArguments;
@@ -166,7 +166,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     skip_done: bool,
 
-    /// Write counts and times as JSON, of several frames as a list
+    /// Write counts and times as JSON; of frames an object with `frames`, those of each, and `seconds`, of all together
     #[arg(long, value_name = "FILE.json", value_parser = named("json"))]
     stats: Option<PathBuf>,
 
@@ -249,6 +249,9 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         all.of(*frame).check(&inputs)?;
     }
     request.check(&stage.world)?;
+    if let Some(frames) = &arguments.frames {
+        stage.check(frames.list())?;
+    }
     let mut render = Render {
         arguments,
         unfinished,
@@ -271,6 +274,7 @@ fn render(arguments: &Arguments, unfinished: &Unfinished) -> Result<(), Failure>
         finishing: None,
     };
 
+    render.warn_of_frames(&all);
     let rendered = render.frames(&mut stage, &frames, &all);
     if rendered.is_err() {
         // The frame before is whole, and gets its name.
@@ -417,27 +421,42 @@ impl Render<'_> {
         Ok(())
     }
 
+    /// What is to be known of several frames before any is rendered.
+    fn warn_of_frames(&self, outputs: &Outputs) {
+        let frames = self.arguments.frames.as_ref();
+        let are_several = frames.is_some_and(|frames| frames.list().len() > 1);
+        if !are_several || outputs.preview.is_none() || self.arguments.quiet {
+            return;
+        }
+        if let Some(warning) = self.arguments.development.of_frames() {
+            self.progress
+                .print(|stream| writeln!(stream, "warning: {warning}"));
+        }
+    }
+
     /// Leaves a frame as it is; its preview is made anew.
     fn skip(&mut self, request: &Request, outputs: &Outputs, stage: &Stage) -> Result<(), Failure> {
         self.end_last()?;
-        if outputs.preview.is_some() {
+        let mut said = format!("{}: is done already", output_name(&outputs.exr));
+        if let Some(preview) = &outputs.preview {
             let image = exr::read(&outputs.exr)?;
-            develop(
-                self.arguments,
-                &stage.world,
-                &image,
-                outputs,
-                self.unfinished,
-            )?;
+            let Self {
+                arguments,
+                unfinished,
+                ..
+            } = *self;
+            develop(arguments, &stage.world, &image, outputs, unfinished)?;
+            said.push_str(&format!(
+                "\n{}: its preview, made anew",
+                output_name(preview)
+            ));
         }
         if let Some(manifest) = &mut self.manifest {
             manifest.add(request.frame(), outputs, None, 0.0);
         }
         self.progress.skip();
         if !self.arguments.quiet {
-            let name = printable_path(&outputs.exr);
-            self.progress
-                .print(|stream| writeln!(stream, "{name}: is done already"));
+            self.progress.print(|stream| writeln!(stream, "{said}"));
         }
         Ok(())
     }

@@ -6,7 +6,14 @@ use std::path::{Path, PathBuf};
 
 use candela::internal::printable_path;
 
+use super::failure::Misuse;
 use super::{Failure, advice};
+
+/// The decimals that the number of a frame may have.
+pub(super) const DECIMALS: u32 = 6;
+
+/// More digits no file system has room for in a name.
+const MOST_DIGITS: usize = 255;
 
 /// A file that is read, and what is made of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,7 +61,7 @@ pub(super) fn conversions(
         let output = match output {
             None => named_after(&path, extension)?,
             Some(folder) if is_folder(folder) => folder.join(named_after(&path, extension)?),
-            Some(output) => match (advice::frame_number(output), number) {
+            Some(output) => match (advice::place_of_number(output).map_err(Misuse)?, number) {
                 (Some(part), number) => {
                     let Some(number) = number.or_else(|| last_digits(&path)) else {
                         return Err(format!(
@@ -67,11 +74,11 @@ pub(super) fn conversions(
                 }
                 (None, _) if is_one => output.to_owned(),
                 (None, _) => {
-                    return Err(format!(
+                    return Err(Misuse(format!(
                         "more than one file cannot become {}; name the outputs with ####, as in \
                          f.####.{extension}, or give a folder",
                         printable_path(output)
-                    )
+                    ))
                     .into());
                 }
             },
@@ -121,6 +128,15 @@ pub(super) fn input_name(input: &Path) -> String {
     }
 }
 
+/// How a message names an output.
+pub(super) fn output_name(output: &Path) -> String {
+    if output == Path::new("-") {
+        "standard output".to_owned()
+    } else {
+        printable_path(output)
+    }
+}
+
 /// NAME.SUFFIX in the current folder. An input without a name cannot be read, which is found later.
 pub(super) fn named_after(input: &Path, suffix: &str) -> Result<PathBuf, Failure> {
     if input == Path::new("-") || input.starts_with("/dev") || input.starts_with("/proc") {
@@ -147,7 +163,7 @@ fn files(argument: &Path) -> Result<Vec<Found>, Failure> {
         return Ok(one(argument));
     }
     if let Some(part) = advice::frame_number(argument) {
-        return frames(argument, &part);
+        return sequence(argument, &part);
     }
     let is_pattern = argument
         .to_str()
@@ -175,7 +191,7 @@ fn files(argument: &Path) -> Result<Vec<Found>, Failure> {
 }
 
 /// The frames of a sequence in a folder, by their numbers.
-fn frames(pattern: &Path, part: &str) -> Result<Vec<Found>, Failure> {
+fn sequence(pattern: &Path, part: &str) -> Result<Vec<Found>, Failure> {
     let name = pattern
         .file_name()
         .and_then(OsStr::to_str)
@@ -188,31 +204,27 @@ fn frames(pattern: &Path, part: &str) -> Result<Vec<Found>, Failure> {
     let least = padding(part);
     let entries = std::fs::read_dir(folder)
         .map_err(|error| format!("cannot list {}: {error}", printable_path(folder)))?;
-    let mut numbered: Vec<(u64, Found)> = Vec::new();
+    let mut numbered: Vec<(f64, Found)> = Vec::new();
     for entry in entries {
         let entry =
             entry.map_err(|error| format!("cannot list {}: {error}", printable_path(folder)))?;
         let entry = entry.file_name();
-        let Some(digits) = entry.to_str().and_then(|entry| {
-            let digits = entry.strip_prefix(before)?.strip_suffix(after)?;
-            let is_padded = least == 1
-                || digits.len() == least
-                || digits.len() > least && !digits.starts_with('0');
-            let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
-            (is_padded && is_number).then_some(digits)
+        let Some(number) = entry.to_str().and_then(|entry| {
+            let number = entry.strip_prefix(before)?.strip_suffix(after)?;
+            is_of_frame(number, least).then_some(number)
         }) else {
             continue;
         };
-        let Ok(number) = digits.parse() else {
+        let Ok(place) = number.parse() else {
             continue;
         };
         let found = Found {
             path: pattern.with_file_name(&entry),
-            number: Some(digits.to_owned()),
+            number: Some(number.to_owned()),
         };
-        numbered.push((number, found));
+        numbered.push((place, found));
     }
-    numbered.sort_by_key(|(number, _)| *number);
+    numbered.sort_by(|(a, one), (b, other)| a.total_cmp(b).then_with(|| one.path.cmp(&other.path)));
     if numbered.is_empty() {
         return Err(format!(
             "no frame has a name like {}, with a number of at least {least} digits for `{part}`",
@@ -223,14 +235,37 @@ fn frames(pattern: &Path, part: &str) -> Result<Vec<Found>, Failure> {
     Ok(numbered.into_iter().map(|(_, found)| found).collect())
 }
 
-/// How many digits a frame's number has at least.
+/// Whether a text is the number of a frame with at least so many digits, as [`numbered`] writes it: it may have a sign
+/// and decimals.
+fn is_of_frame(text: &str, least: usize) -> bool {
+    let (whole, decimals) = match text.split_once('.') {
+        Some((whole, decimals)) => (whole, Some(decimals)),
+        None => (text, None),
+    };
+    let digits = whole.strip_prefix('-').unwrap_or(whole);
+    let are_digits =
+        |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_padded =
+        least == 1 || whole.len() == least || whole.len() > least && !digits.starts_with('0');
+    // Others may be of a file that has a number before its extension, such as a version.
+    let are_decimals =
+        |text: &str| are_digits(text) && text.len() <= DECIMALS as usize && !text.ends_with('0');
+    is_padded && are_digits(digits) && decimals.is_none_or(are_decimals)
+}
+
+/// How many characters a frame's number has at least, before its decimals.
 fn padding(part: &str) -> usize {
     let hashes = part.chars().filter(|&c| c == '#').count();
     if hashes > 0 {
-        return hashes;
+        return hashes.min(MOST_DIGITS);
     }
     let digits: String = part.chars().filter(char::is_ascii_digit).collect();
-    digits.parse().unwrap_or(1).max(1)
+    if digits.is_empty() {
+        return 1;
+    }
+    // What is no number is too large for one.
+    let number = digits.parse().unwrap_or(MOST_DIGITS);
+    number.clamp(1, MOST_DIGITS)
 }
 
 /// The number at the end of a name, before its extension.
@@ -260,11 +295,9 @@ pub(super) fn numbered(pattern: &Path, part: &str, number: &str) -> PathBuf {
         None => ("", whole),
     };
     // As `printf` has it: the sign is one of the characters.
-    let (digits, width) = (digits.trim_start_matches('0'), padding(part));
-    let number = format!(
-        "{sign}{digits:0>width$}{fraction}",
-        width = width - sign.len()
-    );
+    let digits = digits.trim_start_matches('0');
+    let width = padding(part).saturating_sub(sign.len()).max(1);
+    let number = format!("{sign}{digits:0>width$}{fraction}");
     pattern.with_file_name(name.replacen(part, &number, 1))
 }
 
@@ -320,6 +353,72 @@ mod tests {
         assert!(error.starts_with("no frame has a name like"), "{error}");
         let error = made(&[path("f.####.exr")], Some(&path("one.png"))).unwrap_err();
         assert!(error.contains("name the outputs with ####"), "{error}");
+    }
+
+    #[test]
+    fn what_is_rendered_is_found() {
+        for pattern in ["f.####.exr", "f.%d.exr", "f.%03d.exr", "f.$F2.exr"] {
+            let part = advice::frame_number(Path::new(pattern)).unwrap();
+            let order = [
+                "-12345.5", "-12", "-2", "-1.25", "-0.5", "0", "0.000001", "1", "1.25", "2", "10",
+                "12345",
+            ];
+            let name = |number: &str| {
+                let name = numbered(Path::new(pattern), &part, number);
+                name.to_str().unwrap().to_owned()
+            };
+            let names: Vec<String> = order.iter().map(|number| name(number)).collect();
+            let mut written: Vec<&str> = names.iter().map(String::as_str).collect();
+            written.reverse();
+            let folder = folder(&written);
+            let path = folder.path().join(pattern);
+            let inputs = sequence(&path, &part).unwrap();
+            let inputs: Vec<&str> = inputs
+                .iter()
+                .map(|found| found.path.file_name().unwrap().to_str().unwrap())
+                .collect();
+            assert_eq!(inputs, names, "{pattern}");
+            // Pictures have the numbers of what they are of.
+            let output = folder.path().join("o.####.png");
+            let made = conversions(&[path], Some(&output), "png").unwrap();
+            let output = numbered(&output, "####", "-1.25");
+            assert_eq!(made[3].output, output);
+            assert!(output.ends_with("o.-001.25.png"));
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_of_a_frame_is_left() {
+        for (text, least) in [
+            ("", 1),
+            ("-", 1),
+            (".5", 1),
+            ("1.", 1),
+            ("1.50", 1),
+            ("1.0000001", 1),
+            ("1.2.3", 1),
+            ("+1", 1),
+            ("1e5", 1),
+            ("01", 4),
+            ("00001", 4),
+            ("-0001", 4),
+            ("-01", 4),
+        ] {
+            assert!(!is_of_frame(text, least), "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_limits() {
+        assert_eq!(padding("%d"), 1);
+        assert_eq!(padding("%0d"), 1);
+        assert_eq!(padding("%04d"), 4);
+        for part in ["%065536d", "%99999999999999999999d", "%300d"] {
+            assert_eq!(padding(part), MOST_DIGITS);
+            let name = numbered(Path::new(part), part, "7");
+            assert_eq!(name.as_os_str().len(), MOST_DIGITS);
+        }
+        assert_eq!(padding(&"#".repeat(1000)), MOST_DIGITS);
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(crate) struct BaseArguments {
     /// KEYS is the header with the key: `image.color_space=acescg`, `camera.perspective.vertical_fov=30`,
     /// `materials.clay.phong.diffuse="#804020"`, `lights.key.point.intensity.candela=20`. VALUE is written as in the
     /// file; a name needs no quotes. What there is not cannot be changed.
-    #[arg(long, value_name = "KEYS=VALUE", requires = "scene")]
+    #[arg(long, value_name = "KEYS=VALUE")]
     set: Vec<String>,
 }
 
@@ -68,25 +68,29 @@ impl SceneArguments {
         frame: Option<f64>,
         change: impl FnOnce(&mut Scene),
     ) -> Result<Loaded, Diagnostics> {
-        self.base.load(&self.scene, frame, change)
+        self.base.load(Some(&self.scene), frame, change)
     }
 }
 
 impl BaseArguments {
-    /// Reads and validates the scene at `path` at a frame, changed in between.
+    /// Reads and validates the scene at `path`, or the built-in one, at a frame, changed in between.
     pub(super) fn load(
         &self,
-        path: &Path,
+        path: Option<&Path>,
         frame: Option<f64>,
         change: impl FnOnce(&mut Scene),
     ) -> Result<Loaded, Diagnostics> {
         let folder = self.base.as_deref();
-        let reading = if is_standard_input(path) {
-            let folder = folder.unwrap_or(Path::new(""));
-            Reading::of_stream(io::stdin().lock(), shown(path), folder, &self.set)
-        } else {
-            let folder = folder.or_else(|| path.parent()).unwrap_or(Path::new(""));
-            Reading::of_file_in(path, folder, &self.set)
+        let reading = match path {
+            None => Reading::of_builtin(&self.set),
+            Some(path) if is_standard_input(path) => {
+                let folder = folder.unwrap_or(Path::new(""));
+                Reading::of_stream(io::stdin().lock(), shown(path), folder, &self.set)
+            }
+            Some(path) => {
+                let folder = folder.or_else(|| path.parent()).unwrap_or(Path::new(""));
+                Reading::of_file_in(path, folder, &self.set)
+            }
         };
         let reading = match frame {
             Some(frame) => reading.at(frame),

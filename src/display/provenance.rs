@@ -1,5 +1,7 @@
 //! Where a picture comes from, as texts of a PNG.
 
+use crate::printable::shell_word;
+
 use super::{Cube, DisplayError, Input, Measure, Settings, View};
 
 /// What a picture was made of.
@@ -76,7 +78,8 @@ impl Provenance {
             (view, _) => view.name().to_owned(),
         };
         let mut words = vec!["candela tonemap".to_owned()];
-        let mut option = |name: &str, value: &str| words.push(format!("--{name} {}", word(value)));
+        let mut option =
+            |name: &str, value: &str| words.push(format!("--{name} {}", shell_word(value)));
         if let Some(layer) = &self.layer {
             option("layer", layer);
         }
@@ -103,15 +106,6 @@ impl Provenance {
     }
 }
 
-/// A text as a word of the shell.
-fn word(text: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_.,:=/+-".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        return text.to_owned();
-    }
-    format!("'{}'", text.replace('\'', r"'\''"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,7 +122,7 @@ mod tests {
             texts[3],
             ("candela:scene_sha256".to_owned(), "ab".to_owned())
         );
-        assert_eq!(word("it's"), r"'it'\''s'");
-        assert_eq!(word(""), "''");
+        assert_eq!(shell_word("it's"), r"'it'\''s'");
+        assert_eq!(shell_word(""), "''");
     }
 }

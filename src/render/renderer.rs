@@ -510,6 +510,7 @@ fn metadata(world: &World, plan: &Plan, camera: &Camera, options: &Options) -> M
         numbers: lens(camera).into_iter().chain(samples).collect(),
     }
 }
+
 /// OpenEXR's attributes for the lens of a perspective camera. It is a pinhole, so that there is no aperture.
 fn lens(camera: &Camera) -> Vec<(String, Number)> {
     let Some((focal_length, sensor)) = camera.lens() else {

@@ -38,16 +38,15 @@ impl Scene {
     /// SHA-256 of all files that the picture depends on: of the lines that are the hash of the scene
     /// file, as `sha256sum` prints it, then of each file that the scene names, in the order of
     /// [`Scene::inputs`], then of each text that was set on the command line. A scene that names no other file has
-    /// one line. Names are no part of it: those of files stand in the scene file. Of a scene made in code it is [`Scene::hash`], which
-    /// covers its meshes and curves.
+    /// one line. Names are no part of it: those of files stand in the scene file. Of a scene made in code it is
+    /// [`Scene::hash`], which covers its meshes and curves.
     pub fn inputs_hash(&self) -> Hash {
         let hash = self.hash();
         if self.source.text.is_empty() {
             return hash;
         }
         let mut lines = Hasher::default();
-        let set = self.source.parts.iter().filter(|part| part.is_set);
-        let set = set.map(|part| Hash::of(self.source.text[part.range.clone()].as_bytes()));
+        let set = self.source.set().map(|text| Hash::of(text.as_bytes()));
         let inputs = self.inputs.iter().map(|input| input.hash);
         for hash in std::iter::once(hash).chain(inputs).chain(set) {
             lines.line(&hash);

@@ -1,6 +1,6 @@
 //! What moves: values at frames, and what is between them.
 
-use crate::color::{ColorSpace, transfer};
+use crate::color::ColorSpace;
 
 use super::value::{Mixture, Value};
 
@@ -150,22 +150,9 @@ impl Blendable for Value {
 
 /// Linear RGB of a space, for what is written as such.
 fn rgb(value: &Value, space: ColorSpace) -> Option<[f64; 3]> {
-    match value {
-        Value::Uniform(number) => Some([*number; 3]),
-        Value::Rgb { rgb, space: own } if *own == space => Some(*rgb),
-        Value::Srgb(codes) if space == ColorSpace::Rec709 => {
-            Some(codes.map(|code| transfer::srgb_decode(f64::from(code) / 255.0)))
-        }
-        Value::Rgb { .. }
-        | Value::Srgb(_)
-        | Value::Illuminant(_)
-        | Value::Daylight(_)
-        | Value::Blackbody(_)
-        | Value::Curve(_)
-        | Value::Lines(_)
-        | Value::Sized { .. }
-        | Value::Mixed(_) => None,
-    }
+    let (rgb, own) = value.linear()?;
+    // A gray is one in all spaces.
+    (own == space || value.uniform().is_some()).then_some(rgb)
 }
 
 /// Of all values something, if each has it.

@@ -385,7 +385,7 @@ impl Scene {
 
     /// The scene that is rendered where no file is named: the lecture's.
     pub fn builtin() -> Self {
-        let scene = Reading::of_builtin().complete();
+        let scene = Reading::of_builtin(&[]).complete();
         scene.expect("a test reads the built-in scene")
     }
 }

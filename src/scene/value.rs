@@ -1,8 +1,8 @@
 //! Values for light and color, as written.
 
-use crate::color::ColorSpace;
 use std::sync::Arc;
 
+use crate::color::{ColorSpace, transfer};
 use crate::spectrum::{Curve, Illuminant, Lines};
 
 /// A value for light or color.
@@ -210,12 +210,24 @@ impl Value {
     }
 
     /// The number that is the same in every channel.
-    pub(super) fn uniform(&self) -> Option<f64> {
+    pub(super) const fn uniform(&self) -> Option<f64> {
+        if let Self::Uniform(number) = self {
+            Some(*number)
+        } else {
+            None
+        }
+    }
+
+    /// What is written as numbers of primaries, linear, and whose these are; a gray is Rec.709.
+    pub(crate) fn linear(&self) -> Option<([f64; 3], ColorSpace)> {
         match self {
-            Self::Uniform(number) => Some(*number),
-            Self::Rgb { .. }
-            | Self::Srgb(_)
-            | Self::Illuminant(_)
+            Self::Uniform(number) => Some(([*number; 3], ColorSpace::Rec709)),
+            Self::Rgb { rgb, space } => Some((*rgb, *space)),
+            Self::Srgb(codes) => {
+                let rgb = codes.map(|code| transfer::srgb_decode(f64::from(code) / 255.0));
+                Some((rgb, ColorSpace::Rec709))
+            }
+            Self::Illuminant(_)
             | Self::Daylight(_)
             | Self::Blackbody(_)
             | Self::Curve(_)
@@ -227,21 +239,15 @@ impl Value {
 
     /// The unit, the amount and the color of a light whose size is said so.
     pub(super) fn sized_parts(&self) -> Option<(Unit, f64, &Self)> {
-        match self {
-            Self::Sized {
-                unit,
-                amount,
-                color,
-            } => Some((*unit, *amount, color)),
-            Self::Uniform(_)
-            | Self::Rgb { .. }
-            | Self::Srgb(_)
-            | Self::Illuminant(_)
-            | Self::Daylight(_)
-            | Self::Blackbody(_)
-            | Self::Curve(_)
-            | Self::Lines(_)
-            | Self::Mixed(_) => None,
+        if let Self::Sized {
+            unit,
+            amount,
+            color,
+        } = self
+        {
+            Some((*unit, *amount, color))
+        } else {
+            None
         }
     }
 }

@@ -219,20 +219,50 @@ fn what_is_wrong_with_frames_is_said() {
         assert!(told.contains(part), "{to}: {told}");
         assert!(told.contains("bad.toml:"), "{told}");
     }
-    // What is wrong later is found by `check`, and by whoever gets there; the frames before are whole.
+    // What is wrong later is found before the first frame is rendered.
     let shrinking = SCENE.replace("radius = 0.5", "radius = { keys = [[1, 1], [5, -1]] }");
     fs::write(folder.join("shrinks.toml"), shrinking).unwrap();
     let told = fails(folder, "check shrinks.toml --frames 1-5", 1);
     assert!(told.contains("at frame 3, `radius` is 0"), "{told}");
     assert!(told.contains("3 of 5 frames are in error"), "{told}");
-    let done = output(folder, "render shrinks.toml --frames 1-5 -o s.%d.exr -q");
-    assert_eq!(done.status.code(), Some(1));
+    for call in [
+        "render shrinks.toml --frames 1-5 -o s.%d.exr -q",
+        "job shrinks.toml --frames 1-5",
+        "job shrinks.toml --frames 1-5 --tiles 2",
+    ] {
+        let told = fails(folder, call, 1);
+        assert!(told.contains("at frame 3, `radius` is 0"), "{told}");
+    }
+    // Without frames, those of keys are looked at.
+    let told = fails(folder, "check shrinks.toml", 1);
+    assert!(told.contains("at frame 5, `radius` is -1"), "{told}");
+    let wild = SCENE.replace(
+        "intensity = 4",
+        "intensity = { keys = [[1, 0], [2, 0], [3, 9]], interpolation = \"smooth\" }",
+    );
+    fs::write(folder.join("wild.toml"), wild).unwrap();
+    succeeds(folder, "check wild.toml");
+    let told = fails(folder, "check wild.toml --frames 1.5", 1);
+    assert!(told.contains("`linear` does not"), "{told}");
+    // A triangle is placed when its frame comes; the frames before are whole.
+    let flat = format!(
+        "{SCENE}\n[objects.leaf.triangle]\nmaterial = \"clay\"\n\
+         vertices = {{ keys = [[1, [[0, 0, 0], [1, 0, 0], [0, 1, 0]]], [2, [[0, 0, 0], [1, 0, 0], [2, 0, 0]]]] }}\n"
+    );
+    fs::write(folder.join("flat.toml"), flat).unwrap();
+    fails(folder, "check flat.toml", 1);
+    fails(folder, "render flat.toml --frames 1-5 -o s.%d.exr -q", 1);
     let made: Vec<String> = files(folder)
         .into_iter()
         .filter(|name| name.ends_with("exr"))
         .collect();
-    assert_eq!(made, ["s.1.exr", "s.2.exr"]);
+    assert_eq!(made, ["s.1.exr"]);
     succeeds(folder, "check shot.toml --frames 1-24");
+    // Wrong usage, which no file can cure.
+    let far = "render shot.toml --frames 1-2 -o";
+    fails(folder, &format!("{far} f.%04d.####.exr"), 2);
+    fails(folder, &format!("{far} f.%65536d.exr"), 1);
+    fails(folder, "render shot.toml -o - --preview - -q", 2);
 }
 
 /// What is whole and of the same inputs, options and version stays the very file; all else is made anew.
@@ -255,6 +285,36 @@ fn what_is_done_is_left_alone() {
     assert_eq!(render(""), first);
     assert_eq!(render("--threads 1 --preview p.%d.png"), first);
     assert!(folder.join("p.2.png").exists());
+    let call = "render shot.toml --frames 1-3 -o f.%d.exr --skip-done --preview p.%d.png --auto-exposure \
+                --manifest m.json";
+    let done = output(folder, call);
+    let told = text(&done.stderr);
+    for part in [
+        "warning: --auto-exposure exposes each frame by itself",
+        "f.2.exr: is done already\np.2.png: its preview, made anew",
+    ] {
+        assert!(told.contains(part), "{told}");
+    }
+    let manifest: serde_json::Value = serde_json::from_slice(&read(folder, "m.json")).unwrap();
+    let rendered = |i: usize| {
+        (
+            &manifest["outputs"][i]["path"],
+            &manifest["outputs"][i]["rendered"],
+        )
+    };
+    assert_eq!(rendered(0), (&"f.1.exr".into(), &false.into()));
+    assert_eq!(rendered(1), (&"p.1.png".into(), &true.into()));
+    // What was written is found, in order.
+    succeeds(
+        folder,
+        "render shot.toml --frames -2,0.25,12 -o n.####.exr -q --samples 1",
+    );
+    succeeds(folder, "tonemap n.####.exr -o n.####.png -q");
+    let pictures: Vec<String> = files(folder)
+        .into_iter()
+        .filter(|name| name.starts_with("n.") && name.ends_with("png"))
+        .collect();
+    assert_eq!(pictures, ["n.-002.png", "n.0000.25.png", "n.0012.png"]);
     // Cut off, with a byte of its pixels changed, and no EXR at all.
     let mut broken = bytes[0].clone();
     broken.truncate(bytes[0].len() - 10);
@@ -463,12 +523,24 @@ fn values_on_the_command_line() {
         ("image.color_space=acescq", "did you mean `acescg`?"),
         ("nonsense", "expected KEYS=VALUE"),
         ("lights.fill.point.intensity=[1", "expected KEYS=VALUE"),
+        (
+            "lights.fill.point.intensity=",
+            "a value is missing after `=`",
+        ),
+        ("=20", "expected KEYS=VALUE"),
     ] {
         let told = fails(folder, &format!("render ball.toml --set {set}"), 1);
         assert!(told.contains(part), "{set}: {told}");
         assert!(told.contains("--> --set:1:"), "{set}: {told}");
     }
     assert!(!folder.join("ball.exr").exists());
+    // Of the scene that is rendered without a file, too.
+    succeeds(
+        folder,
+        "render -o built-in.exr -q --samples 1 --set image.resolution=[32,18]",
+    );
+    let told = fails(folder, "render --set image.resolution=[0,18]", 1);
+    assert!(told.contains("--> --set:1:"), "{told}");
 }
 
 /// A line for whoever waits, at most one a second and one at the end, and nothing else on standard output.

@@ -1,7 +1,7 @@
 //! A list of commands for OpenCue's `cuecmd`: each line is a frame of its layer.
 
-use super::quoting::shell;
 use super::{Failure, Job};
+use candela::internal::shell_word;
 
 /// One command a line. The frames of a chunk stand in its command: cuecmd's own tokens for them are wrong in the last
 /// chunk (OpenCue issue 1129).
@@ -12,7 +12,7 @@ pub(super) fn list(job: &Job) -> Result<String, Failure> {
         words.extend(["-o".to_owned(), job.path(&job.name)]);
         words.extend(["--skip-done", "--quiet"].map(str::to_owned));
         words.extend(job.options.iter().cloned());
-        let words: Vec<String> = words.iter().map(|word| shell(word)).collect();
+        let words: Vec<String> = words.iter().map(|word| shell_word(word)).collect();
         words.join(" ")
     };
     let lines = if job.frames.is_some() {

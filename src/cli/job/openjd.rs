@@ -5,7 +5,7 @@
 
 use std::path::{Component, Path};
 
-use candela::internal::printable;
+use candela::internal::{printable, shell_word};
 
 use super::quoting::yaml;
 use super::{Failure, Job, text};
@@ -105,7 +105,7 @@ fn head(job: &Job) -> String {
     let mut missing = String::new();
     for (name, value) in [("Scene", &job.scene), ("OutDir", &job.folder)] {
         if !is_below(value) {
-            missing.push_str(&format!(" -p {name}={}", super::quoting::shell(value)));
+            missing.push_str(&format!(" -p {name}={}", shell_word(value)));
         }
     }
     format!(

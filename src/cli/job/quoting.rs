@@ -1,4 +1,4 @@
-//! Words in YAML and in the shell.
+//! Words in YAML.
 
 /// A text as a scalar of YAML 1.2 in double quotes (section 7.3.1), on one line; with the escapes of section 5.7 for
 /// what is not printable by section 5.1, and for what might be taken for the end of a line.
@@ -22,17 +22,10 @@ pub(super) fn yaml(text: &str) -> String {
     quoted
 }
 
-/// A text as one word of a POSIX shell: in single quotes (XCU 2.2.2) where it holds more than plain letters.
-pub(super) fn shell(text: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:,=@%".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        return text.to_owned();
-    }
-    format!("'{}'", text.replace('\'', r"'\''"))
-}
-
 #[cfg(test)]
 mod tests {
+    use candela::internal::shell_word;
+
     use super::*;
 
     #[test]
@@ -52,7 +45,7 @@ mod tests {
             ("####", "\"####\"", "'####'"),
         ] {
             assert_eq!(yaml(text), in_yaml);
-            assert_eq!(shell(text), in_shell);
+            assert_eq!(shell_word(text), in_shell);
         }
     }
 }

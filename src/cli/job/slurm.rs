@@ -3,7 +3,7 @@
 use candela::internal::printable;
 
 use super::Job;
-use super::quoting::shell;
+use candela::internal::shell_word;
 
 /// How often a task is put back into the queue.
 const TRIES: u32 = 5;
@@ -78,21 +78,21 @@ run() {{
 
 /// What a task does.
 fn body(job: &Job) -> String {
-    let scene = shell(&job.scene_word());
+    let scene = shell_word(&job.scene_word());
     let options: String = job
         .options
         .iter()
-        .map(|word| format!(" {}", shell(word)))
+        .map(|word| format!(" {}", shell_word(word)))
         .collect();
     let rest = format!("--skip-done --quiet{options}");
     let list = |name: &str, values: &[String]| {
         let lines: String = values
             .iter()
-            .map(|value| format!("    {}\n", shell(value)))
+            .map(|value| format!("    {}\n", shell_word(value)))
             .collect();
         format!("{name}=(\n{lines})\n")
     };
-    let whole = shell(&job.path(&job.name));
+    let whole = shell_word(&job.path(&job.name));
     match (job.tiles, &job.frames) {
         (None, None) => format!("run render {scene} -o {whole} {rest}\n"),
         (None, Some(_)) => {
@@ -101,7 +101,7 @@ fn body(job: &Job) -> String {
         }
         (Some(tiles), None) => {
             let (start, end) = around(job, None);
-            let merged = shell(&format!("{start}%d{end}"));
+            let merged = shell_word(&format!("{start}%d{end}"));
             format!(
                 "if [ \"${{1:-}}\" = merge ]; then
     run merge {merged} -o {whole} --quiet
@@ -109,20 +109,20 @@ else
     run render {scene} --tile \"$task/{tiles}\" -o {}\"$task\"{} {rest}
 fi
 ",
-                shell(&start),
-                shell(&end),
+                shell_word(&start),
+                shell_word(&end),
             )
         }
         (Some(tiles), Some(_)) => {
             let numbers = list("numbers", &job.numbers());
             let (before, after) = around_number(job);
-            let whole = format!("{}\"$number\"{}", shell(&before), shell(&after));
+            let whole = format!("{}\"$number\"{}", shell_word(&before), shell_word(&after));
             let (_, end) = around(job, None);
             let stem = after.strip_suffix(".exr").unwrap_or(&after);
             let start = format!(
                 "{}\"$number\"{}",
-                shell(&before),
-                shell(&format!("{stem}.tile"))
+                shell_word(&before),
+                shell_word(&format!("{stem}.tile"))
             );
             format!(
                 "{numbers}if [ \"${{1:-}}\" = merge ]; then
@@ -135,8 +135,8 @@ else
     run render {scene} --frames=\"$number\" --tile \"$tile/{tiles}\" -o {start}\"$tile\"{} {rest}
 fi
 ",
-                shell(&format!("%d{end}")),
-                shell(&end),
+                shell_word(&format!("%d{end}")),
+                shell_word(&end),
             )
         }
     }

@@ -61,6 +61,10 @@ impl FirstFrame {
         let stage = Stage::load(arguments, first)?;
         let request = Request::new(arguments, &stage, first)?;
         request.check(&stage.world)?;
+        if let Some(frames) = &arguments.frames {
+            // Better here than on many machines.
+            stage.check(frames.list())?;
+        }
         if let Some(count) = tiles {
             let number = TileNumber::new(count - 1, count)?;
             let tile = Tile {

@@ -30,7 +30,8 @@ pub(super) struct Manifest {
 /// The files of a frame.
 struct FrameFiles {
     frame: Option<Frame>,
-    files: Vec<PathBuf>,
+    /// Each with whether it was written, rather than there already.
+    files: Vec<(PathBuf, bool)>,
     /// None of a frame that was there already.
     seconds: Option<f64>,
 }
@@ -58,7 +59,7 @@ impl Manifest {
         })
     }
 
-    /// Adds a frame, with what rendering it took; nothing where it was there already.
+    /// Adds a frame, with what rendering it took; nothing where it was there already, but for its preview.
     pub(super) fn add(
         &mut self,
         frame: Option<Frame>,
@@ -66,14 +67,17 @@ impl Manifest {
         counts: Option<&Counts>,
         seconds: f64,
     ) {
+        let is_rendered = counts.is_some();
         let files = [
-            Some(&outputs.exr),
-            outputs.bands.as_ref(),
-            outputs.preview.as_ref(),
+            (Some(&outputs.exr), is_rendered),
+            (outputs.bands.as_ref(), is_rendered),
+            (outputs.preview.as_ref(), true),
         ];
+        let there =
+            |(path, is_written): (Option<&PathBuf>, bool)| Some((path?.clone(), is_written));
         self.frames.push(FrameFiles {
             frame,
-            files: files.into_iter().flatten().cloned().collect(),
+            files: files.into_iter().filter_map(there).collect(),
             seconds: counts.map(|_| seconds),
         });
         if let Some(counts) = counts {
@@ -91,7 +95,8 @@ impl Manifest {
             seconds,
         } in &self.frames
         {
-            for path in files.iter().filter(|path| path.as_os_str() != "-") {
+            let named = files.iter().filter(|(path, _)| path.as_os_str() != "-");
+            for (path, is_written) in named {
                 let (bytes, hash) = hashed(path)
                     .map_err(|error| format!("cannot read {} again: {error}", path.display()))?;
                 outputs.push(json!({
@@ -99,7 +104,7 @@ impl Manifest {
                     "bytes": bytes,
                     "sha256": hash,
                     "frame": frame.map(Frame::number),
-                    "rendered": seconds.is_some(),
+                    "rendered": is_written,
                     "seconds": seconds,
                 }));
             }

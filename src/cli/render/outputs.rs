@@ -49,6 +49,15 @@ impl Outputs {
         }
     }
 
+    /// All of them.
+    fn all(&self) -> impl Iterator<Item = &Path> {
+        let others = [&self.bands, &self.preview, &self.statistics, &self.manifest];
+        let others = others.into_iter().flatten();
+        std::iter::once(&self.exr)
+            .chain(others)
+            .map(PathBuf::as_path)
+    }
+
     /// Whether names have a place for the numbers of frames just where there are several.
     pub(super) fn check_names(&self, frames: Option<&Frames>) -> Result<(), String> {
         let of_frames = [Some(&self.exr), self.bands.as_ref(), self.preview.as_ref()];
@@ -72,27 +81,13 @@ impl Outputs {
 
     /// Whether anything goes to standard output.
     pub(super) fn are_on_standard_output(&self) -> bool {
-        let all = [
-            Some(&self.exr),
-            self.bands.as_ref(),
-            self.preview.as_ref(),
-            self.statistics.as_ref(),
-            self.manifest.as_ref(),
-        ];
-        let mut all = all.into_iter().flatten();
-        all.any(|path| output::Place::of_output(path).is_standard_output())
+        self.all()
+            .any(|path| output::Place::of_output(path).is_standard_output())
     }
 
     /// Whether all of them can be written, none over another or one of these inputs.
     pub(super) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
-        let all = [
-            Some(&self.exr),
-            self.bands.as_ref(),
-            self.preview.as_ref(),
-            self.statistics.as_ref(),
-            self.manifest.as_ref(),
-        ];
-        let all: Vec<&Path> = all.into_iter().flatten().map(PathBuf::as_path).collect();
+        let all: Vec<&Path> = self.all().collect();
         let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
         refuse_same_files(&inputs, &all)?;
         refuse_terminal(&self.exr)?;

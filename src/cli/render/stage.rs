@@ -2,12 +2,16 @@
 
 use candela::Camera;
 use candela::render::{Built, Renderer};
-use candela::scene::{Diagnostics, FIRST_FRAME, Motion, Reading, Scene};
+use candela::scene::{Diagnostics, FIRST_FRAME, Motion, Scene};
 use candela::world::{Loaded, World};
 
 use super::Arguments;
 use crate::cli::Failure;
 use crate::cli::frames::Frame;
+use crate::cli::legality::{Triangles, check_frames};
+
+/// So many entries of all frames together are checked before the first is rendered.
+const MOST_CHECKED: usize = 1_000_000;
 
 /// A scene at a frame.
 pub(super) struct Stage {
@@ -27,16 +31,30 @@ impl Stage {
             world,
             camera,
             motion,
-        } = match &arguments.scene {
-            Some(path) => arguments.base.load(path, frame, change)?,
-            None => World::of_reading(Reading::of_builtin(), change)?,
-        };
+        } = arguments
+            .base
+            .load(arguments.scene.as_deref(), frame, change)?;
         Ok(Self {
             scene,
             world,
             camera,
             motion,
         })
+    }
+
+    /// Whether these frames are legal, as far as that is found out in no time: one in which triangles move is looked at
+    /// when it is rendered.
+    pub(super) fn check(&self, frames: &[Frame]) -> Result<(), Failure> {
+        let Self {
+            scene,
+            world,
+            motion,
+            ..
+        } = self;
+        let entries = scene.materials.len() + scene.lights.len() + scene.objects.len();
+        let numbers = frames.iter().take(MOST_CHECKED / (1 + entries));
+        let numbers: Vec<f64> = numbers.map(|frame| frame.number()).collect();
+        check_frames(&numbers, motion, scene, world, Triangles::Left)
     }
 
     /// The frame that a header names: the one that is asked for, or that of a scene that moves.

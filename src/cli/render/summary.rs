@@ -1,7 +1,6 @@
 //! What `render` says at its end: the files that it wrote, and what a user should know about them.
 
 use std::collections::HashSet;
-use std::path::Path;
 
 use candela::display::{Exposure, LOOKS_BLACK, MANY_CLIPPED, Report, View, digits};
 use candela::exr::ExrReport;
@@ -13,6 +12,7 @@ use candela::world::physics::Warning;
 use super::Arguments;
 use super::outputs::Outputs;
 use crate::cli::frames::Frame;
+use crate::cli::sequence::output_name;
 
 /// Warnings of `candela check` beyond so many are counted, not listed.
 const LISTED: usize = 5;
@@ -62,10 +62,13 @@ impl Summary<'_> {
     pub(super) fn of_run(outputs: &Outputs) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(stats) = &outputs.statistics {
-            lines.push(format!("{}: counts and times", name(stats)));
+            lines.push(format!("{}: counts and times", output_name(stats)));
         }
         if let Some(manifest) = &outputs.manifest {
-            lines.push(format!("{}: what was read and written", name(manifest)));
+            lines.push(format!(
+                "{}: what was read and written",
+                output_name(manifest)
+            ));
         }
         lines
     }
@@ -85,12 +88,12 @@ impl Summary<'_> {
         let accuracy = self.arguments.accuracy.summary();
         let mut lines = vec![format!(
             "{}: {size}, {accuracy}, rendered in {:.2} s",
-            name(&self.outputs.exr),
+            output_name(&self.outputs.exr),
             self.seconds,
         )];
         lines.extend(self.arguments.accuracy.outcome(&self.counts.errors));
         if let Some(bands) = &self.outputs.bands {
-            lines.push(format!("{}: its bands", name(bands)));
+            lines.push(format!("{}: its bands", output_name(bands)));
         }
         if let (Some(preview), Some(developed)) = (&self.outputs.preview, &self.developed) {
             // What is chosen may be repeated with `tonemap`.
@@ -100,7 +103,7 @@ impl Summary<'_> {
                 }
                 Exposure::Ev(_) => String::new(),
             };
-            lines.push(format!("{}: its preview{exposure}", name(preview)));
+            lines.push(format!("{}: its preview{exposure}", output_name(preview)));
         }
         lines
     }
@@ -236,15 +239,6 @@ impl Summary<'_> {
             .frame
             .map_or_else(String::new, |frame| format!(" --frame {frame}"));
         format!("`candela probe {scene}{frame} --pixel {x},{y}`")
-    }
-}
-
-/// How a file is called.
-fn name(path: &Path) -> String {
-    if path.as_os_str() == "-" {
-        "standard output".to_owned()
-    } else {
-        printable_path(path)
     }
 }
 

@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 
 use super::Arguments;
+use crate::cli::advice::frame_number;
 use crate::cli::sequence::Conversion;
 use crate::cli::{Failure, failure, is_steerable};
 
@@ -29,6 +30,13 @@ pub(super) fn run(
     };
     let bar = ProgressBar::with_draw_target(Some(conversions.len() as u64), target);
     let bar = bar.with_style(style);
+    let are_frames = arguments
+        .inputs
+        .iter()
+        .any(|input| frame_number(input).is_some());
+    if let Some(warning) = arguments.development.of_frames().filter(|_| are_frames) {
+        let _ = writeln!(messages, "warning: {warning}");
+    }
     let messages = Mutex::new(messages);
     let is_transient = AtomicBool::new(true);
     let failed = conversions.par_iter().filter(|conversion| {

@@ -256,6 +256,12 @@ pub enum IncludeError {
     /// Not text.
     #[error("it is no text; save it as UTF-8")]
     NotUtf8,
+    /// Too much text, together with the scene file and what it includes already.
+    #[error("with it the scene has more than {limit} MB of text; expected at most that")]
+    TooLarge {
+        /// In MB.
+        limit: u64,
+    },
 }
 
 /// How many errors of one scene are collected; an entry in error after these is still left out.
@@ -312,7 +318,8 @@ impl Problem {
                 ..
             } => is_transient(error),
             Self::Included {
-                error: IncludeError::NotAFile(_) | IncludeError::NotUtf8,
+                error:
+                    IncludeError::NotAFile(_) | IncludeError::NotUtf8 | IncludeError::TooLarge { .. },
                 ..
             } => false,
             Self::Mesh { error, .. } => error.is_transient(),

@@ -86,8 +86,20 @@ impl Diagnostic {
         }
         if let Some(help) = self.problem.help() {
             group = group.element(Level::HELP.message(help));
+        } else if self.is_between_smooth_keys(&source.text) {
+            let help = "between keys, `smooth` may go beyond them; `linear` does not";
+            group = group.element(Level::HELP.message(help));
         }
         unsteered(&renderer.render(&[group]))
+    }
+}
+
+impl Diagnostic {
+    /// Whether it is about a value that may be out of range where the values of its keys are not.
+    fn is_between_smooth_keys(&self, text: &str) -> bool {
+        let is_out = matches!(self.problem, Problem::OutOfRange { .. });
+        let written = text.get(self.span.start..self.span.end);
+        self.frame.is_some() && is_out && written.is_some_and(|text| text.contains("\"smooth\""))
     }
 }
 

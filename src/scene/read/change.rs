@@ -78,20 +78,29 @@ pub(super) fn sets_nothing() -> Problem {
 
 /// A text as TOML has it: a name may stand without quotes, which shells take away.
 pub(super) fn quoted(text: &str) -> Option<String> {
-    let (_, equals) = keys(text)?;
+    let (_, equals) = keys(text).filter(|&(count, _)| count > 0)?;
     if DeTable::parse(text).is_ok() {
         return None;
     }
     let value = text[equals + 1..].trim();
     let is_name = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.' | '/' | '#');
     let is_bare = !value.is_empty() && value.chars().all(is_name);
-    is_bare.then(|| format!("{}\"{value}\"", &text[..=equals]))
+    let quoted = is_bare.then(|| format!("{}\"{value}\"", &text[..=equals]))?;
+    // What is wrong elsewhere is shown as it was typed.
+    DeTable::parse(&quoted).is_ok().then_some(quoted)
 }
 
 /// What a text sets, which begins at `start` of the whole.
 fn change(text: &str, start: usize) -> Result<Change<'_>, Problem> {
     let expected = || Problem::Syntax(format!("expected KEYS=VALUE, such as {EXAMPLE}"));
-    let (count, _) = keys(text).ok_or_else(expected)?;
+    let (count, equals) = keys(text)
+        .filter(|&(count, _)| count > 0)
+        .ok_or_else(expected)?;
+    if text[equals + 1..].trim().is_empty() {
+        let problem =
+            format!("a value is missing after `=`; expected KEYS=VALUE, such as {EXAMPLE}");
+        return Err(Problem::Syntax(problem));
+    }
     let parsed = DeTable::parse(text).map_err(|error| {
         let message = error.message();
         Problem::Syntax(format!("{message}; expected KEYS=VALUE, such as {EXAMPLE}"))

@@ -18,7 +18,7 @@ use super::super::diagnostic::{Diagnostic, IncludeError, Problem, Span};
 use super::super::inputs::Input;
 use super::super::{Part, Source};
 use super::syntax::described;
-use super::{LARGEST_FILE, change, folder_of, read_stream, too_large};
+use super::{LARGEST_FILE, change, folder_of, read_stream};
 use crate::input::{self, Hash};
 
 /// The key above all sections that names further files.
@@ -117,7 +117,7 @@ impl Document {
         // A pipe would be waited for.
         let (file, length) = input::open(&path).map_err(unreadable)?;
         if self.source.text.len() as u64 + length > LARGEST_FILE {
-            return Err(too_large());
+            return Err(unreadable(too_large()));
         }
         if !self.known.insert(real) {
             let message = format!("`{name}` is a part of this scene already; include it once");
@@ -126,7 +126,8 @@ impl Document {
         let bytes = match read_stream(file) {
             Ok(bytes) => bytes,
             Err(Problem::Unreadable(error)) => return Err(unreadable(error.into())),
-            Err(problem) => return Err(problem),
+            // It has grown since.
+            Err(_) => return Err(unreadable(too_large())),
         };
         let hash = Hash::of(&bytes);
         let text = String::from_utf8(bytes).map_err(|_| unreadable(IncludeError::NotUtf8))?;
@@ -137,14 +138,21 @@ impl Document {
         };
         self.included.push((span, input));
         let folder = folder_of(&path).to_owned();
-        let range = self.append(&text, &path, &folder, false);
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let range = self.append(text, &path, &folder, false);
         self.include_all(range, &folder);
         Ok(())
     }
 }
 
+const fn too_large() -> IncludeError {
+    IncludeError::TooLarge {
+        limit: LARGEST_FILE / 1_000_000,
+    }
+}
+
 /// A place in a text that begins at `start` of another.
-pub(super) fn shifted(span: Span, start: usize) -> Span {
+fn shifted(span: Span, start: usize) -> Span {
     Span::from(span.start + start..span.end + start)
 }
 

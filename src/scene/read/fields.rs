@@ -22,8 +22,8 @@ pub(super) struct Reader<'a> {
     pub(super) frame: f64,
     /// Whether it is the value of a key that is read.
     pub(super) is_within_keys: bool,
-    /// The first and the last frame of the keys that were met.
-    pub(super) moved: Option<[f64; 2]>,
+    /// The frames of the keys that were met, in no order.
+    pub(super) key_frames: Vec<f64>,
     /// The entries that move.
     pub(super) moving: Moving,
 }

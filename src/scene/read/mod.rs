@@ -125,9 +125,10 @@ impl Reading {
         Self::of_text_in(text, path, folder_of(path), &[])
     }
 
-    /// The scene that is rendered where no file is named.
-    pub fn of_builtin() -> Self {
-        Self::of_text(super::BUILTIN.to_owned(), Path::new("<lecture.toml>"))
+    /// The scene that is rendered where no file is named, with each text of `set` in the place of what it says.
+    pub fn of_builtin(set: &[String]) -> Self {
+        let path = Path::new("<lecture.toml>");
+        Self::of_text_in(super::BUILTIN.to_owned(), path, folder_of(path), set)
     }
 
     fn of_text_in(text: String, path: &Path, folder: &Path, set: &[String]) -> Self {
@@ -333,7 +334,7 @@ fn read(document: &mut Document) -> (Option<Unsourced>, Vec<Diagnostic>, Broken)
         changes: Rc::new(Changes::read(&document.source, &mut of_texts)),
         frame: FIRST_FRAME,
         is_within_keys: false,
-        moved: None,
+        key_frames: Vec::new(),
         moving: Moving::nothing(),
     };
     let mut found = Found::default();
@@ -541,7 +542,7 @@ impl<'t> Found<'t> {
             lights: self.lights.in_order(),
             objects: self.objects.in_order(),
             inputs,
-            moving: reader.moving.with(reader.moved, reader.files),
+            moving: reader.moving.with(reader.key_frames, reader.files),
         });
         (scene, reader.diagnostics, broken)
     }

@@ -64,7 +64,13 @@ impl Motion {
 
     /// The first and the last frame that has a key; `None` where nothing moves.
     pub fn frames(&self) -> Option<[f64; 2]> {
-        self.moving.frames
+        let frames = self.key_frames();
+        Some([*frames.first()?, *frames.last()?])
+    }
+
+    /// The frames that have keys, each once, ascending.
+    pub fn key_frames(&self) -> &[f64] {
+        &self.moving.key_frames
     }
 
     /// What moves at all.
@@ -82,7 +88,7 @@ impl Motion {
     /// # Errors
     /// If keys cannot be read; those of a scene that was read can.
     pub fn set(&self, scene: &mut Scene, frame: f64) -> Result<Change, Diagnostics> {
-        if self.frames().is_none() {
+        if self.key_frames().is_empty() {
             return Ok(Change::default());
         }
         let at_frame = self.moving.at(frame, &self.source.text);
@@ -153,7 +159,7 @@ impl Moving {
             changes: Rc::new(Changes::default()),
             frame,
             is_within_keys: false,
-            moved: None,
+            key_frames: Vec::new(),
             moving: Self::nothing(),
         };
         let entries = reader.moving_entries(&root);

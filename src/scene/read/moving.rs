@@ -78,9 +78,7 @@ impl Reader<'_> {
         self.is_within_keys = false;
         finished?;
         let (frames, values) = keys?;
-        if let [first, .., last] | [first @ last] = frames[..] {
-            self.moves(first, last);
-        }
+        self.key_frames.extend_from_slice(&frames);
         let blend = Blend::at(self.frame, &frames, interpolation?.value);
         Some(T::blended(&values, &blend))
     }
@@ -139,7 +137,7 @@ impl Reader<'_> {
         }
         let frame = self.number(&KEYS, name, node)?;
         let problem = if !(-LAST_FRAME..=LAST_FRAME).contains(&frame) {
-            format!("the frame {frame} of `{name}` is not from -1e9 to 1e9")
+            format!("the frame {frame:e} of `{name}` is not from -1e9 to 1e9")
         } else if let Some(last) = last.filter(|&last| last >= frame) {
             format!(
                 "the frame {frame} of `{name}` does not come after {last}; keys stand in the order of their frames"
@@ -150,25 +148,14 @@ impl Reader<'_> {
         self.report(node.span().into(), Problem::Conflict(problem));
         None
     }
-
-    /// Something moves between these frames.
-    fn moves(&mut self, first: f64, last: f64) {
-        let [before, after] = self.moved.unwrap_or([first, last]);
-        self.moved = Some([before.min(first), after.max(last)]);
-    }
 }
 
 impl Reader<'_> {
     /// Reads something, and whether that moves.
     pub(super) fn watched<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> (T, bool) {
-        let before = self.moved.take();
+        let before = self.key_frames.len();
         let value = read(self);
-        let moved = self.moved;
-        self.moved = match (before, moved) {
-            (Some([first, last]), Some([a, b])) => Some([first.min(a), last.max(b)]),
-            (before, moved) => before.or(moved),
-        };
-        (value, moved.is_some())
+        (value, self.key_frames.len() > before)
     }
 
     /// Keeps what moves and is not in error, to be read again at other frames.

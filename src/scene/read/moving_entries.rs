@@ -22,8 +22,8 @@ pub struct Moved {
 /// What moves.
 #[derive(Clone, Debug)]
 pub(super) struct Moving {
-    /// The first and the last frame that has a key.
-    pub(super) frames: Option<[f64; 2]>,
+    /// The frames that have keys, each once, ascending.
+    pub(super) key_frames: Vec<f64>,
     pub(super) moved: Moved,
     /// "the camera", "light `key`"
     pub(super) names: Vec<String>,
@@ -37,7 +37,7 @@ impl Moving {
     /// Nothing yet.
     pub(super) fn nothing() -> Self {
         Self {
-            frames: None,
+            key_frames: Vec::new(),
             moved: Moved::default(),
             names: Vec::new(),
             text: String::new(),
@@ -47,14 +47,16 @@ impl Moving {
     }
 
     /// With the files that what moves may name, once all of them are read.
-    pub(super) fn with(self, frames: Option<[f64; 2]>, files: Files) -> Self {
+    pub(super) fn with(self, mut key_frames: Vec<f64>, files: Files) -> Self {
+        key_frames.sort_by(f64::total_cmp);
+        key_frames.dedup();
         Self {
-            frames,
-            files: if frames.is_some() {
-                files
-            } else {
+            files: if key_frames.is_empty() {
                 Files::default()
+            } else {
+                files
             },
+            key_frames,
             ..self
         }
     }

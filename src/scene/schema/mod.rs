@@ -289,9 +289,7 @@ fn moving(value: &Json) -> Members {
         ("minItems", Json::from(2.0)),
         ("maxItems", Json::from(2.0)),
     ]);
-    let Json::Object(mut members) = Json::Object(keys(&MOVING, AMOUNT)) else {
-        return Vec::new();
-    };
+    let mut members = keys(&MOVING, AMOUNT);
     for (name, member) in &mut members {
         if name == "properties"
             && let Json::Object(properties) = member

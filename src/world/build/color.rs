@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::{Builder, Reported, as_written, listed};
-use crate::color::{Primaries, transfer};
+use crate::color::Primaries;
 use crate::scene::{ColorSpace, Problem, Spanned, Unit, Value};
 use crate::spectrum::{Curve, Spectrum, blackbody, daylight};
 use crate::world::colorimetry::{SpectralReflectance, converted};
@@ -134,27 +134,8 @@ struct Literal {
 impl Literal {
     /// `None` for what is not said as RGB.
     fn of(value: &Value) -> Option<Self> {
-        let rec709 = |rgb| Self {
-            rgb,
-            space: ColorSpace::Rec709,
-        };
-        match value {
-            Value::Uniform(value) => Some(rec709([*value; 3])),
-            Value::Rgb { rgb, space } => Some(Self {
-                rgb: *rgb,
-                space: *space,
-            }),
-            Value::Srgb(codes) => Some(rec709(
-                codes.map(|code| transfer::srgb_decode(f64::from(code) / 255.0)),
-            )),
-            Value::Illuminant(_)
-            | Value::Daylight(_)
-            | Value::Blackbody(_)
-            | Value::Curve(_)
-            | Value::Lines(_)
-            | Value::Sized { .. }
-            | Value::Mixed(_) => None,
-        }
+        let (rgb, space) = value.linear()?;
+        Some(Self { rgb, space })
     }
 
     fn is_legal(&self) -> bool {
