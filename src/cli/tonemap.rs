@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::develop::DevelopArguments;
+use super::failure::Misuse;
 use super::display_server::DisplayServer;
 use super::sequence::{Conversion, conversions, input_name};
 use candela::Primaries;
@@ -162,7 +163,8 @@ pub(crate) fn run(
             } else {
                 "--display-server"
             };
-            return Err(format!("{what} takes one file, not {}", conversions.len()).into());
+            let message = format!("{what} takes one file, not {}", conversions.len());
+            return Err(Misuse(message).into());
         }
         return many::run(arguments, &conversions, unfinished, messages);
     };

@@ -254,7 +254,7 @@ fn two_outputs_do_not_share_standard_output() {
         ]);
     }
     for outputs in cases {
-        let message = fails(folder, &format!("render ball.toml {outputs}"), 1);
+        let message = fails(folder, &format!("render ball.toml {outputs}"), 2);
         assert!(message.contains("would go to standard output"), "{message}");
     }
     assert_eq!(files(folder), ["ball.toml"]);
