@@ -50,3 +50,4 @@ mod streaming;
 mod terminator;
 mod truths;
 mod usage;
+mod work;

@@ -75,6 +75,7 @@ impl ErrorCounts {
         self.smooth + self.edges
     }
 
+    #[inline]
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             floor: self.floor.max(other.floor),

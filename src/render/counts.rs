@@ -1,6 +1,7 @@
 //! What a render took and met.
 
 use super::accuracy::ErrorCounts;
+use crate::visibility::Work;
 
 /// The radiance in cd/m² that a screen shows as its white, where no exposure is given.
 pub const SCREEN_WHITE: f32 = 1.0;
@@ -8,7 +9,8 @@ pub const SCREEN_WHITE: f32 = 1.0;
 /// Above this a pixel is brighter than the screen: it would have a code of 256 or more of 255.
 pub(super) const BEYOND_WHITE: f32 = 1.009 * SCREEN_WHITE;
 
-/// What a render took and met. The same for any number of threads and any instructions.
+/// What a render took and met. The same for any number of threads, and all but [`work`](Self::work) for any
+/// instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counts {
     /// Camera rays.
@@ -31,9 +33,12 @@ pub struct Counts {
     pub beyond_white: u64,
     /// How exact the pixels are, where they are rendered to an error.
     pub errors: ErrorCounts,
+    /// What it took to find out what rays meet.
+    pub work: Work,
 }
 
 impl Counts {
+    #[inline]
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             primary_rays: self.primary_rays + other.primary_rays,
@@ -45,6 +50,7 @@ impl Counts {
             brightest: self.brightest.max(other.brightest),
             beyond_white: self.beyond_white + other.beyond_white,
             errors: self.errors.and(other.errors),
+            work: self.work.and(other.work),
         }
     }
 

@@ -56,6 +56,7 @@ pub use sink::{RenderedTile, Sink};
 pub use crate::simd::SimdLevel;
 #[doc(hidden)]
 pub use crate::simd::UnknownInstructions;
+pub use crate::visibility::{RayWork, Work};
 
 /// A panic elsewhere ends the render in any case.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

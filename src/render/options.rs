@@ -24,6 +24,9 @@ pub struct Options {
     pub simd: SimdLevel,
     /// The frame of a sequence, which the header then names. Default `None`.
     pub frame: Option<f64>,
+    /// Whether [`RayWork::distinct_leaves`](super::RayWork::distinct_leaves) is counted, which takes a bit of memory for
+    /// each leaf seen from the eye and from each light, 64 MB at most. Default: no.
+    pub distinct_leaves: bool,
 }
 
 impl Default for Options {
@@ -35,6 +38,7 @@ impl Default for Options {
             layers: Layers::default(),
             simd: SimdLevel::default(),
             frame: None,
+            distinct_leaves: false,
         }
     }
 }

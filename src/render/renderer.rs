@@ -396,10 +396,17 @@ impl<'w> Renderer<'w> {
             .map_or(options.samples, |target| target.max_samples);
         let sampler = Sampler::new(most);
         let layers = RequestedLayers::new(self.world, camera, &options.layers, bands.as_ref());
+        let origins = self.world.lights().iter();
+        let origins = origins.map(|light| light.value.origins().len()).sum();
+        let met_leaves = options
+            .distinct_leaves
+            .then(|| self.visibility.met_leaves(origins))
+            .flatten();
         let setup = Setup {
             world: self.world,
             camera,
             visibility: &self.visibility,
+            met_leaves: met_leaves.as_ref(),
             simd: options.simd,
             sampler: &sampler,
             layers: layers.as_ref(),

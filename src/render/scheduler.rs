@@ -34,7 +34,11 @@ pub(super) fn render_tiles<'w>(
         each,
     );
     let counts = workers.iter().map(|worker| worker.counts);
-    counts.fold(Counts::default(), Counts::and)
+    let mut counts = counts.fold(Counts::default(), Counts::and);
+    if let Some(leaves) = setup.met_leaves {
+        leaves.count_into(&mut counts.work);
+    }
+    counts
 }
 
 /// Tiles in a row of a window.
@@ -72,7 +76,7 @@ impl<'w> Worker<'w> {
     fn new(setup: &Setup<'w>, rendered: RenderedTile) -> Self {
         Self {
             tile: Box::default(),
-            space: Box::default(),
+            space: Space::of(setup),
             rendered,
             adaptive: setup.goal.map(|goal| Adaptive::new(setup, goal)),
             counts: Counts::default(),

@@ -1,6 +1,7 @@
 //! Tiles: running sums of their pixels, to which passes add samples.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use fearless_simd::Simd;
 
@@ -17,7 +18,7 @@ use crate::camera::Camera;
 use crate::image::Window;
 use crate::shading::{self, LightTerms, Shaded};
 use crate::simd::{Kernel, LANES, SimdLevel};
-use crate::visibility::{Points, Visibility, Workspace};
+use crate::visibility::{MetLeaves, Points, Visibility, Workspace};
 use crate::world::World;
 
 /// What all tiles have in common.
@@ -26,6 +27,8 @@ pub(super) struct Setup<'w> {
     pub(super) world: &'w World,
     pub(super) camera: &'w Camera,
     pub(super) visibility: &'w Visibility<'w>,
+    /// Where it is noted which leaves are met, if anybody asks.
+    pub(super) met_leaves: Option<&'w Arc<MetLeaves>>,
     pub(super) simd: SimdLevel,
     /// Where all samples of a pixel are, of which a pass takes a range.
     pub(super) sampler: &'w Sampler,
@@ -80,6 +83,15 @@ pub(super) struct Space {
     points: Points,
     shaded: Shaded,
     terms: LightTerms,
+}
+
+impl Space {
+    /// For tiles of a setup.
+    pub(super) fn of(setup: &Setup<'_>) -> Box<Self> {
+        let mut space = Box::<Self>::default();
+        space.tracing.note_leaves(setup.met_leaves.cloned());
+        space
+    }
 }
 
 impl<'w> Tile<'w> {
@@ -197,6 +209,8 @@ impl Kernel for Pass<'_, '_> {
             Further::MayCome
         };
         let count = samples.end - samples.start;
+        // What the batch before met is taken for a hint: of another tile's, the work would depend on the threads.
+        space.points.forget();
         space
             .batch
             .begin(simd, sampler, &tile.pixels, selection, samples.clone());
@@ -245,6 +259,7 @@ impl Kernel for Pass<'_, '_> {
                 tile.taken.0[pixel as usize] += count;
             }
         }
+        counts.work = space.tracing.take_work();
         counts
     }
 }

@@ -146,7 +146,10 @@ impl Shaded {
         if points.none_hit() {
             return;
         }
+        let mut next_number = 0;
         for (index, light) in world.lights().iter().enumerate() {
+            let numbers = next_number..;
+            next_number += light.value.origins().len();
             let inside = match &light.value {
                 Light::Point(_) => points.hit,
                 light @ Light::Spot(spot) => {
@@ -156,7 +159,7 @@ impl Shaded {
                     spot::inside(simd, spot, points)
                 }
             };
-            for origin in light.value.origins() {
+            for (number, origin) in numbers.zip(light.value.origins()) {
                 let Facing { mut above, at } = points.facing(simd, world, origin);
                 for (above, inside) in above.iter_mut().zip(inside) {
                     *above &= inside;
@@ -167,6 +170,7 @@ impl Shaded {
                 if asked > 0 {
                     let segments = SegmentBatch::ToPoint {
                         end: origin,
+                        number,
                         points,
                         facing: &above,
                     };

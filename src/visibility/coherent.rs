@@ -30,6 +30,8 @@ impl Visibility<'_> {
         space: &mut Workspace,
         points: &mut Points,
     ) {
+        space.projection.origin_number = 0;
+        space.projection.work.primary.batches += 1;
         let mut asked = [0; PACKETS];
         for (packet, bits) in asked.iter_mut().enumerate() {
             *bits = rays.lanes(packet);
@@ -51,6 +53,7 @@ impl Visibility<'_> {
             } else {
                 bits
             };
+            projection.work.primary.fallbacks += u64::from(fallback.count_ones());
             let known = bits & !fallback;
             if fallback == 0 && projection.found(simd, packet) & known == 0 {
                 points.hit[packet] = 0;
@@ -106,6 +109,7 @@ impl Visibility<'_> {
                 }
                 if is_bounded && projection.state == State::Bounded {
                     projection.resolve_whole();
+                    projection.work.primary.resolved_whole += 1;
                     return true;
                 }
                 let ray = count / 2;
@@ -229,6 +233,9 @@ impl Visibility<'_> {
             } else {
                 State::Unfit
             };
+            let work = &mut space.projection.work.shadow;
+            work.batches += 1;
+            work.resolved_whole += u64::from(matches!(state, State::Occluded | State::Bounded));
             match state {
                 State::Occluded => {}
                 // There is nothing between the light and the points.
@@ -357,6 +364,7 @@ impl Visibility<'_> {
         bits: u32,
         space: &mut Workspace,
     ) -> u32 {
+        space.projection.work.shadow.fallbacks += u64::from(bits.count_ones());
         let starts = points.starts();
         let ends = SegmentStarts {
             position: starts.position,

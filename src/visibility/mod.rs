@@ -12,7 +12,7 @@
 //! are asked together, nor on the instruction set.
 //!
 //! On floors, of which each uses only those before it:
-//! 1. `batch`, `primitive`: the columns of a batch; which shape it is.
+//! 1. `batch`, `primitive`, `work`: the columns of a batch; which shape it is; what it takes, counted.
 //! 2. `rays`, `ray_batch`, `question`: the rays of a packet and of a batch, what they ask, and what is known of the
 //!    answer.
 //! 3. `tree`: a bounding volume hierarchy and the beams that go down it. It knows boxes, not shapes.
@@ -38,9 +38,12 @@ mod shaft;
 mod shape;
 mod shapes;
 mod tree;
+mod work;
 
 #[cfg(test)]
 mod tests;
+
+use std::sync::Arc;
 
 use fearless_simd::Simd;
 
@@ -51,6 +54,8 @@ pub(crate) use points::Facing;
 pub(crate) use points::Points;
 pub(crate) use ray_batch::{IncoherentRays, RayBatch};
 pub(crate) use shaft::{Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace};
+pub(crate) use work::MetLeaves;
+pub use work::{RayWork, Work};
 
 use crate::math::{DVec3, Point};
 use crate::memory::{self, OutOfMemory};
@@ -58,6 +63,7 @@ use crate::simd::DVec3x16;
 use crate::world::{Plan, World};
 use incoherent::IncoherentSpace;
 use projection::BatchProjection;
+use shape::TriangleBlock;
 pub(crate) use shapes::Parts;
 use shapes::{Setups, Shapes};
 use tree::{EMPTY_STACK, Stack};
@@ -103,6 +109,8 @@ pub(crate) enum SegmentBatch<'s> {
     /// [above](Points::facing) of it.
     ToPoint {
         end: Point,
+        /// Which it is among the points of all lights.
+        number: usize,
         points: &'s Points,
         facing: &'s [u32; PACKETS],
     },
@@ -135,6 +143,22 @@ impl Default for Workspace {
             groups: Vec::new(),
             incoherent: IncoherentSpace::default(),
         }
+    }
+}
+
+impl Workspace {
+    /// Takes note of the leaves that are met from now on, if any are given.
+    pub(crate) fn note_leaves(&mut self, leaves: Option<Arc<MetLeaves>>) {
+        self.projection.met_leaves = leaves;
+    }
+
+    /// What was done since this was last asked.
+    pub(crate) fn take_work(&mut self) -> Work {
+        let mut work = std::mem::take(&mut self.projection.work);
+        for rays in [&mut work.primary, &mut work.shadow] {
+            rays.leaf_bytes = rays.leaves * TriangleBlock::BYTES as u64;
+        }
+        work
     }
 }
 
@@ -246,11 +270,24 @@ impl<'w> Visibility<'w> {
         match segments {
             SegmentBatch::ToPoint {
                 end,
+                number,
                 points,
                 facing,
-            } => self.free_to_point(simd, end, points, facing, space),
+            } => {
+                space.projection.origin_number = number + 1;
+                self.free_to_point(simd, end, points, facing, space)
+            }
             SegmentBatch::Any(segments) => self.free_incoherent(simd, segments, space),
         }
+    }
+
+    /// No leaf yet, to be told apart as they are met from the eye and from so many points of lights; `None` if
+    /// these are too many.
+    pub(crate) fn met_leaves(&self, origins: usize) -> Option<Arc<MetLeaves>> {
+        MetLeaves::none(
+            self.shapes.triangles.blocks_count(),
+            origins.checked_add(1)?,
+        )
     }
 
     /// Bytes of the arrays and trees.

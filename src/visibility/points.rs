@@ -156,6 +156,11 @@ impl Points {
         self.lifts.begin();
     }
 
+    /// Knows nothing of what was met before.
+    pub(crate) fn forget(&mut self) {
+        self.only = Only::Nothing;
+    }
+
     /// Knows all points, and what they have in common.
     #[inline(always)]
     pub(super) fn end<S: Simd>(&mut self, simd: S) {

@@ -155,6 +155,11 @@ impl<T: Shape> Search<T> {
         self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
     }
 
+    /// How many blocks there are.
+    pub(super) fn blocks_count(&self) -> usize {
+        self.blocks.len()
+    }
+
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
         self.blocks.is_empty()

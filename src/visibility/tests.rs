@@ -326,6 +326,7 @@ impl Kernel for Compare<'_> {
                 let [lit, expected] = [0, 1].map(|way: usize| {
                     let segments = SegmentBatch::ToPoint {
                         end: light,
+                        number: 0,
                         points: &points[way],
                         facing: &facing,
                     };

@@ -8,9 +8,13 @@ use crate::math::Point;
 use crate::simd::{F32x16, LANES, Mask32x16, U32x16, U64x16};
 use crate::visibility::batch::{BATCH, Column, PACKETS, offsets};
 use crate::visibility::primitive::{Primitive, ShapeId};
+use crate::visibility::work::{RayWork, Work};
 
 /// The depth test: what is made of fragments.
 pub(in crate::visibility) trait DepthTest: Copy {
+    /// What is done for it, of all.
+    fn work(self, all: &mut Work) -> &mut RayWork;
+
     /// Whether all rays end on the shape.
     fn are_all_on(self, id: ShapeId) -> bool;
 
@@ -105,6 +109,11 @@ impl OcclusionTest<'_> {
 
 impl DepthTest for NearestHitTest {
     #[inline(always)]
+    fn work(self, all: &mut Work) -> &mut RayWork {
+        &mut all.primary
+    }
+
+    #[inline(always)]
     fn are_all_on(self, _: ShapeId) -> bool {
         false
     }
@@ -193,6 +202,11 @@ impl DepthTest for NearestHitTest {
 }
 
 impl DepthTest for OcclusionTest<'_> {
+    #[inline(always)]
+    fn work(self, all: &mut Work) -> &mut RayWork {
+        &mut all.shadow
+    }
+
     #[inline(always)]
     fn are_all_on(self, id: ShapeId) -> bool {
         self.only == Some(id.primitive)

@@ -17,10 +17,13 @@ mod fragments;
 mod parallel;
 mod sample_grid;
 
+use std::sync::Arc;
+
 use fearless_simd::Simd;
 
 use super::batch::{BATCH, Floats, PACKETS, Row, longest};
 use super::primitive::ShapeId;
+use super::work::{MetLeaves, Work};
 use crate::math::{DVec3, all_three, both};
 use crate::simd::{DVec3x16, F32x16, LANES, Mask32x16, U32x16, smallest_of_each};
 pub(in crate::visibility) use affine::Affine;
@@ -126,6 +129,11 @@ pub(in crate::visibility) struct BatchProjection {
     /// How many triangles were near any ray, and from [`MANY`] on where the rays are.
     drawn: u32,
     grid: SampleGrid,
+    /// What was done for this batch and those before it.
+    pub(in crate::visibility) work: Work,
+    /// Where it is noted which leaves are met, if anybody asks; by the number of the origin, 0 for the eye.
+    pub(in crate::visibility) met_leaves: Option<Arc<MetLeaves>>,
+    pub(in crate::visibility) origin_number: usize,
 }
 
 /// What the rays on a projection share.
@@ -201,6 +209,9 @@ impl Default for BatchProjection {
             asked: [0; PACKETS],
             drawn: 0,
             grid: SampleGrid::default(),
+            work: Work::default(),
+            met_leaves: None,
+            origin_number: 0,
         }
     }
 }

@@ -235,6 +235,9 @@ pub(in crate::visibility) struct TriangleBlock {
 }
 
 impl TriangleBlock {
+    /// How much is read of it to set it up.
+    pub(in crate::visibility) const BYTES: usize = size_of::<LeafBlock>();
+
     /// What f32 can tell of one ray and the triangles with a bit; `None` if it passes through none.
     #[inline(always)]
     pub(in crate::visibility) fn meet<S: Simd>(
@@ -307,11 +310,16 @@ impl Block<Triangle> for TriangleBlock {
         &self,
         simd: S,
         bits: u32,
-        _: u32,
+        slot: u32,
         setups: &mut TriangleSetups,
         projection: &mut BatchProjection,
         depth_test: impl DepthTest,
     ) {
+        depth_test.work(&mut projection.work).leaves += 1;
+        if let Some(met) = &projection.met_leaves {
+            let block = (slot - Triangle::SLOTS) as usize / LANES;
+            met.meet(projection.origin_number, block);
+        }
         setups.set_up(simd, projection, &self.leaf, bits);
         let id = |place: usize| ShapeId {
             slot: Triangle::SLOTS | (self.leaf.number + place as u32),

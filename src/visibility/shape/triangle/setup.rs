@@ -452,6 +452,8 @@ impl TriangleSetups {
                 near[first / 64] |= u64::from(packets) << (first % 64);
             }
         }
+        let tested = near.iter().map(|pairs| u64::from(pairs.count_ones()));
+        depth_test.work(&mut projection.work).pairs += tested.sum::<u64>();
         let mut pairs = [0; PAIRS];
         let mut count = 0;
         for (first, mut bits) in (0..).step_by(64).zip(near) {
