@@ -480,6 +480,15 @@ fn statistics() {
     }
     assert_eq!(stats["shadow_rays"], above);
     assert!(stats["plan"].is_object(), "{stats}");
+    // A ball and a plane; a batch for each tile of 16 × 16 pixels.
+    let work = &stats["work"];
+    assert_eq!(work["primary"]["batches"], 4 * 3);
+    for rays in ["primary", "shadow"] {
+        assert!(work[rays]["fallbacks"].is_u64() && work[rays]["resolved_whole"].is_u64());
+        for count in ["leaves", "distinct_leaves", "leaf_bytes", "pairs"] {
+            assert_eq!(work[rays][count], 0, "{rays}: {count}");
+        }
+    }
     let seconds = |name: &str| {
         let seconds = stats["seconds"][name].as_f64().unwrap();
         assert!((0.0..60.0).contains(&seconds), "{name}: {seconds}");
