@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::compare::{Row, Spread};
 use super::whole::Whole;
-use super::{Result, Setting};
+use super::{Result, Setting, work};
 
 /// Kept with the sources, by date and machine.
 pub(crate) const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/archive");
@@ -84,6 +84,7 @@ impl Report {
                 or_dash(row.shading, floor),
             );
         }
+        text += &work::markdown(&self.rows);
         text += &self.other_times();
         text += &self.whole_process();
         text

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::Result;
 use super::scenes::Scene;
+use super::work::Work;
 use super::yardstick::{self, Yardstick};
 
 /// What a render makes.
@@ -64,6 +65,7 @@ pub(crate) struct Row {
     pub(crate) samples: u32,
     pub(crate) primary_rays: u64,
     pub(crate) shadow_rays: u64,
+    pub(crate) work: Work,
     pub(crate) load: f64,
     pub(crate) build: f64,
     pub(crate) render: Spread,
@@ -130,14 +132,16 @@ impl Bench<'_> {
                 pool.install(|| load(&scene.path, |scene| scene.lights.truncate(lights)))?;
             let (renderer, build) = timed(|| pool.install(|| Renderer::new(&world)));
             let renderer = renderer?;
-            let render = |samples: u32| -> (Rendered, f64) {
+            let render_with = |samples: u32, distinct_leaves: bool| -> (Rendered, f64) {
                 let options = Options {
                     samples,
+                    distinct_leaves,
                     ..Options::default()
                 };
                 let render = || renderer.film(&camera, &options, &Job::new());
                 timed(|| pool.install(render))
             };
+            let render = |samples: u32| render_with(samples, false);
             // The first renders of both are not measured.
             let (film, _) = render(1).0?;
             let agreement = match &mut yardstick {
@@ -154,10 +158,11 @@ impl Bench<'_> {
             written?;
             for &samples in samples {
                 let (mut ours, mut theirs, mut shading) = (Vec::new(), Vec::new(), Vec::new());
-                let mut counts = Counts::default();
+                // To tell leaves apart takes a little time: this one is not measured.
+                let (_, counts) = render_with(samples, true).0?;
                 for _ in 0..self.runs {
                     let (rendered, seconds) = render(samples);
-                    (_, counts) = rendered?;
+                    rendered?;
                     ours.push(seconds);
                     if let Some(yardstick) = &mut yardstick {
                         theirs.push(yardstick.render(samples, self.threads, lights)?);
@@ -177,6 +182,7 @@ impl Bench<'_> {
                     samples,
                     primary_rays: counts.primary_rays,
                     shadow_rays: counts.shadow_rays,
+                    work: Work::of(&counts),
                     load,
                     build,
                     render: Spread::of(ours),

@@ -10,6 +10,7 @@ mod scaling;
 mod scenes;
 mod tonemap;
 mod whole;
+mod work;
 mod yardstick;
 
 use std::error::Error;
