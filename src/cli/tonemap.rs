@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use super::Failure;
 use super::develop::DevelopArguments;
-use super::failure::Misuse;
 use super::display_server::DisplayServer;
+use super::failure::Misuse;
 use super::sequence::{Conversion, conversions, input_name};
 use candela::Primaries;
 use candela::display::{self, Alpha, Bits, Frame, Input, OutputFormat, Settings};
