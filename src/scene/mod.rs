@@ -383,6 +383,16 @@ impl Scene {
             .collect()
     }
 
+    /// Gives the memory of meshes back, once there is a world of it: what is left of each in the scene is empty.
+    #[doc(hidden)]
+    pub fn release_meshes(&mut self) {
+        for entry in &mut self.objects {
+            if let Object::Mesh { geometry, .. } = &mut entry.value {
+                *geometry = Arc::default();
+            }
+        }
+    }
+
     /// The scene that is rendered where no file is named: the lecture's.
     pub fn builtin() -> Self {
         let scene = Reading::of_builtin(&[]).complete();

@@ -27,13 +27,17 @@ impl Stage {
         let change = |scene: &mut Scene| arguments.layers.apply(scene);
         let frame = frame.map(Frame::number);
         let Loaded {
-            scene,
+            mut scene,
             world,
             camera,
             motion,
         } = arguments
             .base
             .load(arguments.scene.as_deref(), frame, change)?;
+        if !motion.moved().world {
+            // The world has what it takes of meshes, and is not made again.
+            scene.release_meshes();
+        }
         Ok(Self {
             scene,
             world,
