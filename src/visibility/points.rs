@@ -259,7 +259,7 @@ impl Points {
         let (mut object, mut material) = (u32::MAX, 0);
         let mut are_uniform = true;
         for lane in ones(bits) {
-            let primitive = triangles.get(slots[lane]).primitive();
+            let primitive = triangles.primitive(slots[lane]);
             self.primitive[first_lane + lane] = primitive.0;
             let (of, _) = primitive.parts();
             if of != object {

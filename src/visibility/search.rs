@@ -4,6 +4,7 @@ use fearless_simd::Simd;
 use rayon::prelude::*;
 
 use super::packet::{Question, descend};
+use super::primitive::Primitive;
 use super::projection::{BatchProjection, DepthTest};
 use super::rays::ShearedRays;
 use super::shape::{Block, Shape};
@@ -12,7 +13,7 @@ use super::tree::{
     TreeVolume, blocks_of,
 };
 use crate::math::DVec3;
-use crate::simd::ones;
+use crate::simd::{LANES, ones};
 use crate::world::plan::{Acceleration, LONGEST_LIST};
 
 /// A shape that is this many times larger than the middle one is kept out of the tree: its boxes
@@ -28,8 +29,8 @@ const SAMPLE: u32 = 4096;
 /// All shapes of one kind.
 #[derive(Debug)]
 pub(super) struct Search<T: Shape> {
-    /// All shapes as they are and in the order of the blocks, if the blocks are quantized.
-    shapes: Vec<T>,
+    /// Where the shapes are as they are, if the blocks are quantized.
+    exact: T::Exact,
     /// All shapes as projections take them: first the listed ones, then those of the tree, leaf by leaf.
     blocks: Vec<T::Block>,
     /// How many are gone through one by one.
@@ -71,13 +72,14 @@ impl<T: Shape> Search<T> {
     pub(super) fn new(
         count: u32,
         shape: impl Fn(u32) -> T + Sync,
+        exact: T::Exact,
         acceleration: Acceleration,
     ) -> Self {
         let listed = match acceleration {
             Acceleration::None | Acceleration::List => (0..count).collect(),
             Acceleration::Tree => outsized(count, &shape),
         };
-        Self::in_one_tree(count, listed, shape)
+        Self::in_one_tree(count, listed, shape, exact)
     }
 
     /// Of `count` shapes in one tree, but the `listed` ones.
@@ -85,6 +87,7 @@ impl<T: Shape> Search<T> {
         count: u32,
         listed: Vec<u32>,
         shape: impl Fn(u32) -> T + Sync,
+        exact: T::Exact,
     ) -> Self {
         let mut members = Vec::new();
         members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
@@ -96,7 +99,7 @@ impl<T: Shape> Search<T> {
             order.extend(treed);
             tree
         });
-        Self::of(&order, listed, tree, &members, shape)
+        Self::of(&order, listed, tree, &members, shape, exact)
     }
 
     /// Of parts, each with a tree of its own under a common one, and a few `listed` shapes beside them.
@@ -104,6 +107,7 @@ impl<T: Shape> Search<T> {
         parts: &[PlacedPart<'_>],
         listed: Vec<u32>,
         shape: impl Fn(u32) -> T + Sync,
+        exact: T::Exact,
     ) -> Self {
         let mut members = Vec::new();
         members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
@@ -112,7 +116,7 @@ impl<T: Shape> Search<T> {
         let (tree, treed) = Tree::of_parts(parts, T::WIDTH, &bounds, count as u32, &mut members);
         let mut order = listed;
         order.extend(treed);
-        Self::of(&order, count, Some(tree), &members, shape)
+        Self::of(&order, count, Some(tree), &members, shape, exact)
     }
 
     /// Of shapes in the order of their blocks.
@@ -122,24 +126,22 @@ impl<T: Shape> Search<T> {
         tree: Option<Tree>,
         members: &[BlockRange],
         shape: impl Fn(u32) -> T + Sync,
+        exact: T::Exact,
     ) -> Self {
-        let shapes = order.par_iter().map(|&index| shape(index));
-        let mut shapes: Vec<T> = shapes.collect();
-        let blocks: Vec<T::Block> = members
-            .par_iter()
-            .map(|&BlockRange { first, count }| {
-                let shapes = &shapes[first as usize..(first + count) as usize];
-                T::Block::of(shapes, first)
-            })
-            .collect();
-        let places = blocks.len() * T::WIDTH;
+        let places = members.len() * T::WIDTH;
         assert!(places <= MOST_PLACES, "memory ends before slots do");
-        if !T::IS_QUANTIZED {
-            shapes = Vec::new();
-        }
+        let blocks = members.par_iter().enumerate();
+        let blocks = blocks.map(|(index, &BlockRange { first, count })| {
+            let numbers = &order[first as usize..(first + count) as usize];
+            let mut shapes = [shape(numbers[0]); LANES];
+            for (place, &number) in shapes.iter_mut().zip(numbers).skip(1) {
+                *place = shape(number);
+            }
+            T::Block::of(&shapes[..numbers.len()], (index * T::WIDTH) as u32)
+        });
         Self {
-            shapes,
-            blocks,
+            blocks: blocks.collect(),
+            exact,
             listed,
             tree,
         }
@@ -149,10 +151,14 @@ impl<T: Shape> Search<T> {
     #[inline(always)]
     pub(super) fn get(&self, number: u32) -> T {
         let number = number as usize;
-        if T::IS_QUANTIZED {
-            return self.shapes[number];
-        }
-        self.blocks[number / T::WIDTH].get(&self.shapes, number % T::WIDTH)
+        self.blocks[number / T::WIDTH].get(&self.exact, number % T::WIDTH)
+    }
+
+    /// Which shape has a number.
+    #[inline(always)]
+    pub(super) fn primitive(&self, number: u32) -> Primitive {
+        let number = number as usize;
+        self.blocks[number / T::WIDTH].primitive(number % T::WIDTH)
     }
 
     /// How many blocks there are.
@@ -168,7 +174,7 @@ impl<T: Shape> Search<T> {
     /// A point amid the shapes, if there are any.
     pub(super) fn somewhere(&self) -> Option<DVec3> {
         let first = self.blocks.first().map(|block| {
-            let Bounds { min, max } = block.get(&self.shapes, 0).bounds();
+            let Bounds { min, max } = block.get(&self.exact, 0).bounds();
             min * 0.5 + max * 0.5
         });
         self.tree.as_ref().map(|tree| tree.center).or(first)
@@ -214,7 +220,7 @@ impl<T: Shape> Search<T> {
         for (block, number, shapes) in self.blocks(0, self.listed) {
             let mut bits = shapes;
             for place in ones(shapes) {
-                bits &= !(u32::from(block.get(&self.shapes, place).is_beside(projection)) << place);
+                bits &= !(u32::from(block.get(&self.exact, place).is_beside(projection)) << place);
             }
             if bits != 0 {
                 let slot = T::SLOTS | number as u32;
@@ -274,7 +280,7 @@ impl<T: Shape> Search<T> {
                 if question.asked() == 0 {
                     return;
                 }
-                question.ask(simd, packet, &block.get(&self.shapes, place));
+                question.ask(simd, packet, &block.get(&self.exact, place));
             }
         }
         if let Some(tree) = &self.tree {
@@ -288,7 +294,7 @@ impl<T: Shape> Search<T> {
                 |block, count, beam, question| {
                     for (block, _, shapes) in self.blocks(block as usize, count as usize) {
                         for place in ones(shapes & block.near(simd, beam)) {
-                            question.ask(simd, packet, &block.get(&self.shapes, place));
+                            question.ask(simd, packet, &block.get(&self.exact, place));
                         }
                     }
                 },
@@ -431,7 +437,7 @@ impl<T: Shape> Search<T> {
     ) {
         for (block, _, bits) in self.blocks(0, self.listed) {
             for place in ones(bits) {
-                let Some(next) = show(&block.get(&self.shapes, place)) else {
+                let Some(next) = show(&block.get(&self.exact, place)) else {
                     return;
                 };
                 depth = next;
@@ -450,7 +456,7 @@ impl<T: Shape> Search<T> {
             |block, count| {
                 for (block, _, bits) in self.blocks(block as usize, count as usize) {
                     for place in ones(bits) {
-                        depth = show(&block.get(&self.shapes, place))?;
+                        depth = show(&block.get(&self.exact, place))?;
                     }
                 }
                 Some(depth)
@@ -458,10 +464,31 @@ impl<T: Shape> Search<T> {
         );
     }
 
-    /// Bytes of the shapes and their tree.
+    /// The numbers of all shapes.
+    #[cfg(test)]
+    pub(super) fn numbers(&self) -> Vec<u32> {
+        let mut counts: Vec<usize> = self
+            .blocks(0, self.listed)
+            .map(|(.., bits)| bits.count_ones() as usize)
+            .collect();
+        counts.resize(self.blocks.len(), 0);
+        for node in self.tree.iter().flat_map(|tree| &tree.nodes) {
+            for (&block, &count) in node.children.iter().zip(&node.counts) {
+                for (at, (.., bits)) in self.blocks(block as usize, count as usize).enumerate() {
+                    counts[block as usize + at] = bits.count_ones() as usize;
+                }
+            }
+        }
+        let blocks = counts.into_iter().enumerate();
+        let numbers =
+            blocks.flat_map(|(block, count)| (0..count).map(move |place| block * T::WIDTH + place));
+        numbers.map(|number| number as u32).collect()
+    }
+
+    /// Bytes of the blocks and their tree.
     pub(super) fn memory(&self) -> usize {
         let tree = self.tree.as_ref().map_or(0, Tree::memory);
-        size_of_val(self.shapes.as_slice()) + size_of_val(self.blocks.as_slice()) + tree
+        size_of_val(self.blocks.as_slice()) + tree
     }
 }
 

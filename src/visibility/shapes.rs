@@ -92,7 +92,7 @@ impl Parts {
                 built += usize::from(plan.spheres() == Acceleration::Tree);
                 let sphere = |index: u32| Sphere::new(&world.spheres()[index as usize]);
                 let count = world.spheres().len() as u32;
-                Arc::new(Search::new(count, sphere, plan.spheres()))
+                Arc::new(Search::new(count, sphere, (), plan.spheres()))
             }
         };
         if let Some((other, parts)) = kept
@@ -146,13 +146,16 @@ fn search_triangles(
 ) -> (Search<Triangle>, Vec<MeshPart>) {
     let count = world.triangles().len() as u32;
     let triangle = |number| triangle_of(world, number);
+    let exact = Arc::clone(world.shared_triangles());
     if plan.triangles() != Acceleration::Tree {
-        return (Search::new(count, triangle, plan.triangles()), Vec::new());
+        let list = Search::new(count, triangle, exact, plan.triangles());
+        return (list, Vec::new());
     }
     let listed = outsized(count, &triangle);
     if !has_parts(least, world, &listed) {
         *built += 1;
-        return (Search::in_one_tree(count, listed, triangle), Vec::new());
+        let tree = Search::in_one_tree(count, listed, triangle, exact);
+        return (tree, Vec::new());
     }
     let parts = numbers_of_parts(least, world, &listed);
     let bounds = |number| triangle(number).bounds();
@@ -177,7 +180,8 @@ fn search_triangles(
         .iter()
         .map(|MeshPart { numbers, tree }| PlacedPart { tree, numbers })
         .collect();
-    (Search::of_parts(&placed, listed, triangle), parts)
+    let tree = Search::of_parts(&placed, listed, triangle, exact);
+    (tree, parts)
 }
 
 /// Whether there are more trees than one.

@@ -67,18 +67,57 @@ pub struct MeshNormals {
     pub corners: Vec<[u32; 3]>,
 }
 
-/// The same triangle, its corner between the two shorter edges first. The cross product of two
-/// long and nearly parallel edges would lose the short one's digits.
-#[inline(always)]
-pub(crate) fn from_shorter_edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
-    let [ab, bc, ca] = all_three([b - a, c - b, a - c], DVec3::length_squared);
-    if bc >= ab && bc >= ca {
-        [a, b, c]
-    } else if ca >= ab {
-        [b, c, a]
-    } else {
-        [c, a, b]
+/// Which corner of a triangle comes first, in the same cyclic order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Turn(u8);
+
+impl Turn {
+    /// The corner between the two shorter edges first. The cross product of two long and nearly parallel
+    /// edges would lose the short one's digits.
+    #[inline(always)]
+    pub(crate) fn to_shorter_edges([a, b, c]: [DVec3; 3]) -> Self {
+        let [ab, bc, ca] = all_three([b - a, c - b, a - c], DVec3::length_squared);
+        if bc >= ab && bc >= ca {
+            Self(0)
+        } else if ca >= ab {
+            Self(1)
+        } else {
+            Self(2)
+        }
     }
+
+    #[inline(always)]
+    pub(crate) fn of<T>(self, [a, b, c]: [T; 3]) -> [T; 3] {
+        match self.0 {
+            0 => [a, b, c],
+            1 => [b, c, a],
+            _ => [c, a, b],
+        }
+    }
+
+    /// In two bits.
+    pub(crate) fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+
+    /// Of the lowest two bits.
+    #[inline(always)]
+    pub(crate) fn of_bits(bits: u32) -> Self {
+        Self((bits & 3) as u8)
+    }
+
+    /// The places of the corners before; by a table, since no branch could guess it.
+    #[inline(always)]
+    fn places(self) -> [usize; 3] {
+        const PLACES: [[usize; 3]; 4] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [2, 0, 1]];
+        PLACES[usize::from(self.0 & 3)]
+    }
+}
+
+/// The same triangle, [its corner between the two shorter edges](Turn::to_shorter_edges) first.
+#[inline(always)]
+pub(crate) fn from_shorter_edges(vertices: [DVec3; 3]) -> [DVec3; 3] {
+    Turn::to_shorter_edges(vertices).of(vertices)
 }
 
 /// Normal times twice the area of a triangle that starts at the corner
@@ -128,6 +167,17 @@ impl Triangles {
         all_three(self.corners[triangle as usize], |vertex| {
             self.positions[vertex as usize]
         })
+    }
+
+    /// The corners of a triangle from one of them on.
+    #[inline(always)]
+    pub(crate) fn vertices_from(&self, triangle: u32, start: Turn) -> [DVec3; 3] {
+        let corners = &self.corners[triangle as usize];
+        all_three(
+            start.places(),
+            #[inline(always)]
+            |place| self.positions[corners[place] as usize],
+        )
     }
 
     /// The mesh that a triangle belongs to.

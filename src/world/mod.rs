@@ -349,6 +349,11 @@ impl World {
         &self.triangles
     }
 
+    /// The same, to be kept beside the world.
+    pub(crate) fn shared_triangles(&self) -> &Arc<Triangles> {
+        &self.triangles
+    }
+
     /// What the scene asks for about the way of light.
     #[doc(hidden)]
     pub fn transport_asked(&self) -> scene::Transport {

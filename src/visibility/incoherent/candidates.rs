@@ -160,7 +160,7 @@ impl Shapes<'_> {
         let asked = first_lanes(pairs.len(), 0);
         let mut primitives = [u64::MAX; LANES];
         for (primitive, pair) in primitives.iter_mut().zip(pairs) {
-            *primitive = self.triangles.get(pair.triangle).primitive().0;
+            *primitive = self.triangles.primitive(pair.triangle).0;
         }
         let corners = side_by_side(
             simd,

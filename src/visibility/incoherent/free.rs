@@ -8,7 +8,7 @@ use crate::simd::{DVec3x16, LANES, ones};
 use crate::visibility::batch::{PACKETS, first_lanes};
 use crate::visibility::rays::{Rays, ShearedRays};
 use crate::visibility::search::{Along, DESCENTS, Way};
-use crate::visibility::shape::{SphereBlock, TriangleBlock, plane};
+use crate::visibility::shape::{Block, SphereBlock, TriangleBlock, plane};
 use crate::visibility::shapes::Shapes;
 
 /// A segment is not free.

@@ -4,8 +4,11 @@ pub(in crate::visibility) mod plane;
 mod sphere;
 pub(in crate::visibility) mod triangle;
 
+use std::fmt;
+
 use fearless_simd::Simd;
 
+use super::primitive::Primitive;
 use super::projection::{BatchProjection, DepthTest};
 use super::question::{NearestHit, Occlusion};
 use super::rays::ShearedRays;
@@ -20,14 +23,14 @@ pub(in crate::visibility) trait Shape: Copy + Send + Sync {
     /// Several of them, as the projection takes them.
     type Block: Block<Self>;
 
-    /// How many.
+    /// Where the shapes are as they are, if blocks have no more of them than projections need.
+    type Exact: fmt::Debug + Send + Sync;
+
+    /// How many, at most sixteen.
     const WIDTH: usize;
 
     /// What the slots of this kind of shape have in common.
     const SLOTS: u32;
-
-    /// Whether blocks have no more of shapes than projections need.
-    const IS_QUANTIZED: bool;
 
     /// The smallest box around it.
     fn bounds(&self) -> Bounds;
@@ -43,15 +46,18 @@ pub(in crate::visibility) trait Shape: Copy + Send + Sync {
 }
 
 /// A few shapes side by side.
-pub(in crate::visibility) trait Block<T>: Send + Sync {
+pub(in crate::visibility) trait Block<T: Shape>: Send + Sync {
     /// What a projection makes of them before it is looked at ray by ray.
     type Setup;
 
-    /// Of [`Shape::WIDTH`] shapes or fewer, at least one, of which `first` come before in the order of all.
+    /// Of [`Shape::WIDTH`] shapes or fewer, at least one; the first has the number `first`, the others follow.
     fn of(shapes: &[T], first: u32) -> Self;
 
-    /// One of them, by its place; all shapes of quantized ones are in `shapes`.
-    fn get(&self, shapes: &[T], place: usize) -> T;
+    /// One of them, by its place.
+    fn get(&self, exact: &T::Exact, place: usize) -> T;
+
+    /// Which one is at a place.
+    fn primitive(&self, place: usize) -> Primitive;
 
     /// One bit for each place that the rays of a beam might meet a shape at.
     fn near<S: Simd>(&self, simd: S, beam: &Beam) -> u32;
@@ -59,8 +65,7 @@ pub(in crate::visibility) trait Block<T>: Send + Sync {
     /// Has it on its way from memory.
     fn touch(&self);
 
-    /// Rasterizes those with a bit. The first has the slot `slot`, the others follow; quantized ones
-    /// have their places in the order of all for it.
+    /// Rasterizes those with a bit. The first has the slot `slot`, the others follow.
     fn rasterize<S: Simd>(
         &self,
         simd: S,

@@ -168,12 +168,17 @@ impl Block<Sphere> for SphereBlock {
     }
 
     #[inline(always)]
-    fn get(&self, _: &[Sphere], place: usize) -> Sphere {
+    fn get(&self, (): &(), place: usize) -> Sphere {
         Sphere {
             center: all_three(self.center, |column| column[place]).into(),
             radius: self.radius[place],
             object: self.object[place],
         }
+    }
+
+    #[inline(always)]
+    fn primitive(&self, place: usize) -> Primitive {
+        Primitive::whole(self.object[place])
     }
 
     fn touch(&self) {}
@@ -204,7 +209,7 @@ impl Block<Sphere> for SphereBlock {
         for place in ones(conics.of_interest) {
             let id = ShapeId {
                 slot: slot + place as u32,
-                primitive: Primitive::whole(self.object[place]),
+                primitive: self.primitive(place),
             };
             let is_harmless = depth_test.are_all_on(id) && !conics.hides_own(place);
             let (cover, most) = (
@@ -224,11 +229,12 @@ impl Block<Sphere> for SphereBlock {
 impl Shape for Sphere {
     type Block = SphereBlock;
 
+    /// In the blocks.
+    type Exact = ();
+
     const WIDTH: usize = LANES;
 
     const SLOTS: u32 = SPHERES;
-
-    const IS_QUANTIZED: bool = false;
 
     fn bounds(&self) -> Bounds {
         Bounds {

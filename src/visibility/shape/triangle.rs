@@ -12,6 +12,8 @@ mod pairs;
 mod setup;
 mod single;
 
+use std::sync::Arc;
+
 use fearless_simd::Simd;
 
 use super::{Block, Shape};
@@ -22,8 +24,9 @@ use crate::visibility::projection::{BatchProjection, DepthTest, State};
 use crate::visibility::question::{NearestHit, Occlusion};
 use crate::visibility::rays::{CYCLE, ROUNDING, Rays, Shear, ShearedRays};
 use crate::visibility::tree::{Beam, Bounds};
-use crate::world::geometry::{area_vector, from_shorter_edges};
-use leaf_block::LeafBlock;
+use crate::world::Triangles;
+use crate::world::geometry::{Turn, area_vector};
+use leaf_block::{LeafBlock, Turns};
 pub(in crate::visibility) use pairs::TrianglePerRay;
 use setup::TriangleSetups;
 pub(in crate::visibility) use single::{BlockHits, SingleRay};
@@ -33,6 +36,8 @@ pub(in crate::visibility) use single::{BlockHits, SingleRay};
 pub(in crate::visibility) struct Triangle {
     /// In the cyclic order of the world, from the corner between the two shorter edges on.
     vertices: [DVec3; 3],
+    /// The place of that corner among those of the world.
+    start: Turn,
     primitive: Primitive,
 }
 
@@ -220,8 +225,10 @@ impl Triangle {
 
     #[inline]
     pub(in crate::visibility) fn new(primitive: Primitive, vertices: [DVec3; 3]) -> Self {
+        let start = Turn::to_shorter_edges(vertices);
         Self {
-            vertices: from_shorter_edges(vertices),
+            vertices: start.of(vertices),
+            start,
             primitive,
         }
     }
@@ -254,11 +261,6 @@ impl TriangleBlock {
     pub(in crate::visibility) fn number(&self, place: usize) -> u32 {
         self.leaf.number + place as u32
     }
-
-    #[inline(always)]
-    pub(in crate::visibility) fn primitive(&self, place: usize) -> Primitive {
-        self.primitives[place]
-    }
 }
 
 impl Block<Triangle> for TriangleBlock {
@@ -266,18 +268,32 @@ impl Block<Triangle> for TriangleBlock {
 
     fn of(shapes: &[Triangle], first: u32) -> Self {
         let mut primitives = [shapes[0].primitive; LANES];
-        for (primitive, shape) in primitives.iter_mut().zip(shapes) {
-            *primitive = shape.primitive;
+        let mut turns = Turns::default();
+        for (place, shape) in shapes.iter().enumerate() {
+            primitives[place] = shape.primitive;
+            turns.set(place, shape.start);
         }
         Self {
-            leaf: LeafBlock::of(shapes.iter().map(Triangle::vertices), first),
+            leaf: LeafBlock::of(shapes.iter().map(Triangle::vertices), first, turns),
             primitives,
         }
     }
 
     #[inline(always)]
-    fn get(&self, shapes: &[Triangle], place: usize) -> Triangle {
-        shapes[self.leaf.number as usize + place]
+    fn get(&self, world: &Arc<Triangles>, place: usize) -> Triangle {
+        let primitive = self.primitives[place];
+        let (_, number) = primitive.parts();
+        let start = self.leaf.turns.get(place);
+        Triangle {
+            vertices: world.vertices_from(number, start),
+            start,
+            primitive,
+        }
+    }
+
+    #[inline(always)]
+    fn primitive(&self, place: usize) -> Primitive {
+        self.primitives[place]
     }
 
     #[inline(always)]
@@ -322,7 +338,7 @@ impl Block<Triangle> for TriangleBlock {
         }
         setups.set_up(simd, projection, &self.leaf, bits);
         let id = |place: usize| ShapeId {
-            slot: Triangle::SLOTS | (self.leaf.number + place as u32),
+            slot: slot + place as u32,
             primitive: self.primitives[place],
         };
         let mut left = setups.of_interest;
@@ -348,11 +364,11 @@ impl Block<Triangle> for TriangleBlock {
 impl Shape for Triangle {
     type Block = TriangleBlock;
 
+    type Exact = Arc<Triangles>;
+
     const WIDTH: usize = LANES;
 
     const SLOTS: u32 = TRIANGLES;
-
-    const IS_QUANTIZED: bool = true;
 
     fn bounds(&self) -> Bounds {
         let [a, b, c] = self.vertices;

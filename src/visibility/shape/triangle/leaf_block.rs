@@ -8,6 +8,7 @@ use crate::math::{DVec3, all_three, both};
 use crate::simd::{DVec3x16, F32x16, LANES};
 use crate::visibility::batch::Row;
 use crate::visibility::projection::{BatchProjection, NEGLIGIBLE};
+use crate::world::geometry::Turn;
 
 /// How far offsets from the middle are off by its place, over its largest coordinate: a corner less the middle and
 /// back again are two roundings of ε/2, in each of three axes, and less than as much again for room.
@@ -137,16 +138,34 @@ pub(in crate::visibility) struct LeafBlock {
     /// No corner is further from the middle.
     pub(super) size: f64,
     pub(in crate::visibility) over_size: f64,
-    /// How many triangles come before in the order of all: beside the middle, which is read in any case.
+    /// The number of the first triangle in the order of all: beside the middle, which is read in any case.
     pub(in crate::visibility) number: u32,
+    pub(super) turns: Turns,
+}
+
+/// Where the corners of sixteen triangles start among those of the world, two bits each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Turns(u32);
+
+impl Turns {
+    /// Of one that was not set yet.
+    pub(super) fn set(&mut self, place: usize, turn: Turn) {
+        self.0 |= turn.bits() << (2 * place);
+    }
+
+    #[inline(always)]
+    pub(super) fn get(self, place: usize) -> Turn {
+        Turn::of_bits(self.0 >> (2 * place))
+    }
 }
 
 impl LeafBlock {
     /// Of triangles whose first corners are between their shorter edges: at most sixteen, the first of which
     /// has this number.
-    pub(in crate::visibility) fn of(
+    pub(super) fn of(
         triangles: impl ExactSizeIterator<Item = [DVec3; 3]> + Clone,
         number: u32,
+        turns: Turns,
     ) -> Self {
         let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for [a, b, c] in triangles.clone() {
@@ -166,6 +185,7 @@ impl LeafBlock {
             size,
             over_size: 1.0 / size,
             number,
+            turns,
         };
         for (place, [a, b, c]) in triangles.enumerate() {
             let (first, to_second, to_third) =
