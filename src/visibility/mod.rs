@@ -82,7 +82,7 @@ const MOST_SPREAD_AMID_FEW: f64 = 1.0;
 const FAR: f64 = 67_108_864.0; // 2²⁶
 
 /// What building a tree takes for each shape, at most; a test measures it.
-const BYTES_OF_TRIANGLE: u64 = 260;
+const BYTES_OF_TRIANGLE: u64 = 100;
 const BYTES_OF_SPHERE: u64 = 130;
 
 /// A world and its shapes, as rays ask them.
@@ -231,7 +231,7 @@ impl<'w> Visibility<'w> {
         needed.map_err(|error| error.for_what("building the trees over all shapes"))
     }
 
-    /// About how many bytes [`Visibility::new`] takes at once, of which it keeps about half.
+    /// About how many bytes [`Visibility::new`] takes at once, of which it keeps half or more.
     pub(crate) fn memory_needed(world: &World) -> u64 {
         let triangles = world.triangles().len() as u64;
         let spheres = world.spheres().len() as u64;

@@ -38,6 +38,19 @@ pub(super) struct Search<T: Shape> {
     tree: Option<Tree>,
 }
 
+/// The shapes of one kind, by their numbers.
+pub(super) trait NumberedShapes<T: Shape>: Sync {
+    fn count(&self) -> u32;
+
+    fn shape(&self, number: u32) -> T;
+
+    /// The smallest box around a shape, which takes less than the shape.
+    fn bounds(&self, number: u32) -> Bounds;
+
+    /// What there is besides blocks.
+    fn exact(&self) -> T::Exact;
+}
+
 /// Rays that are on their way at once.
 pub(super) const DESCENTS: usize = 8;
 
@@ -68,80 +81,70 @@ pub(super) trait Along<S: Simd, B> {
 }
 
 impl<T: Shape> Search<T> {
-    /// `count` shapes, which `shape` gives by their numbers.
-    pub(super) fn new(
-        count: u32,
-        shape: impl Fn(u32) -> T + Sync,
-        exact: T::Exact,
-        acceleration: Acceleration,
-    ) -> Self {
+    /// All of these shapes.
+    pub(super) fn new(shapes: &impl NumberedShapes<T>, acceleration: Acceleration) -> Self {
         let listed = match acceleration {
-            Acceleration::None | Acceleration::List => (0..count).collect(),
-            Acceleration::Tree => outsized(count, &shape),
+            Acceleration::None | Acceleration::List => (0..shapes.count()).collect(),
+            Acceleration::Tree => outsized(shapes),
         };
-        Self::in_one_tree(count, listed, shape, exact)
+        Self::in_one_tree(shapes, listed)
     }
 
-    /// Of `count` shapes in one tree, but the `listed` ones.
-    pub(super) fn in_one_tree(
-        count: u32,
-        listed: Vec<u32>,
-        shape: impl Fn(u32) -> T + Sync,
-        exact: T::Exact,
-    ) -> Self {
+    /// In one tree, but the `listed` ones.
+    pub(super) fn in_one_tree(shapes: &impl NumberedShapes<T>, listed: Vec<u32>) -> Self {
         let mut members = Vec::new();
         members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
         let mut order = listed;
         let listed = order.len();
-        let tree = (listed < count as usize).then(|| {
-            let bounds = |index| shape(index).bounds();
-            let (tree, treed) = Tree::new(count, T::WIDTH, &bounds, &order, &mut members);
-            order.extend(treed);
+        let tree = (listed < shapes.count() as usize).then(|| {
+            let bounds = |number| shapes.bounds(number);
+            let (tree, mut treed) =
+                Tree::new(shapes.count(), T::WIDTH, &bounds, &order, &mut members);
+            treed.splice(..0, order.drain(..));
+            order = treed;
             tree
         });
-        Self::of(&order, listed, tree, &members, shape, exact)
+        Self::of(shapes, &order, listed, tree, &members)
     }
 
     /// Of parts, each with a tree of its own under a common one, and a few `listed` shapes beside them.
     pub(super) fn of_parts(
+        shapes: &impl NumberedShapes<T>,
         parts: &[PlacedPart<'_>],
         listed: Vec<u32>,
-        shape: impl Fn(u32) -> T + Sync,
-        exact: T::Exact,
     ) -> Self {
         let mut members = Vec::new();
         members.extend(blocks_of(0, listed.len() as u32, T::WIDTH));
-        let bounds = |number| shape(number).bounds();
+        let bounds = |number| shapes.bounds(number);
         let count = listed.len();
-        let (tree, treed) = Tree::of_parts(parts, T::WIDTH, &bounds, count as u32, &mut members);
-        let mut order = listed;
-        order.extend(treed);
-        Self::of(&order, count, Some(tree), &members, shape, exact)
+        let (tree, mut order) =
+            Tree::of_parts(parts, T::WIDTH, &bounds, count as u32, &mut members);
+        order.splice(..0, listed);
+        Self::of(shapes, &order, count, Some(tree), &members)
     }
 
     /// Of shapes in the order of their blocks.
     fn of(
+        shapes: &impl NumberedShapes<T>,
         order: &[u32],
         listed: usize,
         tree: Option<Tree>,
         members: &[BlockRange],
-        shape: impl Fn(u32) -> T + Sync,
-        exact: T::Exact,
     ) -> Self {
         let places = members.len() * T::WIDTH;
         assert!(places <= MOST_PLACES, "memory ends before slots do");
         let blocks = members.par_iter().enumerate();
         let blocks = blocks.map(|(index, &BlockRange { first, count })| {
             let numbers = &order[first as usize..(first + count) as usize];
-            let mut shapes = [shape(numbers[0]); LANES];
-            for (place, &number) in shapes.iter_mut().zip(numbers).skip(1) {
-                *place = shape(number);
+            let mut some = [shapes.shape(numbers[0]); LANES];
+            for (place, &number) in some.iter_mut().zip(numbers).skip(1) {
+                *place = shapes.shape(number);
             }
-            T::Block::of(&shapes[..numbers.len()], (index * T::WIDTH) as u32)
+            T::Block::of(&some[..numbers.len()], (index * T::WIDTH) as u32)
         });
         Self {
             blocks: blocks.collect(),
-            exact,
+            exact: shapes.exact(),
             listed,
             tree,
         }
@@ -493,11 +496,12 @@ impl<T: Shape> Search<T> {
 }
 
 /// The few shapes that are far larger than the others, in order.
-pub(super) fn outsized<T: Shape>(count: u32, shape: &(impl Fn(u32) -> T + Sync)) -> Vec<u32> {
-    let extent = |index: u32| {
-        let Bounds { min, max } = shape(index).bounds();
+pub(super) fn outsized<T: Shape>(shapes: &impl NumberedShapes<T>) -> Vec<u32> {
+    let extent = |number: u32| {
+        let Bounds { min, max } = shapes.bounds(number);
         (max - min).max_element()
     };
+    let count = shapes.count();
     let step = count.div_ceil(SAMPLE) as usize;
     let mut extents: Vec<f64> = (0..count).step_by(step).map(extent).collect();
     let middle = extents.len() / 2;

@@ -10,13 +10,13 @@ use super::primitive::{PLANES, Primitive, ShapeId};
 use super::projection::{BatchProjection, DepthTest};
 use super::question::{NearestHit, Occlusion, SegmentEnds};
 use super::rays::{Rays, ShearedRays};
-use super::search::{Search, outsized};
+use super::search::{NumberedShapes, Search, outsized};
 use super::shape::{Block, Shape, Sphere, Triangle, plane};
-use super::tree::{PartTree, PlacedPart, Stack};
+use super::tree::{Bounds, PartTree, PlacedPart, Stack};
 use crate::math::{DVec3, Point, all_three, both};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
 use crate::world::plan::Acceleration;
-use crate::world::{Plan, World};
+use crate::world::{Plan, Triangles, World};
 
 /// A mesh of so many triangles has a tree of its own, so that it is kept when something else moves. A tree over
 /// fewer is soon built: all smaller meshes share one.
@@ -90,9 +90,7 @@ impl Parts {
             }
             _ => {
                 built += usize::from(plan.spheres() == Acceleration::Tree);
-                let sphere = |index: u32| Sphere::new(&world.spheres()[index as usize]);
-                let count = world.spheres().len() as u32;
-                Arc::new(Search::new(count, sphere, (), plan.spheres()))
+                Arc::new(Search::new(&SpheresOf(world), plan.spheres()))
             }
         };
         if let Some((other, parts)) = kept
@@ -127,13 +125,52 @@ impl Parts {
     }
 }
 
-/// The triangle of a world with a number.
-fn triangle_of(world: &World, number: u32) -> Triangle {
-    let triangles = world.triangles();
-    let meshes = triangles.meshes();
-    let mesh = meshes.partition_point(|mesh| mesh.triangles.end <= number);
-    let primitive = Primitive::triangle(meshes[mesh].object, number);
-    Triangle::new(primitive, triangles.vertices(number))
+/// All spheres of a world.
+struct SpheresOf<'w>(&'w World);
+
+impl NumberedShapes<Sphere> for SpheresOf<'_> {
+    fn count(&self) -> u32 {
+        self.0.spheres().len() as u32
+    }
+
+    fn shape(&self, number: u32) -> Sphere {
+        Sphere::new(&self.0.spheres()[number as usize])
+    }
+
+    fn bounds(&self, number: u32) -> Bounds {
+        self.shape(number).bounds()
+    }
+
+    /// Blocks have all of it.
+    fn exact(&self) {}
+}
+
+/// All triangles of a world.
+struct TrianglesOf<'w>(&'w World);
+
+impl NumberedShapes<Triangle> for TrianglesOf<'_> {
+    fn count(&self) -> u32 {
+        self.0.triangles().len() as u32
+    }
+
+    fn shape(&self, number: u32) -> Triangle {
+        let triangles = self.0.triangles();
+        let primitive = Primitive::triangle(triangles.mesh(number).object, number);
+        Triangle::new(primitive, triangles.vertices(number))
+    }
+
+    #[inline]
+    fn bounds(&self, number: u32) -> Bounds {
+        let [a, b, c] = self.0.triangles().vertices(number);
+        Bounds {
+            min: a.min(b).min(c),
+            max: a.max(b).max(c),
+        }
+    }
+
+    fn exact(&self) -> Arc<Triangles> {
+        Arc::clone(self.0.shared_triangles())
+    }
 }
 
 /// All triangles, and the trees of their parts if there is more than one; `built` counts those that are new.
@@ -144,21 +181,17 @@ fn search_triangles(
     kept: Option<(&World, &Parts)>,
     built: &mut usize,
 ) -> (Search<Triangle>, Vec<MeshPart>) {
-    let count = world.triangles().len() as u32;
-    let triangle = |number| triangle_of(world, number);
-    let exact = Arc::clone(world.shared_triangles());
+    let triangles = &TrianglesOf(world);
     if plan.triangles() != Acceleration::Tree {
-        let list = Search::new(count, triangle, exact, plan.triangles());
-        return (list, Vec::new());
+        return (Search::new(triangles, plan.triangles()), Vec::new());
     }
-    let listed = outsized(count, &triangle);
+    let listed = outsized(triangles);
     if !has_parts(least, world, &listed) {
         *built += 1;
-        let tree = Search::in_one_tree(count, listed, triangle, exact);
-        return (tree, Vec::new());
+        return (Search::in_one_tree(triangles, listed), Vec::new());
     }
     let parts = numbers_of_parts(least, world, &listed);
-    let bounds = |number| triangle(number).bounds();
+    let bounds = |number| triangles.bounds(number);
     let tree_of = |numbers: &Vec<u32>| {
         let (other, parts) = kept?;
         let mut parts = parts.meshes.iter();
@@ -180,8 +213,7 @@ fn search_triangles(
         .iter()
         .map(|MeshPart { numbers, tree }| PlacedPart { tree, numbers })
         .collect();
-    let tree = Search::of_parts(&placed, listed, triangle, exact);
-    (tree, parts)
+    (Search::of_parts(triangles, &placed, listed), parts)
 }
 
 /// Whether there are more trees than one.

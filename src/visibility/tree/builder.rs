@@ -74,7 +74,6 @@ struct Part {
 struct Border {
     axis: usize,
     bin: u32,
-    count_below: usize,
     below: Box4,
     above: Box4,
 }
@@ -96,7 +95,7 @@ struct Binning {
 
 /// The upper part of a tree.
 enum Top {
-    /// Two parts of more than [`SUBTREE`] shapes together.
+    /// Two parts.
     Parted { bounds: Box4, parts: Box<[Self; 2]> },
     /// A tree of its own, whose root comes first.
     Subtree { bounds: Box4, nodes: Vec<BuildNode> },
@@ -104,16 +103,29 @@ enum Top {
     Leaf { bounds: Box4, child: Child },
 }
 
-/// The tree over items, of which there are some, with `leaf_size` of them in a leaf at most, but for
-/// those that no plane parts: its root first, and the order in which its leaves have the shapes.
+/// The tree over `count` shapes but the `listed` ones, with `leaf_size` of them in a leaf at most, but for
+/// those that no plane parts: its root first, and the order in which its leaves have the shapes. There is
+/// one at least; their boxes, which `item` gives by their numbers, are within `bounds`.
 pub(in crate::visibility) fn build(
-    mut items: Vec<Item>,
+    count: u32,
+    listed: &[u32],
+    bounds: [Vec3; 2],
+    item: &(impl Fn(u32) -> Item + Sync),
     leaf_size: usize,
 ) -> (Vec<BuildNode>, Vec<u32>) {
-    let bounds = bounds_of(&items);
-    let top = Top::new(&mut items, 0, bounds, 0, leaf_size);
-    let order = items.par_iter().map(Item::index).collect();
-    drop(items);
+    let (top, order) = if count as usize >= grid::LEAST {
+        grid::build(count, listed, bounds, item, leaf_size)
+    } else {
+        let numbers = (0..count).into_par_iter();
+        let mut items: Vec<Item> = numbers.map(item).collect();
+        for &number in listed.iter().rev() {
+            items.swap_remove(number as usize);
+        }
+        let bounds = bounds_of(&items);
+        let top = Top::new(&mut items, 0, bounds, 0, leaf_size);
+        let order = items.iter().map(Item::index);
+        (top, order.collect())
+    };
     (top.into_nodes(), order)
 }
 
@@ -121,7 +133,7 @@ impl Top {
     /// A tree over items, of which `first` come before in the order of all.
     fn new(items: &mut [Item], first: usize, bounds: Box4, depth: u32, leaf_size: usize) -> Self {
         if items.len() <= SUBTREE {
-            let mut nodes = Vec::with_capacity(items.len() / 4 + 1);
+            let mut nodes = Vec::with_capacity(items.len() / (2 * leaf_size) + 1);
             nodes.push(BuildNode::EMPTY);
             fill_node(&mut nodes, 0, items, first, bounds, depth, leaf_size);
             return Self::Subtree { bounds, nodes };
@@ -341,9 +353,9 @@ fn part(items: &mut [Item], depth: u32, leaf_size: usize) -> Option<(usize, Box4
         return Some(part_at(items, &centers, leaves / 2 * leaf_size));
     }
     if items.len() < MANY {
-        part_at_bins::<FEW_BINS>(items, &centers, depth)
+        part_at_bins::<FEW_BINS>(items, &centers, depth, |_| 1)
     } else {
-        part_at_bins::<BINS>(items, &centers, depth)
+        part_at_bins::<BINS>(items, &centers, depth, |_| 1)
     }
 }
 
@@ -351,16 +363,16 @@ fn part_at_bins<const N: usize>(
     items: &mut [Item],
     centers: &Box4,
     depth: u32,
+    weight: impl Fn(&Item) -> u32 + Sync,
 ) -> Option<(usize, Box4, Box4)> {
     let grid = Binning::new(centers, N)?;
     if depth >= BY_SURFACE {
         return Some(part_at(items, centers, items.len() / 2));
     }
-    let bins = Bins::<N>::of(items, &grid);
+    let bins = Bins::<N>::of(items, &grid, weight);
     // Some axis has a density above 0, and along it the least and the largest center are in the
     // first and the last bin.
     let border = bins.best_border(&grid)?;
-    let count = border.count_below;
     // Every item is swapped with the first that has to go above, in any case, and that place moves
     // on if the item is to be below: no branch to guess wrong.
     let mut place = 0;
@@ -369,8 +381,7 @@ fn part_at_bins<const N: usize>(
         items.swap(next, place);
         place += usize::from(grid.bins(&item)[border.axis] < border.bin);
     }
-    debug_assert_eq!(place, count, "bins and sides agree");
-    Some((count, border.below, border.above))
+    Some((place, border.below, border.above))
 }
 
 /// Parts items at some place of their order along the axis on which they are widest.
@@ -454,16 +465,18 @@ impl<const N: usize> Bins<N> {
         counts: [[0; N]; 3],
     };
 
-    fn of(items: &[Item], grid: &Binning) -> Self {
+    /// With as many shapes in each as the items are worth together.
+    fn of(items: &[Item], grid: &Binning, weight: impl Fn(&Item) -> u32 + Sync) -> Self {
         let some = |items: &[Item]| {
             let mut bins = Self::EMPTY;
             for item in items {
                 let places = grid.bins(item);
+                let weight = weight(item);
                 for (axis, place) in places.into_iter().enumerate() {
                     let place = place as usize % N;
                     let bin = &mut bins.boxes[axis][place];
                     *bin = bin.union(&item.bounds);
-                    bins.counts[axis][place] += 1;
+                    bins.counts[axis][place] += weight;
                 }
             }
             bins
@@ -511,7 +524,6 @@ impl<const N: usize> Bins<N> {
                     best = Some(Border {
                         axis,
                         bin: bin as u32,
-                        count_below: count as usize,
                         below,
                         above: above[bin].0,
                     });
@@ -578,5 +590,6 @@ impl Box4 {
     }
 }
 
+mod grid;
 #[cfg(test)]
 mod tests;

@@ -36,16 +36,14 @@ impl Bvh {
                 bounds(index)
             }
         });
-        let frame = TreeFrame::around(all.reduce(|| Bounds::NOWHERE, Bounds::union));
-        let items = (0..count).into_par_iter().map(|index| {
+        let whole = all.reduce(|| Bounds::NOWHERE, Bounds::union);
+        let frame = TreeFrame::around(whole);
+        let item = |index| {
             let (min, max) = frame.around_box(bounds(index));
             Item::new(min, max, index)
-        });
-        let mut items: Vec<Item> = items.collect();
-        for &index in listed.iter().rev() {
-            items.swap_remove(index as usize);
-        }
-        let (nodes, order) = builder::build(items, width);
+        };
+        let around = frame.around_box(whole);
+        let (nodes, order) = builder::build(count, listed, around.into(), &item, width);
         (Self { nodes, frame }, order)
     }
 

@@ -43,13 +43,15 @@ impl PartTree {
         bounds: &(impl Fn(u32) -> Bounds + Sync),
     ) -> Self {
         let all = numbers.par_iter().map(|&number| bounds(number));
-        let frame = TreeFrame::around(all.reduce(|| Bounds::NOWHERE, Bounds::union));
-        let items = numbers.par_iter().zip(0..numbers.len() as u32);
-        let items = items.map(|(&number, place)| {
-            let (min, max) = frame.around_box(bounds(number));
+        let whole = all.reduce(|| Bounds::NOWHERE, Bounds::union);
+        let frame = TreeFrame::around(whole);
+        let item = |place: u32| {
+            let (min, max) = frame.around_box(bounds(numbers[place as usize]));
             Item::new(min, max, place)
-        });
-        let (nodes, order) = builder::build(items.collect(), width);
+        };
+        let around = frame.around_box(whole);
+        let count = numbers.len() as u32;
+        let (nodes, order) = builder::build(count, &[], around.into(), &item, width);
         Self { nodes, order }
     }
 

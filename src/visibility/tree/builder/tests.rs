@@ -27,10 +27,23 @@ fn approaching(count: u32, copies: u32) -> impl Iterator<Item = [f32; 3]> {
     (0..count).map(move |i| [0.5_f32.powi((i / copies) as i32), 0.0, 0.0])
 }
 
+/// The tree over items.
+fn built(items: &[Item]) -> (Vec<BuildNode>, Vec<u32>) {
+    built_but(items, &[])
+}
+
+/// The same without a few of them.
+fn built_but(items: &[Item], listed: &[u32]) -> (Vec<BuildNode>, Vec<u32>) {
+    let Box4 { min, max } = bounds_of(items);
+    let bounds = [min.truncate(), max.truncate()];
+    let item = |index: u32| items[index as usize];
+    build(items.len() as u32, listed, bounds, &item, LEAF_SIZE)
+}
+
 /// Checks that boxes hold what is below them and that each shape is in one leaf; the depth.
 #[track_caller]
 fn check(items: &[Item]) -> usize {
-    let (nodes, order) = build(items.to_vec(), LEAF_SIZE);
+    let (nodes, order) = built(items);
     let mut indices = order.clone();
     indices.sort_unstable();
     assert!(indices.iter().copied().eq(0..items.len() as u32));
@@ -85,9 +98,7 @@ fn the_tree_is_the_same_for_any_number_of_threads() {
     let items = cubes(scattered(200_000), 1e-3);
     let built_by = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        pool.build()
-            .unwrap()
-            .install(|| build(items.clone(), LEAF_SIZE))
+        pool.build().unwrap().install(|| built(&items))
     };
     let one = built_by(1);
     for threads in [2, 3, 8] {
@@ -104,7 +115,7 @@ fn shapes_of_one_center_share_a_leaf() {
     let others = scattered(100_000).chain((0..100_000).map(|_| center));
     let items = cubes(others, 1e-3);
     check(&items);
-    let (nodes, _) = build(items, LEAF_SIZE);
+    let (nodes, _) = built(&items);
     let sizes = nodes.iter().flat_map(BuildNode::members);
     let sizes = sizes.filter_map(|member| match member.child {
         Child::Leaf { count, .. } => Some(count),
@@ -133,9 +144,39 @@ fn what_is_apart_is_parted_first() {
     // Two clusters of unlike numbers, far from each other.
     let near = scattered(5000);
     let far = scattered(500).map(|[x, y, z]| [x + 100.0, y, z]);
-    let (nodes, _) = build(cubes(near.chain(far), 1e-3), LEAF_SIZE);
+    let (nodes, _) = built(&cubes(near.chain(far), 1e-3));
     let across = |member: &Member| member.min.x < 50.0 && member.max.x > 50.0;
     assert!(!nodes[0].members().iter().any(across));
+}
+
+/// Whatever fills the grid's cells: a plane, a line, one place, one place beside many, all of them far apart.
+#[test]
+fn a_grid_may_be_filled_in_any_way() {
+    let count = 2 * grid::LEAST as u32;
+    let flat = scattered(count).map(|[x, y, _]| [x, y, 0.5]);
+    check(&cubes(flat, 1e-4));
+    let line = scattered(count).map(|[x, _, _]| [0.0, x, 0.0]);
+    check(&cubes(line, 0.0));
+    let crowd = scattered(count).map(|place| place.map(|x| x * 1e-4));
+    let few = scattered(100).map(|place| place.map(|x| x * 0.9));
+    check(&cubes(crowd.clone().chain(few), 1e-6));
+    check(&cubes(
+        crowd.chain([[-1.0, 0.3, 0.2], [0.9, -1.0, 1.0]]),
+        1e-6,
+    ));
+    check(&cubes((0..count).map(|_| [0.25; 3]), 0.0));
+}
+
+#[test]
+fn listed_shapes_are_left_out() {
+    for count in [1000, 2 * grid::LEAST as u32] {
+        let items = cubes(scattered(count), 1e-3);
+        let listed = [0, 7, count / 2, count - 1];
+        let (_, mut order) = built_but(&items, &listed);
+        order.sort_unstable();
+        let others = (0..count).filter(|number| !listed.contains(number));
+        assert!(order.into_iter().eq(others), "{count} shapes");
+    }
 }
 
 #[test]
