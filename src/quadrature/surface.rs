@@ -128,7 +128,8 @@ impl Solid {
                     corners,
                     normal: (b - a).cross(c - a).normalize(),
                     normals: mesh.normals.as_ref().map(|normals| {
-                        let normals = normals.at(triangle - mesh.triangles.start);
+                        let first = mesh.triangles.start;
+                        let normals = triangles.normals_at(normals, first, triangle);
                         normals.map(crate::math::Normal::get)
                     }),
                     is_lifted: mesh.lifts_shadow_rays(),

@@ -63,8 +63,17 @@ pub struct Mesh {
 pub struct MeshNormals {
     /// The normals.
     pub vectors: Vec<Normal>,
-    /// Three indices into `vectors` for each triangle of the mesh.
-    pub corners: Vec<[u32; 3]>,
+    /// Which of them a triangle has.
+    pub corners: NormalCorners,
+}
+
+/// Which normals belong to the corners of triangles.
+#[derive(Clone, Debug)]
+pub enum NormalCorners {
+    /// Those of their vertices: the first normal is that of this one.
+    OfVertices(u32),
+    /// Three indices for each triangle of the mesh.
+    Own(Vec<[u32; 3]>),
 }
 
 /// Which corner of a triangle comes first, in the same cyclic order.
@@ -198,18 +207,23 @@ impl Triangles {
             + normals
                 .map(|normals| {
                     size_of_val(normals.vectors.as_slice())
-                        + size_of_val(normals.corners.as_slice())
+                        + match &normals.corners {
+                            NormalCorners::OfVertices(_) => 0,
+                            NormalCorners::Own(corners) => size_of_val(corners.as_slice()),
+                        }
                 })
                 .sum::<usize>()
     }
-}
 
-impl MeshNormals {
-    /// The normals at the corners of the mesh's triangle with this index, counted from its first.
+    /// The normals at the corners of a triangle, of a mesh that has `normals` and begins with triangle `first`.
     #[inline]
-    pub fn at(&self, triangle: u32) -> [Normal; 3] {
-        all_three(self.corners[triangle as usize], |corner| {
-            self.vectors[corner as usize]
-        })
+    pub fn normals_at(&self, normals: &MeshNormals, first: u32, triangle: u32) -> [Normal; 3] {
+        let corners = match &normals.corners {
+            NormalCorners::OfVertices(vertex) => {
+                all_three(self.corners[triangle as usize], |corner| corner - vertex)
+            }
+            NormalCorners::Own(corners) => corners[(triangle - first) as usize],
+        };
+        all_three(corners, |corner| normals.vectors[corner as usize])
     }
 }

@@ -48,7 +48,7 @@ impl Points {
             simd,
             smooth.bits,
             #[inline(always)]
-            |lane| all_three(smooth.normals(lane), Normal::get),
+            |lane| all_three(smooth.normals(world, lane), Normal::get),
         );
         let geometric = DVec3x16::load(simd, columns(&self.geometric_normal, packet));
         let weights = weights(corners, rays);
@@ -128,9 +128,10 @@ impl<'w> Smooth<'w> {
 
     /// The vertex normals of the triangle that a ray with a bit hits.
     #[inline(always)]
-    fn normals(&self, lane: usize) -> [Normal; 3] {
+    fn normals(&self, world: &World, lane: usize) -> [Normal; 3] {
         let (normals, first) = self.mesh[lane].expect("a lane with a bit has a mesh");
-        normals.at(self.triangle[lane] - first)
+        let triangles = world.triangles();
+        triangles.normals_at(normals, first, self.triangle[lane])
     }
 }
 

@@ -71,6 +71,9 @@ fn check_normals(normals: &MeshNormals, triangles: &[[u32; 3]]) -> Result<(), St
     }
     let named = own.as_deref().unwrap_or(triangles);
     named_ones_exist(named, vectors.len(), "normal")?;
+    if first(vectors, |normal| *normal == [0.0; 3]).is_none() {
+        return Ok(());
+    }
     let is_zero = |&index: &u32| vectors[index as usize] == [0.0; 3];
     if let Some(index) = first(named, |corners| corners.iter().any(is_zero)) {
         return Err(format!(
@@ -103,7 +106,8 @@ fn check_groups(groups: &[MeshGroup], triangles: usize) -> Result<(), String> {
 /// Whether all indices of triangles are below `count`.
 fn named_ones_exist(triangles: &[[u32; 3]], count: usize, what: &str) -> Result<(), String> {
     let is_beyond = |&index: &u32| index as usize >= count;
-    let Some(index) = first(triangles, |corners| corners.iter().any(is_beyond)) else {
+    let largest = |&[a, b, c]: &[u32; 3]| a.max(b).max(c);
+    let Some(index) = first(triangles, |corners| is_beyond(&largest(corners))) else {
         return Ok(());
     };
     let beyond = triangles[index].iter().find(|index| is_beyond(index));
@@ -115,5 +119,11 @@ fn named_ones_exist(triangles: &[[u32; 3]], count: usize, what: &str) -> Result<
 
 /// The place of the first item that is wrong.
 fn first<T: Sync>(items: &[T], is_wrong: impl Fn(&T) -> bool + Sync + Send) -> Option<usize> {
-    items.par_iter().position_first(is_wrong)
+    /// Items that are looked at before anyone asks whether one was wrong.
+    const RUN: usize = 1 << 12;
+    let runs = items.par_chunks(RUN);
+    let any = |run: &[T]| run.iter().fold(false, |any, item| any | is_wrong(item));
+    let start = runs.position_first(any)? * RUN;
+    let place = items[start..].iter().position(is_wrong)?;
+    Some(start + place)
 }

@@ -10,7 +10,9 @@ use super::{Builder, LARGEST, Reported, listed};
 use crate::math::{Normal, all_three};
 use crate::mesh::{MeshError, MeshRemarks};
 use crate::scene::{self, MeshFile, Problem, ShadowTerminator, Spanned};
-use crate::world::geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles, triangle_normal};
+use crate::world::geometry::{
+    Mesh, MeshNormals, NormalCorners, Plane, Sphere, Triangles, triangle_normal,
+};
 use crate::world::{Shape, World};
 
 /// What `scale` may be: the factors up to [`LARGEST`], and their inverses.
@@ -203,16 +205,22 @@ impl Builder<'_> {
         faces.keep(&mut triangles.corners, &file.triangles, first_vertex as u32);
         let normals = match &file.normals {
             Some(normals) if smooth => {
-                let written = normals.triangles.as_ref().unwrap_or(&file.triangles);
-                let (mut vectors, mut corners) = (Vec::new(), Vec::new());
+                let mut vectors = Vec::new();
                 self.reserve(&mut vectors, normals.vectors.len())?;
-                self.reserve(&mut corners, faces.count)?;
                 // A vector without a direction belongs to no triangle: the file's reader saw to that.
                 vectors.par_extend(normals.vectors.par_iter().map(|&normal| {
                     Normal::new(placement.normals * DVec3::from_array(normal))
                         .unwrap_or_else(any_normal)
                 }));
-                faces.keep(&mut corners, written, 0);
+                let corners = match &normals.triangles {
+                    Some(written) => {
+                        let mut corners = Vec::new();
+                        self.reserve(&mut corners, faces.count)?;
+                        faces.keep(&mut corners, written, 0);
+                        NormalCorners::Own(corners)
+                    }
+                    None => NormalCorners::OfVertices(first_vertex as u32),
+                };
                 Some(MeshNormals { vectors, corners })
             }
             Some(_) | None => None,
@@ -312,7 +320,14 @@ impl Builder<'_> {
         has_area.par_extend(file.triangles.par_iter().map(|corners| {
             triangle_normal(all_three(*corners, |corner| placed[corner as usize])).is_some()
         }));
-        let count = has_area.iter().filter(|&&has_area| has_area).count();
+        let count = has_area.par_iter().filter(|&&has_area| has_area).count();
+        if count == has_area.len() {
+            return Ok(Faces {
+                has_area,
+                count,
+                vanished: 0,
+            });
+        }
         let without_area = file.triangles.iter().zip(&has_area);
         let without_area = without_area.filter(|(_, has_area)| !**has_area);
         let had_area = |corners: &[u32; 3]| {
@@ -352,6 +367,11 @@ struct Faces {
 impl Faces {
     /// Appends the corners of the triangles with area, each by `offset` larger.
     fn keep(&self, kept: &mut Vec<[u32; 3]>, corners: &[[u32; 3]], offset: u32) {
+        if self.count == corners.len() {
+            let moved = corners.par_iter();
+            kept.par_extend(moved.map(|&corners| all_three(corners, |corner| corner + offset)));
+            return;
+        }
         let with_area = corners.iter().zip(&self.has_area);
         let with_area = with_area.filter(|&(_, &has_area)| has_area);
         kept.extend(with_area.map(|(corners, _)| all_three(*corners, |corner| corner + offset)));
