@@ -12,7 +12,7 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::node::{BuildNode, Child, Member, WIDTH};
+use super::node::{BuildNode, Child, Member, PackedNodes, WIDTH};
 use crate::math::all_three;
 
 /// Bins along each axis.
@@ -98,7 +98,7 @@ enum Top {
     /// Two parts.
     Parted { bounds: Box4, parts: Box<[Self; 2]> },
     /// A tree of its own, whose root comes first.
-    Subtree { bounds: Box4, nodes: Vec<BuildNode> },
+    Subtree { bounds: Box4, nodes: PackedNodes },
     /// Shapes that no plane parts.
     Leaf { bounds: Box4, child: Child },
 }
@@ -136,6 +136,7 @@ impl Top {
             let mut nodes = Vec::with_capacity(items.len() / (2 * leaf_size) + 1);
             nodes.push(BuildNode::EMPTY);
             fill_node(&mut nodes, 0, items, first, bounds, depth, leaf_size);
+            let nodes = PackedNodes::of(&nodes);
             return Self::Subtree { bounds, nodes };
         }
         let Some((count, below, above)) = part(items, depth, leaf_size) else {
@@ -168,7 +169,11 @@ impl Top {
         let mut upper = vec![BuildNode::EMPTY];
         let mut subtrees = Vec::new();
         match self {
-            Self::Subtree { nodes, .. } => return nodes,
+            Self::Subtree { nodes, .. } => {
+                let mut all = vec![BuildNode::EMPTY; nodes.len()];
+                nodes.unpack(&mut all, 0);
+                return all;
+            }
             Self::Leaf { bounds, child } => upper[0].push(bounds.member(child)),
             Self::Parted { parts, .. } => {
                 Self::fill_upper(&mut upper, 0, *parts, &mut subtrees);
@@ -182,23 +187,19 @@ impl Top {
             upper[*holder].members_mut()[*slot].child = Child::Node(end);
             end += subtree.len() as u32;
         }
-        let count = upper.len() as u32;
-        (0..end)
-            .into_par_iter()
-            .map(|index| {
-                if index < count {
-                    return upper[index as usize].clone();
-                }
-                let number = starts.partition_point(|&start| start <= index) - 1;
-                let mut node = subtrees[number].0[(index - starts[number]) as usize].clone();
-                for member in node.members_mut() {
-                    if let Child::Node(child) = &mut member.child {
-                        *child += starts[number];
-                    }
-                }
-                node
-            })
-            .collect()
+        let mut nodes = upper;
+        let upper = nodes.len();
+        nodes.resize(end as usize, BuildNode::EMPTY);
+        let mut places = Vec::with_capacity(subtrees.len());
+        let mut left = nodes.split_at_mut(upper).1;
+        for ((subtree, ..), start) in subtrees.iter().zip(starts) {
+            let place;
+            (place, left) = left.split_at_mut(subtree.len());
+            places.push((subtree, place, start));
+        }
+        let places = places.into_par_iter();
+        places.for_each(|(subtree, place, start)| subtree.unpack(place, start));
+        nodes
     }
 
     /// Fills the node at `place` from two parts; lists each subtree with the node and member
@@ -207,7 +208,7 @@ impl Top {
         nodes: &mut Vec<BuildNode>,
         place: usize,
         parts: [Self; 2],
-        subtrees: &mut Vec<(Vec<BuildNode>, usize, usize)>,
+        subtrees: &mut Vec<(PackedNodes, usize, usize)>,
     ) {
         let mut open = Vec::with_capacity(WIDTH);
         open.extend(parts);

@@ -30,6 +30,42 @@ pub(in crate::visibility) enum Child {
     Leaf { first: u32, count: u32 },
 }
 
+/// Nodes without the members that they have not: mostly less than half is there.
+#[derive(Debug)]
+pub(super) struct PackedNodes {
+    members: Box<[Member]>,
+    lens: Box<[u8]>,
+}
+
+impl PackedNodes {
+    pub(super) fn of(nodes: &[BuildNode]) -> Self {
+        let members = nodes.iter().map(|node| node.members().len()).sum();
+        let mut packed = Vec::with_capacity(members);
+        packed.extend(nodes.iter().flat_map(BuildNode::members));
+        Self {
+            members: packed.into_boxed_slice(),
+            lens: nodes.iter().map(|node| node.len).collect(),
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.lens.len()
+    }
+
+    /// Puts them at a place of the same length, of which `start` nodes come before in the whole tree.
+    pub(super) fn unpack(&self, place: &mut [BuildNode], start: u32) {
+        let mut members = self.members.iter();
+        for (node, &len) in place.iter_mut().zip(&self.lens) {
+            for &(mut member) in members.by_ref().take(usize::from(len)) {
+                if let Child::Node(child) = &mut member.child {
+                    *child += start;
+                }
+                node.push(member);
+            }
+        }
+    }
+}
+
 impl BuildNode {
     /// Nothing yet.
     pub(in crate::visibility) const EMPTY: Self = Self {

@@ -162,22 +162,19 @@ impl Cells {
         let run = places.len().div_ceil(RUNS);
         let runs = places.par_chunks(run);
         // How many shapes of each run are in each cell, and then where its next one goes.
-        let mut next: Vec<Vec<u32>> = runs
-            .clone()
-            .map(|run| {
-                let mut counts = vec![0; grid.len()];
-                for &place in run.iter().filter(|&&place| place != NOWHERE) {
-                    counts[place as usize] += 1;
-                }
-                counts
-            })
-            .collect();
+        let mut next = vec![0; grid.len() * RUNS];
+        let counted = runs.clone().zip(next.par_chunks_mut(grid.len()));
+        counted.for_each(|(run, counts)| {
+            for &place in run.iter().filter(|&&place| place != NOWHERE) {
+                counts[place as usize] += 1;
+            }
+        });
         let mut occupied = Vec::new();
         let mut end = 0;
         for place in 0..grid.len() {
             let start = end;
-            for next in &mut next {
-                let count = std::mem::replace(&mut next[place], end);
+            for next in next.iter_mut().skip(place).step_by(grid.len()) {
+                let count = std::mem::replace(next, end);
                 end += count;
             }
             if end > start {
@@ -189,7 +186,7 @@ impl Cells {
         }
         let order = (0..end).into_par_iter().map(|_| AtomicU32::new(0));
         let order: Vec<AtomicU32> = order.collect();
-        let runs = runs.zip(&mut next).enumerate();
+        let runs = runs.zip(next.par_chunks_mut(grid.len())).enumerate();
         runs.for_each(|(number, (places, next))| {
             for (shape, &place) in (number * run..).zip(places) {
                 if place != NOWHERE {
