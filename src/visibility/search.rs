@@ -409,6 +409,9 @@ impl<T: Shape> Search<T> {
             || {
                 for node in &tree.nodes {
                     for (&block, &count) in node.children.iter().zip(&node.counts) {
+                        if count == 0 {
+                            continue;
+                        }
                         for (block, _, bits) in self.blocks(block as usize, count as usize) {
                             if asker.show(simd, place, block, bits).is_none() {
                                 return;
@@ -470,21 +473,13 @@ impl<T: Shape> Search<T> {
     /// The numbers of all shapes.
     #[cfg(test)]
     pub(super) fn numbers(&self) -> Vec<u32> {
-        let mut counts: Vec<usize> = self
-            .blocks(0, self.listed)
-            .map(|(.., bits)| bits.count_ones() as usize)
-            .collect();
-        counts.resize(self.blocks.len(), 0);
-        for node in self.tree.iter().flat_map(|tree| &tree.nodes) {
-            for (&block, &count) in node.children.iter().zip(&node.counts) {
-                for (at, (.., bits)) in self.blocks(block as usize, count as usize).enumerate() {
-                    counts[block as usize + at] = bits.count_ones() as usize;
-                }
-            }
-        }
-        let blocks = counts.into_iter().enumerate();
-        let numbers =
-            blocks.flat_map(|(block, count)| (0..count).map(move |place| block * T::WIDTH + place));
+        let nodes = self.tree.iter().flat_map(|tree| &tree.nodes);
+        let leaves = nodes.flat_map(|node| node.children.iter().zip(&node.counts));
+        let leaves = leaves.filter(|&(_, &count)| count > 0);
+        let leaves = leaves.map(|(&block, &count)| (block as usize, count as usize));
+        let blocks = [(0, self.listed)].into_iter().chain(leaves);
+        let blocks = blocks.flat_map(|(block, count)| self.blocks(block, count));
+        let numbers = blocks.flat_map(|(_, first, bits)| ones(bits).map(move |at| first + at));
         numbers.map(|number| number as u32).collect()
     }
 
