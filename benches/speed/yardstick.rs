@@ -296,13 +296,19 @@ fn triangles_by_material(world: &World) -> Vec<(usize, bool, Triangles)> {
                 }));
         }
         if let Some(normals) = &mesh.normals {
-            let first = part.normals.len() as u32;
-            let corners = normals.corners.iter();
-            part.normal_corners
-                .extend(corners.map(|corners| corners.map(|c| first + c)));
-            let vectors = normals.vectors.iter();
-            part.normals
-                .extend(vectors.map(|normal| normal.get().as_vec3().to_array()));
+            let mut known = HashMap::new();
+            for triangle in mesh.triangles.clone() {
+                let triangles = world.triangles();
+                let corners = triangles.normals_at(normals, mesh.triangles.start, triangle);
+                // Triangles share normals again.
+                part.normal_corners.push(corners.map(|normal| {
+                    let normal = normal.get().as_vec3().to_array();
+                    *known.entry(normal.map(f32::to_bits)).or_insert_with(|| {
+                        part.normals.push(normal);
+                        part.normals.len() as u32 - 1
+                    })
+                }));
+            }
         }
     }
     parts
