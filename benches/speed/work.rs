@@ -14,17 +14,12 @@ pub(crate) struct Work {
     shadow: OfRays,
 }
 
-/// What rays of one kind took: see [`RayWork`].
+/// What rays of one kind took.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct OfRays {
     rays: u64,
-    batches: u64,
-    resolved_whole: u64,
-    fallbacks: u64,
-    leaves: u64,
-    distinct_leaves: Option<u64>,
-    leaf_bytes: u64,
-    pairs: u64,
+    #[serde(flatten)]
+    work: RayWork,
 }
 
 impl Work {
@@ -38,29 +33,21 @@ impl Work {
 
 impl OfRays {
     fn new(rays: u64, work: RayWork) -> Self {
-        Self {
-            rays,
-            batches: work.batches,
-            resolved_whole: work.resolved_whole,
-            fallbacks: work.fallbacks,
-            leaves: work.leaves,
-            distinct_leaves: work.distinct_leaves,
-            leaf_bytes: work.leaf_bytes,
-            pairs: work.pairs,
-        }
+        Self { rays, work }
     }
 
     /// How often each leaf was set up, the pairs that a resolved sample took, the parts in percent of rays that fell
     /// back and of batches that were resolved whole, and the MB that were read of leaf blocks.
     fn cells(&self) -> String {
-        let resolved = self.rays - self.fallbacks;
-        let distinct = self.distinct_leaves.unwrap_or(0);
+        let Self { rays, work } = self;
+        let resolved = rays - work.fallbacks;
+        let distinct = work.distinct_leaves.unwrap_or(0);
         [
-            quotient(self.leaves, distinct, 1.0, 2),
-            quotient(self.pairs, resolved, 1.0, 3),
-            quotient(self.fallbacks, self.rays, 100.0, 3),
-            quotient(self.resolved_whole, self.batches, 100.0, 1),
-            format!("{:.1}", self.leaf_bytes as f64 / 1e6),
+            quotient(work.leaves, distinct, 1.0, 2),
+            quotient(work.pairs, resolved, 1.0, 3),
+            quotient(work.fallbacks, *rays, 100.0, 3),
+            quotient(work.resolved_whole, work.batches, 100.0, 1),
+            format!("{:.1}", work.leaf_bytes as f64 / 1e6),
         ]
         .join(" | ")
     }

@@ -3,11 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use serde::Serialize;
+
 /// What it took to see points and to find out which lights reach them, where rays share a point or a direction.
 ///
 /// It is the same for any number of threads. It depends on the instructions: f32 decides with fused multiply-adds where
 /// there are any, so that more or fewer rays fall back, and tells the image nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Work {
     /// For primary rays.
     pub primary: RayWork,
@@ -16,7 +18,7 @@ pub struct Work {
 }
 
 /// What it took to answer rays of a kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RayWork {
     /// How often rays were asked together, at most 256 of them: camera rays, or points and a light. Points too far
     /// apart for one projection count once for each group of them.

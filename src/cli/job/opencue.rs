@@ -1,7 +1,8 @@
 //! A list of commands for OpenCue's `cuecmd`: each line is a frame of its layer.
 
-use super::{Failure, Job};
 use candela::internal::shell_word;
+
+use super::{Failure, Job};
 
 /// One command a line. The frames of a chunk stand in its command: cuecmd's own tokens for them are wrong in the last
 /// chunk (OpenCue issue 1129).

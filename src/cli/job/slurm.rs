@@ -1,9 +1,8 @@
 //! A batch script for Slurm: an array of tasks, and the merge of tiles as a second job of the same script.
 
-use candela::internal::printable;
+use candela::internal::{printable, shell_word};
 
 use super::Job;
-use candela::internal::shell_word;
 
 /// How often a task is put back into the queue.
 const TRIES: u32 = 5;

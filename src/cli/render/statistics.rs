@@ -1,7 +1,7 @@
 //! `--stats`: counts and times as JSON.
 
 use candela::image::Window;
-use candela::render::{self, RenderedExr, Renderer};
+use candela::render::{RenderedExr, Renderer, Work};
 use candela::world::Plan;
 use serde::Serialize;
 
@@ -75,26 +75,6 @@ struct Accuracy {
     worst_estimate: f64,
 }
 
-/// What it took to find out what rays meet.
-#[derive(Serialize)]
-struct Work {
-    primary: RayWork,
-    shadow: RayWork,
-}
-
-/// That of primary or of shadow rays: see [`render::RayWork`].
-#[derive(Serialize)]
-struct RayWork {
-    batches: u64,
-    resolved_whole: u64,
-    fallbacks: u64,
-    leaves: u64,
-    /// `null` where they are too many to be told apart.
-    distinct_leaves: Option<u64>,
-    leaf_bytes: u64,
-    pairs: u64,
-}
-
 /// How long each step took.
 #[derive(Default, Serialize)]
 pub(super) struct Seconds {
@@ -154,35 +134,9 @@ impl<'a> Statistics<'a> {
             singular_lights: counts.singular,
             clamped: counts.clamped,
             clamped_to_half: rendered.report.clamped_to_half,
-            work: Work {
-                primary: RayWork::new(counts.work.primary),
-                shadow: RayWork::new(counts.work.shadow),
-            },
+            work: counts.work,
             seconds,
             plan: renderer.plan(),
-        }
-    }
-}
-
-impl RayWork {
-    fn new(work: render::RayWork) -> Self {
-        let render::RayWork {
-            batches,
-            resolved_whole,
-            fallbacks,
-            leaves,
-            distinct_leaves,
-            leaf_bytes,
-            pairs,
-        } = work;
-        Self {
-            batches,
-            resolved_whole,
-            fallbacks,
-            leaves,
-            distinct_leaves,
-            leaf_bytes,
-            pairs,
         }
     }
 }
