@@ -62,10 +62,10 @@ fn counts(scene: &Scene, threads: usize, options: &Options) -> Counts {
     })
 }
 
-fn with_leaves(samples: u32) -> Options {
+fn with_work(samples: u32) -> Options {
     Options {
         samples,
-        distinct_leaves: true,
+        counts_work: true,
         ..Options::default()
     }
 }
@@ -74,7 +74,7 @@ fn with_leaves(samples: u32) -> Options {
 fn without_triangles_there_are_no_leaves() {
     let ball = Object::sphere("clay", [0.0; 3], 0.5);
     let wall = Object::plane("clay", [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]);
-    let Work { primary, shadow } = counts(&scene([ball, wall]), 2, &with_leaves(1)).work;
+    let Work { primary, shadow } = counts(&scene([ball, wall]), 2, &with_work(1)).work;
     assert_eq!(primary.batches, TILES);
     for work in [primary, shadow] {
         assert_eq!(work.distinct_leaves, Some(0));
@@ -89,7 +89,7 @@ fn one_triangle_before_all_is_set_up_once_a_batch_and_tested_nowhere() {
     for (_, simd) in SimdLevel::available() {
         let options = Options {
             simd,
-            ..with_leaves(1)
+            ..with_work(1)
         };
         let counts = counts(&scene, 2, &options);
         let all = u64::from(RESOLUTION[0] * RESOLUTION[1]);
@@ -111,7 +111,7 @@ fn each_leaf_of_a_mesh_is_met_from_the_eye_and_from_each_light() {
     const SIDE: u32 = 32;
     let triangles = u64::from(2 * SIDE * SIDE);
     // So many samples that each leaf is the first that some ray meets.
-    let counts = counts(&scene([sheet(SIDE)]), 2, &with_leaves(16));
+    let counts = counts(&scene([sheet(SIDE)]), 2, &with_work(16));
     let Work { primary, shadow } = counts.work;
     let leaves = primary.distinct_leaves.unwrap();
     assert!(
@@ -134,28 +134,26 @@ fn each_leaf_of_a_mesh_is_met_from_the_eye_and_from_each_light() {
 }
 
 #[test]
-fn neither_threads_nor_noting_leaves_change_it() {
+fn threads_do_not_change_it_and_it_changes_nothing() {
     let ball = Object::sphere("clay", [0.0, 0.0, 0.8], 0.3);
     let scene = scene([sheet(32), ball]);
     for samples in [1, 4] {
-        let once = counts(&scene, 1, &with_leaves(samples));
+        let once = counts(&scene, 1, &with_work(samples));
         for threads in [2, 3, 7] {
             assert_eq!(
-                counts(&scene, threads, &with_leaves(samples)),
+                counts(&scene, threads, &with_work(samples)),
                 once,
                 "{threads}"
             );
         }
         let without = Options {
-            distinct_leaves: false,
-            ..with_leaves(samples)
+            counts_work: false,
+            ..with_work(samples)
         };
-        let mut without = counts(&scene, 2, &without);
-        assert_eq!(without.work.primary.distinct_leaves, None);
-        assert_eq!(without.work.shadow.distinct_leaves, None);
-        without.work.primary.distinct_leaves = once.work.primary.distinct_leaves;
-        without.work.shadow.distinct_leaves = once.work.shadow.distinct_leaves;
-        assert_eq!(without, once);
+        let without = counts(&scene, 2, &without);
+        assert_eq!(without.work, Work::default());
+        let work = once.work;
+        assert_eq!(Counts { work, ..without }, once);
     }
 }
 
@@ -168,7 +166,7 @@ fn instructions_that_fuse_take_the_same() {
     let mut works = fused.map(|(_, simd)| {
         let options = Options {
             simd,
-            ..with_leaves(4)
+            ..with_work(4)
         };
         counts(&scene, 2, &options).work
     });

@@ -132,10 +132,10 @@ impl Bench<'_> {
                 pool.install(|| load(&scene.path, |scene| scene.lights.truncate(lights)))?;
             let (renderer, build) = timed(|| pool.install(|| Renderer::new(&world)));
             let renderer = renderer?;
-            let render_with = |samples: u32, distinct_leaves: bool| -> (Rendered, f64) {
+            let render_with = |samples: u32, counts_work: bool| -> (Rendered, f64) {
                 let options = Options {
                     samples,
-                    distinct_leaves,
+                    counts_work,
                     ..Options::default()
                 };
                 let render = || renderer.film(&camera, &options, &Job::new());

@@ -33,7 +33,8 @@ pub struct Counts {
     pub beyond_white: u64,
     /// How exact the pixels are, where they are rendered to an error.
     pub errors: ErrorCounts,
-    /// What it took to find out what rays meet.
+    /// What it took to find out what rays meet; nothing unless
+    /// [`Options::counts_work`](super::Options::counts_work) asks.
     pub work: Work,
 }
 

@@ -24,9 +24,9 @@ pub struct Options {
     pub simd: SimdLevel,
     /// The frame of a sequence, which the header then names. Default `None`.
     pub frame: Option<f64>,
-    /// Whether [`RayWork::distinct_leaves`](super::RayWork::distinct_leaves) is counted, which takes a bit of memory for
-    /// each leaf seen from the eye and from each light, 64 MB at most. Default: no.
-    pub distinct_leaves: bool,
+    /// Whether [`Counts::work`](super::Counts::work) is counted, which takes a little time, and a bit of memory for each
+    /// leaf seen from the eye and from each light, 64 MB at most. Default: no.
+    pub counts_work: bool,
 }
 
 impl Default for Options {
@@ -38,7 +38,7 @@ impl Default for Options {
             layers: Layers::default(),
             simd: SimdLevel::default(),
             frame: None,
-            distinct_leaves: false,
+            counts_work: false,
         }
     }
 }

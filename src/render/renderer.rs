@@ -399,13 +399,14 @@ impl<'w> Renderer<'w> {
         let origins = self.world.lights().iter();
         let origins = origins.map(|light| light.value.origins().len()).sum();
         let met_leaves = options
-            .distinct_leaves
+            .counts_work
             .then(|| self.visibility.met_leaves(origins))
             .flatten();
         let setup = Setup {
             world: self.world,
             camera,
             visibility: &self.visibility,
+            counts_work: options.counts_work,
             met_leaves: met_leaves.as_ref(),
             simd: options.simd,
             sampler: &sampler,

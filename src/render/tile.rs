@@ -27,7 +27,8 @@ pub(super) struct Setup<'w> {
     pub(super) world: &'w World,
     pub(super) camera: &'w Camera,
     pub(super) visibility: &'w Visibility<'w>,
-    /// Where it is noted which leaves are met, if anybody asks.
+    /// Whether it is counted what visibility takes, and where it is noted which leaves are met.
+    pub(super) counts_work: bool,
     pub(super) met_leaves: Option<&'w Arc<MetLeaves>>,
     pub(super) simd: SimdLevel,
     /// Where all samples of a pixel are, of which a pass takes a range.
@@ -209,8 +210,10 @@ impl Kernel for Pass<'_, '_> {
             Further::MayCome
         };
         let count = samples.end - samples.start;
-        // What the batch before met is taken for a hint: of another tile's, the work would depend on the threads.
-        space.points.forget();
+        // What the batch before met is taken for a hint. Of another tile's, what is counted would depend on the threads.
+        if setup.counts_work {
+            space.points.forget();
+        }
         space
             .batch
             .begin(simd, sampler, &tile.pixels, selection, samples.clone());
@@ -259,7 +262,9 @@ impl Kernel for Pass<'_, '_> {
                 tile.taken.0[pixel as usize] += count;
             }
         }
-        counts.work = space.tracing.take_work();
+        if setup.counts_work {
+            counts.work = space.tracing.take_work();
+        }
         counts
     }
 }

@@ -31,8 +31,8 @@ pub struct RayWork {
     pub fallbacks: u64,
     /// How often the triangles of a leaf, at most sixteen of them, were set up before a batch.
     pub leaves: u64,
-    /// How many different leaves these are, for each light by itself; `None` if that was not asked for
-    /// ([`Options::distinct_leaves`](crate::Options::distinct_leaves)).
+    /// How many different leaves these are, for each light by itself; `None` if telling them apart would take more than
+    /// 64 MB.
     pub distinct_leaves: Option<u64>,
     /// How many bytes of leaf blocks were read for it: all that a projection knows of a leaf, each time.
     pub leaf_bytes: u64,

@@ -58,7 +58,7 @@ impl Request {
             layers: arguments.layers.layers(),
             simd: arguments.simd.unwrap_or_default(),
             frame: stage.frame(frame),
-            distinct_leaves: arguments.stats.is_some(),
+            counts_work: arguments.stats.is_some(),
         };
         Ok(Self {
             window: options.check(world, camera)?,

@@ -26,7 +26,7 @@ use crate::visibility::rays::{CYCLE, ROUNDING, Rays, Shear, ShearedRays};
 use crate::visibility::tree::{Beam, Bounds};
 use crate::world::Triangles;
 use crate::world::geometry::{Turn, area_vector};
-use leaf_block::{LeafBlock, Turns};
+use leaf_block::{LeafBlock, Objects, Turns};
 pub(in crate::visibility) use pairs::TrianglePerRay;
 use setup::TriangleSetups;
 pub(in crate::visibility) use single::{BlockHits, SingleRay};
@@ -238,7 +238,8 @@ impl Triangle {
 #[derive(Clone, Debug)]
 pub(in crate::visibility) struct TriangleBlock {
     leaf: LeafBlock,
-    primitives: [Primitive; LANES],
+    /// Those of the triangles in the world.
+    numbers: [u32; LANES],
 }
 
 impl TriangleBlock {
@@ -267,33 +268,33 @@ impl Block<Triangle> for TriangleBlock {
     type Setup = TriangleSetups;
 
     fn of(shapes: &[Triangle], first: u32) -> Self {
-        let mut primitives = [shapes[0].primitive; LANES];
+        let mut numbers = [0; LANES];
         let mut turns = Turns::default();
         for (place, shape) in shapes.iter().enumerate() {
-            primitives[place] = shape.primitive;
+            (_, numbers[place]) = shape.primitive.parts();
             turns.set(place, shape.start);
         }
+        let objects = Objects::of(shapes.iter().map(|shape| shape.primitive.parts().0));
+        let vertices = shapes.iter().map(Triangle::vertices);
         Self {
-            leaf: LeafBlock::of(shapes.iter().map(Triangle::vertices), first, turns),
-            primitives,
+            leaf: LeafBlock::of(vertices, first, turns, objects),
+            numbers,
         }
     }
 
     #[inline(always)]
     fn get(&self, world: &Arc<Triangles>, place: usize) -> Triangle {
-        let primitive = self.primitives[place];
-        let (_, number) = primitive.parts();
         let start = self.leaf.turns.get(place);
         Triangle {
-            vertices: world.vertices_from(number, start),
+            vertices: world.vertices_from(self.numbers[place], start),
             start,
-            primitive,
+            primitive: self.primitive(place),
         }
     }
 
     #[inline(always)]
     fn primitive(&self, place: usize) -> Primitive {
-        self.primitives[place]
+        Primitive::triangle(self.leaf.objects.get(place), self.numbers[place])
     }
 
     #[inline(always)]
@@ -339,7 +340,7 @@ impl Block<Triangle> for TriangleBlock {
         setups.set_up(simd, projection, &self.leaf, bits);
         let id = |place: usize| ShapeId {
             slot: slot + place as u32,
-            primitive: self.primitives[place],
+            primitive: self.primitive(place),
         };
         let mut left = setups.of_interest;
         if projection.state != State::Projected {

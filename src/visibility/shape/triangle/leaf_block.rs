@@ -141,6 +141,38 @@ pub(in crate::visibility) struct LeafBlock {
     /// The number of the first triangle in the order of all: beside the middle, which is read in any case.
     pub(in crate::visibility) number: u32,
     pub(super) turns: Turns,
+    /// What fills the last line of memory that a block takes in any case.
+    pub(super) objects: Objects,
+}
+
+/// Which objects the triangles of a block are of: mostly one.
+#[derive(Clone, Debug)]
+pub(super) enum Objects {
+    One(u32),
+    Each(Box<[u32; LANES]>),
+}
+
+impl Objects {
+    /// Of at most sixteen triangles, at least one.
+    pub(super) fn of(objects: impl ExactSizeIterator<Item = u32> + Clone) -> Self {
+        let first = objects.clone().next().expect("a block has a triangle");
+        if objects.clone().all(|object| object == first) {
+            return Self::One(first);
+        }
+        let mut each = Box::new([first; LANES]);
+        for (place, object) in each.iter_mut().zip(objects) {
+            *place = object;
+        }
+        Self::Each(each)
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, place: usize) -> u32 {
+        match self {
+            Self::One(object) => *object,
+            Self::Each(objects) => objects[place],
+        }
+    }
 }
 
 /// Where the corners of sixteen triangles start among those of the world, two bits each.
@@ -166,6 +198,7 @@ impl LeafBlock {
         triangles: impl ExactSizeIterator<Item = [DVec3; 3]> + Clone,
         number: u32,
         turns: Turns,
+        objects: Objects,
     ) -> Self {
         let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for [a, b, c] in triangles.clone() {
@@ -186,6 +219,7 @@ impl LeafBlock {
             over_size: 1.0 / size,
             number,
             turns,
+            objects,
         };
         for (place, [a, b, c]) in triangles.enumerate() {
             let (first, to_second, to_third) =
