@@ -3,6 +3,7 @@
 
 mod archive;
 mod compare;
+mod meshes;
 mod plot;
 #[path = "../rays/mod.rs"]
 mod rays;
