@@ -1,4 +1,4 @@
-// The yardstick: candela's direct light on Embree 3, as a careful C++ renderer would do it.
+// The yardstick: candela's direct light on Embree 3 or 4, as a careful C++ renderer would do it.
 //
 //   yardstick SCENE.bin BUILD_THREADS
 //
@@ -13,7 +13,8 @@
 //   render SAMPLES THREADS LIGHTS    render with the first LIGHTS lights; answers the seconds
 //   shade SAMPLES THREADS LIGHTS     the same, but no ray is traced: all pixels see one plane, lit by all
 //   save FILE                        write the last image: R, G, B as f32, row by row from the top
-#include <embree3/rtcore.h>
+#include "embree.h"
+
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
@@ -236,10 +237,7 @@ class Renderer {
         packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
       }
       if (TRACE) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        rtcIntersect16(valid, scene, &context, &packet);
+        find_nearest(valid, scene, packet, Rays::COHERENT);
       } else {
         for (int k = 0; k < LANES; k++) {
           packet.ray.tfar[k] = 1;
@@ -359,12 +357,7 @@ class Renderer {
         shadow.mask[k] = ~0u;
         shadow.flags[k] = 0;
       }
-      if (TRACE) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        rtcOccluded16(lit, scene, &context, &shadow);
-      }
+      if (TRACE) find_occluded(lit, scene, shadow, Rays::COHERENT);
       for (int k = 0; k < LANES; k++) {
         const float seen = lit[k] && shadow.tfar[k] >= 0 ? 1.f : 0.f;
         sum.x[k] += seen * light.intensity.x * (diffuse.x[k] * matt[k] + specular.x[k] * glossy[k]);

@@ -229,8 +229,13 @@ impl Drop for Yardstick {
 }
 
 /// Measures all scenes; a table in Markdown.
-pub(crate) fn measure(folder: &Path, scenes: &[&Scene], runs: u32) -> Result<String> {
-    let program = compile_from(SOURCE, &folder.join("ray-yardstick"));
+pub(crate) fn measure(
+    folder: &Path,
+    scenes: &[&Scene],
+    runs: u32,
+    embree: Option<u8>,
+) -> Result<String> {
+    let program = compile_from(SOURCE, &folder.join("ray-yardstick"), embree);
     if let Err(error) = &program {
         eprintln!("The yardstick of rays cannot be compiled: {error}\ncandela is measured alone.");
     }

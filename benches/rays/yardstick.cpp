@@ -1,4 +1,4 @@
-// The yardstick of rays: Embree 3 on the same bundle of incoherent rays and segments, one thread.
+// The yardstick of rays: Embree 3 or 4 on the same bundle of incoherent rays and segments, one thread.
 //
 //   yardstick BUNDLE.bin
 //
@@ -10,7 +10,8 @@
 //   occluded     rtcOccluded16 for all segments; answers the seconds
 //   save FILE    write the last t of each ray, infinite without a hit, and 1 or 0 for each segment that is
 //                occluded or not, as f32
-#include <embree3/rtcore.h>
+#include "../embree/embree.h"
+
 #include <pmmintrin.h>
 #include <time.h>
 #include <xmmintrin.h>
@@ -106,9 +107,7 @@ class Tracer {
       alignas(64) int valid[LANES];
       load(rays, first, FAR, packet.ray, valid);
       for (int k = 0; k < LANES; k++) packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcIntersect16(valid, scene, &context, &packet);
+      find_nearest(valid, scene, packet, Rays::INCOHERENT);
       for (int k = 0; k < LANES; k++)
         if (valid[k]) t[first + k] = packet.ray.tfar[k];
     }
@@ -121,9 +120,7 @@ class Tracer {
       alignas(64) RTCRay16 packet;
       alignas(64) int valid[LANES];
       load(segments, first, 1, packet, valid);
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcOccluded16(valid, scene, &context, &packet);
+      find_occluded(valid, scene, packet, Rays::INCOHERENT);
       for (int k = 0; k < LANES; k++)
         if (valid[k]) dark[first + k] = packet.tfar[k] < 0;
     }

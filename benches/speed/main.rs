@@ -3,6 +3,7 @@
 
 mod archive;
 mod compare;
+mod meshes;
 mod plot;
 #[path = "../rays/mod.rs"]
 mod rays;
@@ -66,6 +67,11 @@ struct Arguments {
     #[arg(long, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+
+    /// The version of Embree to compare with [default: 4 where it is installed, else 3]
+    #[arg(long, value_name = "3|4", conflicts_with_all = ["scaling", "tonemap"])]
+    #[arg(value_parser = clap::value_parser!(u8).range(3..=4))]
+    embree: Option<u8>,
 
     /// The date in the archive [default: today, from the system]
     #[arg(long, value_name = "YYYY-MM-DD")]
@@ -146,15 +152,18 @@ fn run(arguments: &Arguments) -> Result<()> {
             .filter(|scene| is_wanted(&scene.name))
             .filter(|scene| !arguments.only.is_empty() || is_default(&scene.name))
             .collect();
-        print!("{}", rays::measure(&folder, &scenes, arguments.runs)?);
+        print!(
+            "{}",
+            rays::measure(&folder, &scenes, arguments.runs, arguments.embree)?
+        );
         return Ok(());
     }
 
-    let program = yardstick::compile(&folder);
+    let program = yardstick::compile(&folder, arguments.embree);
     if let Err(error) = &program {
         eprintln!(
             "The yardstick cannot be compiled: {error}\n\
-             candela is measured alone. For the comparison install Embree 3 and a C++ compiler;\n\
+             candela is measured alone. For the comparison install Embree 4 or 3 and a C++ compiler;\n\
              on Debian and Ubuntu: apt install libembree-dev g++"
         );
     }

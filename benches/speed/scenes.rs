@@ -7,6 +7,7 @@ use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::Result;
+use super::meshes;
 
 /// A scene and how it is measured.
 #[derive(Clone, Debug)]
@@ -141,6 +142,30 @@ pub(crate) fn write_all(folder: &Path, dragon: Option<&Path>) -> Result<Vec<Scen
             &THREE_LIGHTS,
             &few,
         )?);
+    }
+    for (name, content, mesh) in [
+        ("noisy", "a scan with noise, 1 M triangles", meshes::noisy()),
+        (
+            "slivers",
+            "tubes of 200 k triangles, 1:1000",
+            meshes::slivers(),
+        ),
+        (
+            "cad",
+            "blocks with fillets, faces on each other, 314 k triangles",
+            meshes::cad(),
+        ),
+    ] {
+        let file = format!("{name}.ply");
+        mesh.write(&folder.join(&file))?;
+        let mut objects = floor();
+        add_mesh(&mut objects, Path::new(&file), 1.0, 0.0);
+        let scene = write_scene(folder, name, content, CAMERA, &objects, &THREE_LIGHTS, &[3])?;
+        // 16 samples of slivers take minutes.
+        scenes.push(Scene {
+            samples: vec![1, 4],
+            ..scene
+        });
     }
     scenes.push(write_lights(folder, 100)?);
     let room_lights = [

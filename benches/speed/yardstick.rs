@@ -30,27 +30,32 @@ pub(crate) struct Yardstick {
 }
 
 /// Compiles the yardstick; where it is, or why it is not there.
-pub(crate) fn compile(folder: &Path) -> Result<PathBuf> {
-    compile_from(SOURCE, &folder.join("yardstick"))
+pub(crate) fn compile(folder: &Path, embree: Option<u8>) -> Result<PathBuf> {
+    compile_from(SOURCE, &folder.join("yardstick"), embree)
 }
 
-/// Compiles a program that uses Embree, if it is older than its source.
-pub(crate) fn compile_from(source: &str, program: &Path) -> Result<PathBuf> {
-    let modified = |path: &Path| fs::metadata(path).and_then(|data| data.modified()).ok();
-    if modified(program) > modified(Path::new(source)) {
-        return Ok(program.to_owned());
+/// Compiles a program that uses Embree of this version or else, Embree 4 where it is installed and 3 where it is not.
+/// It is compiled each time, as another Embree may be installed now.
+pub(crate) fn compile_from(source: &str, program: &Path, embree: Option<u8>) -> Result<PathBuf> {
+    match embree {
+        Some(version) => compile_with(source, program, version),
+        None => compile_with(source, program, 4).or_else(|_| compile_with(source, program, 3)),
     }
+}
+
+fn compile_with(source: &str, program: &Path, embree: u8) -> Result<PathBuf> {
     let output = Command::new("c++")
         .args([
             "-std=c++17",
             "-O3",
             "-march=native",
             "-ffast-math",
+            &format!("-DEMBREE={embree}"),
             source,
             "-o",
         ])
         .arg(program)
-        .args(["-lembree3", "-lpthread"])
+        .args([&format!("-lembree{embree}"), "-lpthread"])
         .output()
         .map_err(|error| format!("no C++ compiler (c++): {error}"))?;
     if output.status.success() {
