@@ -153,7 +153,7 @@ fn moved(
                 }
             }
         }
-        let intensity = light.value.intensity_mut();
+        let intensity = light.value.size_mut();
         intensity.value = times(&intensity.value, scale * scale);
     }
     for object in &mut scene.objects {
@@ -230,7 +230,7 @@ fn with_light(scene: &Scene, factor: f64) -> Scene {
     let mut scene = scene.clone();
     scene.image.background.value = times(&scene.image.background.value, factor);
     for light in &mut scene.lights {
-        let intensity = light.value.intensity_mut();
+        let intensity = light.value.size_mut();
         intensity.value = times(&intensity.value, factor);
     }
     scene

@@ -315,9 +315,9 @@ fn values_keep_their_places() {
     let folder = folder();
     let path = folder.path().join("moving.toml");
     let mut loaded = at(&path, 1.0);
-    let before = loaded.scene.lights[0].value.intensity().clone();
+    let before = loaded.scene.lights[0].value.size().clone();
     loaded.motion.set(&mut loaded.scene, 7.0).unwrap();
-    let after = loaded.scene.lights[0].value.intensity();
+    let after = loaded.scene.lights[0].value.size();
     assert_eq!(before.span, after.span);
     let text = &loaded.scene.source.text;
     assert!(text[after.span.start..].starts_with("{ keys = [[1, 30]"));

@@ -205,6 +205,7 @@ fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     writeln!(output, "\nlights     {}", world.lights().len())?;
     for light in world.lights().iter().take(LISTED) {
         let [r, g, b] = light.value.intensity().0.0.map(rounded);
+        let mut unit = "cd";
         let name = printable(&light.name);
         let kind = match &light.value {
             Light::Point(_) => "point".to_owned(),
@@ -213,8 +214,13 @@ fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
                     [spot.cone.inner(), spot.cone.outer()].map(|angle| rounded(angle.to_degrees()));
                 format!("spot to {inner}° and {outer}°")
             }
+            Light::Sun(sun) => {
+                unit = "lx";
+                let [x, y, z] = (-sun.to_light.get()).to_array().map(rounded);
+                format!("sun along [{x} {y} {z}]")
+            }
         };
-        writeln!(output, "  {name:<20} {kind}, [{r} {g} {b}] cd")?;
+        writeln!(output, "  {name:<20} {kind}, [{r} {g} {b}] {unit}")?;
     }
     print_rest(world.lights().len(), output)
 }

@@ -86,13 +86,13 @@ pub struct MaterialTerms {
 pub struct LightTerms {
     /// The light's name.
     pub name: String,
-    /// I in candela.
+    /// I in candela; of a sun E in lux.
     pub intensity: [f64; 3],
-    /// d
+    /// d; infinite for a sun, in JSON `null`.
     pub distance: f64,
     /// Of a spot, where in its cone p is; `None` for other lights, and where d is 0.
     pub spot: Option<SpotTerms>,
-    /// L3: I / d² in lux, of a spot I f(θ) / d²; 0 where d is 0.
+    /// L3: I / d² in lux, of a spot I f(θ) / d², of a sun E; 0 where d is 0.
     pub incident: [f64; 3],
     /// ω_i, the unit direction from p to the light; 0 where d is 0.
     pub to_light: [f64; 3],

@@ -75,7 +75,9 @@ pub use pixel::{PixelMean, PixelQuadrature};
 use spot::Cone;
 use surface::{Shape, Surface};
 use value::Palette;
-use vector::{Vector, WideVector, ZERO, add, dot, length, narrowed, subtract, unit, widened};
+use vector::{
+    Vector, WideVector, ZERO, add, dot, length, narrowed, scale, subtract, unit, widened,
+};
 use wide::{Real, Wide};
 
 /// A scene, ready for the equations.
@@ -109,13 +111,24 @@ struct NamedObject {
 #[derive(Clone, Debug)]
 struct Lamp {
     name: String,
-    /// p_L
-    position: WideVector,
-    /// I in candela, or in W·sr⁻¹·nm⁻¹; of a spot on its axis.
+    place: Place,
+    /// I in candela, or in W·sr⁻¹·nm⁻¹; of a spot on its axis. Of a sun E in lux, or in W·m⁻²·nm⁻¹.
     intensity: Components,
     /// What a spot shines into; `None` is all directions.
     cone: Option<Cone>,
 }
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    /// p_L
+    At(WideVector),
+    /// The unit vector to a sun.
+    Toward(WideVector),
+}
+
+/// How far along the way to a sun something is looked for that stands between, in m: beyond all coordinates of a scene.
+const BEYOND_ALL: f64 = 1e33;
 
 /// The value of a point of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -344,7 +357,10 @@ impl Oracle {
         let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {
             return Term::nothing(material);
         };
-        let distance = length(segment.vector()).narrow();
+        let distance = match light.place {
+            Place::At(_) => length(segment.vector()).narrow(),
+            Place::Toward(_) => f64::INFINITY,
+        };
         let spot = light.cone.map(|cone| {
             let angle = cone.angle(narrowed(subtract(segment.from, segment.to)));
             SpotTerms {
@@ -353,7 +369,11 @@ impl Oracle {
             }
         });
         let falloff = spot.map_or(1.0, |spot| spot.falloff);
-        let incident = incident_light(intensity, distance).scaled(falloff);
+        let incident = match light.place {
+            Place::At(_) => incident_light(intensity, distance).scaled(falloff),
+            // L3 of parallel light: L_i = E.
+            Place::Toward(_) => intensity.clone(),
+        };
         let cos_incident = cosine(hit.normal, to_light);
         let reflected = ideal_reflection(hit.normal, to_light);
         let cos_lobe = cosine(hit.to_viewer, reflected);
@@ -462,7 +482,10 @@ impl Oracle {
     fn segment(&self, hit: &Hit, light: &Lamp) -> Segment {
         Segment {
             from: hit.position,
-            to: light.position,
+            to: match light.place {
+                Place::At(position) => position,
+                Place::Toward(way) => add(hit.position, scale(way, Wide::from(BEYOND_ALL))),
+            },
             magnitude: length(hit.position).narrow() + self.surfaces[hit.surface].shape.magnitude(),
             reference: widened(self.reference),
         }
@@ -532,7 +555,7 @@ impl Lamp {
                 group: _,
             } => Self {
                 name: name.to_owned(),
-                position: subtract(widened(position.value), widened(reference)),
+                place: Place::At(subtract(widened(position.value), widened(reference))),
                 intensity: palette.light(&intensity.value),
                 cone: None,
             },
@@ -549,11 +572,23 @@ impl Lamp {
                 let cone = Cone::new(position.value, aim, angles, *falloff);
                 Self {
                     name: name.to_owned(),
-                    position: subtract(widened(position.value), widened(reference)),
+                    place: Place::At(subtract(widened(position.value), widened(reference))),
                     intensity: palette.light_into(&intensity.value, cone.flux()),
                     cone: Some(cone),
                 }
             }
+            Light::Sun {
+                direction,
+                illuminance,
+                group: _,
+            } => Self {
+                name: name.to_owned(),
+                place: Place::Toward(
+                    unit(widened(direction.value.map(|part| -part))).unwrap_or_default(),
+                ),
+                intensity: palette.light(&illuminance.value),
+                cone: None,
+            },
         }
     }
 }

@@ -135,7 +135,7 @@ impl Palette {
     /// A light of this color, as strong as is said.
     fn sized_light(&self, unit: Unit, amount: f64, color: &Value, directions: f64) -> Components {
         let intensity = match unit {
-            Unit::Candela | Unit::WattsPerSteradian => amount,
+            Unit::Candela | Unit::WattsPerSteradian | Unit::Lux => amount,
             Unit::Lumens | Unit::Watts => amount / directions,
         };
         // Nothing of a black color is nothing.
@@ -146,7 +146,9 @@ impl Palette {
                 intensity / whole
             }
         };
-        if let (Some((rgb, space)), Unit::Candela | Unit::Lumens) = (literal(color), unit) {
+        if let (Some((rgb, space)), Unit::Candela | Unit::Lumens | Unit::Lux) =
+            (literal(color), unit)
+        {
             // A triple is in candela, and its luminance that of Rec.709.
             let candela = luminance(
                 converted(rgb, space, ColorSpace::Rec709),
@@ -160,7 +162,7 @@ impl Palette {
             None => spectrum(color),
         };
         let whole = match unit {
-            Unit::Candela | Unit::Lumens => self.colorimetry.luminous(&spectrum),
+            Unit::Candela | Unit::Lumens | Unit::Lux => self.colorimetry.luminous(&spectrum),
             Unit::WattsPerSteradian | Unit::Watts => spectrum.sum(),
         };
         self.light_of_spectrum(spectrum.scaled(share(whole)))
@@ -172,6 +174,7 @@ impl Palette {
 fn is_spectral(scene: &Scene) -> bool {
     let lights = scene.lights.iter().map(|light| match &light.value {
         Light::Point { intensity, .. } | Light::Spot { intensity, .. } => &intensity.value,
+        Light::Sun { illuminance, .. } => &illuminance.value,
     });
     let materials = scene.materials.iter().flat_map(|material| {
         let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) = &material.value;
@@ -434,7 +437,7 @@ mod tests {
     fn spectra_or_watts_make_a_scene_spectral() {
         let with_light = |value: Value| {
             let mut scene = Scene::builtin();
-            scene.lights[0].value.intensity_mut().value = value;
+            scene.lights[0].value.size_mut().value = value;
             Palette::new(&scene).is_spectral()
         };
         assert!(!with_light(rec709([1.0, 2.0, 3.0])));

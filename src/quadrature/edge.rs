@@ -50,7 +50,7 @@ impl Quadrature<'_> {
             return None;
         }
         let light = reaches.iter().position(|reach| is_open(&reach))?;
-        let origin = self.world.lights()[light].value.position().0;
+        let origin = self.origin(light, surface.position.bounds());
         let lit = match reaches[light] {
             Reach::Terminator => {
                 // Nothing else may be in its way.

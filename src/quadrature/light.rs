@@ -2,19 +2,26 @@
 
 use super::model::Model;
 use super::surface::Surface;
+use crate::math::DVec3;
 use crate::world::light::Falloff;
 use crate::world::material::Model as Reflection;
 use crate::world::{Light, Lobes, Material, SpotLight};
 
-/// The cosine terms of L5 and L7 over d² of the lobes, in m⁻², of a spot times f(θ): where the light is above.
-pub(super) fn geometry(surface: &Surface, light: &Light, material: &Material) -> Lobes<Model> {
-    let origin = light.position().0;
+/// The cosine terms of L5 and L7 over d² of the lobes, in m⁻², of a spot times f(θ), of a sun over 1 m²: where the
+/// light, at `origin`, is above.
+pub(super) fn geometry(
+    surface: &Surface,
+    light: &Light,
+    origin: DVec3,
+    material: &Material,
+) -> Lobes<Model> {
     let to_light = -surface.position.minus(origin);
     let square = to_light.dot(to_light);
     let inverse = square.root().reciprocal();
     let inverse_square = square.reciprocal();
     let received = match light {
         Light::Point(_) => inverse_square,
+        Light::Sun(_) => Model::constant(1.0),
         Light::Spot(spot) => {
             inverse_square * falloff(spot, to_light.along(spot.axis.get()), inverse)
         }

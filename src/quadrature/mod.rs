@@ -21,9 +21,10 @@ mod tests;
 
 use crate::camera::Camera;
 use crate::image::Window;
+use crate::math::DVec3;
 use crate::simd::SimdLevel;
 use crate::visibility::{ShaftSpace, Visibility};
-use crate::world::World;
+use crate::world::{Light, World};
 use model::Model;
 use shafts::Region;
 use surface::{Square, Surface, View};
@@ -210,6 +211,8 @@ pub(crate) struct Quadrature<'w> {
     target: Target,
     /// Whether pixels with edges are integrated.
     integrates: bool,
+    /// The largest coordinate of spheres and triangles, if there is a sun.
+    reach: f64,
     space: ShaftSpace,
     /// Shapes, list after list, and what is known of lights, square after square.
     lists: Vec<u64>,
@@ -233,10 +236,28 @@ impl<'w> Quadrature<'w> {
             simd,
             target,
             integrates,
+            reach: if world.lights().iter().any(|light| light.value.is_sun()) {
+                visibility.reach()
+            } else {
+                0.0
+            },
             space: ShaftSpace::default(),
             lists: Vec::new(),
             reaches: Vec::new(),
             region: Region::NONE,
+        }
+    }
+
+    /// Where a light is, as seen from points in a box. A sun is at a point so far away that its rays are parallel there
+    /// to 2⁻³⁰, which is nothing beside the errors that can be asked for, and near enough for the digits of f64.
+    fn origin(&self, light: usize, bounds: Option<[DVec3; 2]>) -> DVec3 {
+        const PARALLEL: f64 = (1 << 30) as f64;
+        match (&self.world.lights()[light].value, bounds) {
+            (Light::Sun(sun), Some([least, most])) => {
+                let reach = least.abs().max(most.abs()).max_element().max(self.reach);
+                sun.to_light.get() * (reach * PARALLEL)
+            }
+            (light, _) => light.position().0,
         }
     }
 

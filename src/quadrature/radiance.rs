@@ -5,6 +5,7 @@ use super::model::Model;
 use super::surface::{Square, Surface, View};
 use super::{Primary, Quadrature, Range, Reach, Told};
 use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
+use crate::world::Light;
 
 impl<'w> Quadrature<'w> {
     /// L of a surface under some lights, per primary.
@@ -27,7 +28,8 @@ impl<'w> Quadrature<'w> {
         let (object, _) = object_and_triangle(shape);
         let index = self.world.objects()[object as usize].material;
         let material = &self.world.materials()[index].value;
-        let lobes = geometry(surface, &self.world.lights()[light].value, material);
+        let origin = self.origin(light, surface.position.bounds());
+        let lobes = geometry(surface, &self.world.lights()[light].value, origin, material);
         let reflected = self.world.reflected(light, index);
         let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
         let of =
@@ -171,13 +173,17 @@ impl<'w> Quadrature<'w> {
     ) -> [[f64; 2]; 3] {
         let (object, _) = object_and_triangle(shape);
         let index = self.world.objects()[object as usize].material;
-        let origin = self.world.lights()[light].value.position().0;
+        let value = &self.world.lights()[light].value;
         let bounds = surface.and_then(|surface| surface.position.bounds());
+        let origin = self.origin(light, bounds);
         let from_box = bounds.map_or(0.0, |[least, most]| {
             (origin.clamp(least, most) - origin).length()
         });
         let distance = from_box.max(self.solid(shape).distance(origin));
-        let geometry = 1.0 / (distance * distance);
+        let geometry = match value {
+            Light::Point(_) | Light::Spot(_) => 1.0 / (distance * distance),
+            Light::Sun(_) => 1.0,
+        };
         let reflected = self.world.reflected(light, index);
         let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
         [0, 1, 2].map(|channel: usize| {

@@ -227,7 +227,7 @@ impl Quadrature<'_> {
     }
 
     pub(super) fn all_between(&mut self, from: [DVec3; 2], shape: u64, light: usize) -> Reach {
-        let to = self.world.lights()[light].value.position().0;
+        let to = self.origin(light, Some(from));
         match self.ask(
             &Shaft::ToPoint { from, to },
             ShaftQuestion::Contents,
@@ -284,9 +284,8 @@ impl Quadrature<'_> {
         let Some(bounds) = bounds.filter(|_| !surface.is_lifted) else {
             return Reach::Many;
         };
-        let light = &self.world.lights()[light].value;
-        let origin = light.position().0;
-        if light.misses(bounds) {
+        let origin = self.origin(light, Some(bounds));
+        if self.world.lights()[light].value.misses(bounds) {
             return Reach::Dark;
         }
         let height = surface.height(origin);

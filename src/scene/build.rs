@@ -385,6 +385,11 @@ impl Value {
         Self::sized(Unit::Lumens, amount, color)
     }
 
+    /// Light of a sun of so many lx, of a color.
+    pub fn lux(amount: f64, color: impl Into<Self>) -> Self {
+        Self::sized(Unit::Lux, amount, color)
+    }
+
     /// Light of so much of a unit, of a color.
     pub fn sized(unit: Unit, amount: f64, color: impl Into<Self>) -> Self {
         Self::Sized {

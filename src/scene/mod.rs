@@ -205,6 +205,16 @@ pub enum Light {
         /// Lights of one group have one layer, by its name. Default: none.
         group: Option<Spanned<String>>,
     },
+    /// `[lights.NAME.sun]`: parallel light from very far away.
+    Sun {
+        /// The way that the light goes, a vector of any length but 0.
+        direction: Spanned<[f64; 3]>,
+        /// E on a surface that faces it: a number and `[r, g, b]` in lux, a curve in W·m⁻²·nm⁻¹. Range: 0 or
+        /// more.
+        illuminance: Spanned<Value>,
+        /// Lights of one group have one layer, by its name. Default: none.
+        group: Option<Spanned<String>>,
+    },
 }
 
 /// Where a light points.
@@ -217,24 +227,28 @@ pub enum Aim {
 }
 
 impl Light {
-    /// Its intensity, where it was written.
-    pub fn intensity(&self) -> &Spanned<Value> {
+    /// How strong it is, where that was written: its intensity, of a sun its illuminance.
+    pub fn size(&self) -> &Spanned<Value> {
         match self {
             Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Sun { illuminance, .. } => illuminance,
         }
     }
 
     /// The group that it is in, if any.
     pub fn group(&self) -> Option<&Spanned<String>> {
         match self {
-            Self::Point { group, .. } | Self::Spot { group, .. } => group.as_ref(),
+            Self::Point { group, .. } | Self::Spot { group, .. } | Self::Sun { group, .. } => {
+                group.as_ref()
+            }
         }
     }
 
-    /// Its intensity, to be changed.
-    pub fn intensity_mut(&mut self) -> &mut Spanned<Value> {
+    /// How strong it is, to be changed.
+    pub fn size_mut(&mut self) -> &mut Spanned<Value> {
         match self {
             Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Sun { illuminance, .. } => illuminance,
         }
     }
 }

@@ -57,6 +57,8 @@ pub enum Unit {
     Candela,
     /// Luminous flux Φ = 4π I in lm.
     Lumens,
+    /// Illuminance E in lx on a surface that faces the light, which has no place.
+    Lux,
     /// Radiant intensity in W/sr: ∫ I(λ) dλ from 360 to 830 nm.
     WattsPerSteradian,
     /// Radiant flux in W, 4π times the radiant intensity: the light that leaves the lamp, not the
@@ -145,11 +147,12 @@ impl Falloff {
 
 impl Unit {
     /// Every unit, in the order of the documentation.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::Candela,
         Self::Lumens,
         Self::WattsPerSteradian,
         Self::Watts,
+        Self::Lux,
     ];
 
     /// The key in a scene file.
@@ -159,6 +162,7 @@ impl Unit {
             Self::Lumens => "lumens",
             Self::WattsPerSteradian => "watts_per_steradian",
             Self::Watts => "watts",
+            Self::Lux => "lux",
         }
     }
 }
@@ -177,7 +181,7 @@ impl Value {
             | Self::Curve(_)
             | Self::Lines(_) => true,
             Self::Sized { unit, color, .. } => match unit {
-                Unit::Candela | Unit::Lumens => color.is_spectral(),
+                Unit::Candela | Unit::Lumens | Unit::Lux => color.is_spectral(),
                 Unit::WattsPerSteradian | Unit::Watts => true,
             },
             Self::Mixed(mixture) => mixture.0.iter().any(|(_, part)| part.is_spectral()),

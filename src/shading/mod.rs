@@ -151,7 +151,7 @@ impl Shaded {
             let numbers = next_number..;
             next_number += light.value.origins().len();
             let inside = match &light.value {
-                Light::Point(_) => points.hit,
+                Light::Point(_) | Light::Sun(_) => points.hit,
                 light @ Light::Spot(spot) => {
                     if light.misses(points.bounds()) {
                         continue;

@@ -35,7 +35,7 @@ impl<S: Simd> Ends<S> {
 }
 
 /// The cosine terms of L5 and L7 over d², in m⁻², of points that a light reaches from one of its origins; of a
-/// spot times f(θ).
+/// spot times f(θ), of a sun over 1 m².
 #[inline(always)]
 pub(super) fn geometry<S: Simd>(
     simd: S,
@@ -50,6 +50,7 @@ pub(super) fn geometry<S: Simd>(
     let received = match light {
         Light::Point(_) => inverse_square,
         Light::Spot(spot) => inverse_square * falloff(simd, spot, to_light, inverse),
+        Light::Sun(_) => F64x16::splat(simd, 1.0),
     };
     let height = ends.normal.dot(to_light);
     let cos_incident = (height * inverse).max(zero);

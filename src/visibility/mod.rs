@@ -290,6 +290,11 @@ impl<'w> Visibility<'w> {
         )
     }
 
+    /// At least the largest coordinate of any sphere or triangle.
+    pub(crate) fn reach(&self) -> f64 {
+        self.parts.reach()
+    }
+
     /// Bytes of the arrays and trees.
     pub(crate) fn memory(&self) -> usize {
         self.shapes.memory() + self.parts.memory()

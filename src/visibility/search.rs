@@ -183,6 +183,20 @@ impl<T: Shape> Search<T> {
         self.tree.as_ref().map(|tree| tree.center).or(first)
     }
 
+    /// At least the largest coordinate of any shape.
+    pub(super) fn reach(&self) -> f64 {
+        let listed = self.blocks(0, self.listed).flat_map(|(block, _, shapes)| {
+            ones(shapes).map(|place| {
+                let Bounds { min, max } = block.get(&self.exact, place).bounds();
+                min.abs().max(max.abs()).max_element()
+            })
+        });
+        let of_tree = self.tree.as_ref().map_or(0.0, |tree| {
+            tree.center.abs().max_element() + tree.reach / tree.scale
+        });
+        listed.fold(of_tree, f64::max)
+    }
+
     /// The blocks that so many shapes take from a block on, each with the number of its first shape and one
     /// bit for each shape that it has.
     #[inline(always)]

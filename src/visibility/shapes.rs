@@ -111,6 +111,11 @@ impl Parts {
         }
     }
 
+    /// At least the largest coordinate of any sphere or triangle.
+    pub(super) fn reach(&self) -> f64 {
+        self.spheres.reach().max(self.triangles.reach())
+    }
+
     /// How many trees were built for it: none for what was kept.
     pub(super) fn built(&self) -> usize {
         self.built

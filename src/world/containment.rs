@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use super::{Mesh, Shape, Sphere, World};
+use super::{Light, Mesh, Shape, Sphere, World};
 use crate::math::{DVec3, Point};
 
 /// Lights in a leaf of the tree.
@@ -102,6 +102,7 @@ struct Node {
 impl Lights {
     fn new(world: &World) -> Self {
         let lights = world.lights().iter().enumerate();
+        let lights = lights.filter(|(_, light)| !matches!(light.value, Light::Sun(_)));
         let mut places: Vec<(DVec3, usize)> = lights
             .map(|(index, light)| (light.value.position().0, index))
             .collect();

@@ -17,6 +17,8 @@ pub enum Light {
     Point(PointLight),
     /// Into a cone.
     Spot(SpotLight),
+    /// Parallel rays.
+    Sun(SunLight),
 }
 
 /// A diffuse point light (L3).
@@ -41,6 +43,19 @@ pub struct SpotLight {
     /// f(θ)
     pub cone: Cone,
 }
+
+/// Parallel light: L_i = E, whatever the distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunLight {
+    /// Against the way of its light.
+    pub to_light: Direction,
+    /// E on a surface that faces it, as the intensity of a lamp that is 1 m away: 1 lx is 1 cd/m².
+    pub illuminance: Intensity,
+}
+
+/// How far away a sun is taken to be for shadows, in m: 2¹⁸⁰. Next to that no coordinate of a scene, at most 10³⁰,
+/// changes the direction by a digit of an f64.
+const SUN_DISTANCE: f64 = (1_u128 << 90) as f64 * (1_u128 << 90) as f64;
 
 /// How a spot's intensity falls off from its axis: 1 up to the inner angle, 0 from the outer angle on.
 ///
@@ -67,30 +82,39 @@ pub struct Cone {
 }
 
 impl Light {
-    /// What it is called in a scene: `point`, `spot`.
+    /// What it is called in a scene: `point`, `spot`, `sun`.
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Point(_) => "point",
             Self::Spot(_) => "spot",
+            Self::Sun(_) => "sun",
         }
     }
 
-    /// I: of a spot the one on its axis.
+    /// I: of a spot the one on its axis, of a sun that of a lamp which is as strong at 1 m.
     #[inline]
     pub fn intensity(&self) -> Intensity {
         match self {
             Self::Point(light) => light.intensity,
             Self::Spot(light) => light.intensity,
+            Self::Sun(light) => light.illuminance,
         }
     }
 
-    /// Where it is, relative to the anchor.
+    /// Where it is, relative to the anchor; a sun is so far away that its rays are parallel to the last digit.
     #[inline]
     pub fn position(&self) -> Point {
         match self {
             Self::Point(light) => light.position,
             Self::Spot(light) => light.position,
+            Self::Sun(light) => Point(light.to_light.get() * SUN_DISTANCE),
         }
+    }
+
+    /// Whether its rays are parallel.
+    #[inline]
+    pub const fn is_sun(&self) -> bool {
+        matches!(self, Self::Sun(_))
     }
 
     /// The points that its light comes from, relative to the anchor, each of which has a visibility (L4) of its
@@ -104,7 +128,7 @@ impl Light {
     #[inline]
     pub fn misses(&self, bounds: [DVec3; 2]) -> bool {
         match self {
-            Self::Point(_) => false,
+            Self::Point(_) | Self::Sun(_) => false,
             Self::Spot(light) => light.misses(bounds),
         }
     }

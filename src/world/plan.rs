@@ -43,6 +43,9 @@ pub struct Plan {
     /// How many of the lights are spots.
     #[serde(skip_serializing_if = "is_none")]
     spots: usize,
+    /// How many are suns.
+    #[serde(skip_serializing_if = "is_none")]
+    suns: usize,
     planes: usize,
     spheres: Acceleration,
     triangles: Acceleration,
@@ -51,7 +54,7 @@ pub struct Plan {
     lifted_shadow_rays: bool,
 }
 
-/// Scenes without spots have the plan that they had before there were any.
+/// Scenes without spots or suns have the plan that they had before there were any.
 fn is_none(count: &usize) -> bool {
     *count == 0
 }
@@ -76,6 +79,10 @@ impl Plan {
             _ => Acceleration::Tree,
         };
         let meshes = world.triangles().meshes();
+        let count = |is_one: fn(&Light) -> bool| {
+            let lights = world.lights().iter();
+            lights.filter(|light| is_one(&light.value)).count()
+        };
         Self {
             transport: if world.spectra().is_some() {
                 Transport::Spectral
@@ -83,11 +90,8 @@ impl Plan {
                 Transport::Rgb
             },
             lights: world.lights().len(),
-            spots: world
-                .lights()
-                .iter()
-                .filter(|light| matches!(light.value, Light::Spot(_)))
-                .count(),
+            spots: count(|light| matches!(light, Light::Spot(_))),
+            suns: count(|light| matches!(light, Light::Sun(_))),
             planes: world.planes().len(),
             spheres: acceleration(world.spheres().len(), LONGEST_LIST_OF_SPHERES),
             triangles: acceleration(world.triangles().len(), LONGEST_LIST),
@@ -189,13 +193,21 @@ impl Plan {
             decision(
                 "lights (L3)",
                 self.lights > 0,
-                match (self.lights, self.spots) {
-                    (0, _) => "the scene has none: every surface is black".to_owned(),
-                    (count, 0) => format!("{count}, in the order of the file"),
-                    (count, spots) => format!(
-                        "{count}, in the order of the file; {}, asked of points inside of their cones alone",
-                        counted(spots, "spot", "spots")
-                    ),
+                match self.lights {
+                    0 => "the scene has none: every surface is black".to_owned(),
+                    lights => {
+                        let mut reason = format!("{lights}, in the order of the file");
+                        if self.spots > 0 {
+                            let spots = counted(self.spots, "spot", "spots");
+                            reason +=
+                                &format!("; {spots}, asked of points inside of their cones alone");
+                        }
+                        if self.suns > 0 {
+                            let suns = counted(self.suns, "sun", "suns");
+                            reason += &format!("; {suns}, whose shadow rays are parallel");
+                        }
+                        reason
+                    }
                 },
             ),
             yes_or_no(

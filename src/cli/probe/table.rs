@@ -235,6 +235,13 @@ impl Table {
     fn light(&mut self, material: &MaterialTerms, light: &LightTerms) {
         self.gap();
         let distance = number(light.distance);
+        // A sun has no place.
+        let is_sun = light.distance.is_infinite();
+        let place = if is_sun {
+            "of parallel rays".to_owned()
+        } else {
+            format!("d = {distance} m")
+        };
         match light.outcome {
             Outcome::AtPoint => {
                 self.text(format!(
@@ -245,21 +252,18 @@ impl Table {
             }
             Outcome::Below => {
                 self.text(format!(
-                    "Light `{}`, d = {distance} m, is below the surface: it adds nothing",
+                    "Light `{}`, {place}, is below the surface: it adds nothing",
                     printable(&light.name)
                 ));
             }
             Outcome::Outside => {
                 self.text(format!(
-                    "Light `{}`, d = {distance} m, has p outside of its cone: it adds nothing",
+                    "Light `{}`, {place}, has p outside of its cone: it adds nothing",
                     printable(&light.name)
                 ));
             }
             Outcome::Lit | Outcome::Occluded => {
-                self.text(format!(
-                    "Light `{}`, d = {distance} m",
-                    printable(&light.name)
-                ));
+                self.text(format!("Light `{}`, {place}", printable(&light.name)));
             }
         }
         let (to_light, reflected) = (vector(light.to_light), vector(light.reflected));
@@ -304,6 +308,7 @@ impl Table {
             )
         };
         let (intensity, incident) = match light.spot {
+            None if is_sun => ("    E", "L3  L_i = E".to_owned()),
             None => ("    I", format!("L3  L_i = I / {distance}²")),
             Some(SpotTerms { falloff, .. }) => {
                 let falloff = number(falloff);
@@ -313,7 +318,7 @@ impl Table {
                 )
             }
         };
-        self.row(intensity, light.intensity, "cd");
+        self.row(intensity, light.intensity, if is_sun { "lx" } else { "cd" });
         self.row(incident, light.incident, "lx");
         self.row(diffuse, light.diffuse, "1/sr");
         self.row(specular, light.specular, "1/sr");

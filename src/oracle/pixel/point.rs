@@ -172,8 +172,8 @@ impl<'q> Points<'q> {
             let oracle = quadrature.oracle;
             let own = &oracle.surfaces[surface];
             let part = beam.part_of(own, quadrature.balls[surface].as_ref());
-            let position = narrowed(oracle.lights[light].position);
-            scope::between(&quadrature.balls, own, part, position).into()
+            let place = oracle.lights[light].place;
+            scope::between(&quadrature.balls, own, part, place).into()
         };
         Rc::clone(self.between.entry([surface, light]).or_insert_with(found))
     }
@@ -215,7 +215,11 @@ fn pace(hit: &Hit, term: &Term, material: &Material) -> Pace {
             .shininess
             .filter(|_| has_lobe)
             .map(|shininess| scale(from_peak, shininess.sqrt())),
-        way: Some(scale(term.to_light, term.distance)),
+        // A sun is near to nothing.
+        way: term
+            .distance
+            .is_finite()
+            .then(|| scale(term.to_light, term.distance)),
     }
 }
 

@@ -1,10 +1,10 @@
 //! What the rays of one pixel, and the shadow rays from what they meet, may meet at all: so that of large meshes
 //! not every triangle is asked for every ray. In f64, with room for its rounding.
 
-use super::super::Oracle;
 use super::super::surface::{Shape, Surface};
 use super::super::vector::{Vector, add, dot, length, narrowed, scale, subtract};
 use super::super::wide::Real;
+use super::super::{Oracle, Place};
 use crate::scene::ShadowTerminator;
 
 /// Far more than f64 is off, relative to coordinates.
@@ -147,7 +147,7 @@ pub(super) fn between(
     balls: &[Option<Ball>],
     surface: &Surface,
     part: Option<Ball>,
-    light: Vector,
+    light: Place,
 ) -> Vec<usize> {
     let Some(part) = part else {
         return (0..balls.len()).collect();
@@ -161,13 +161,18 @@ pub(super) fn between(
         },
     };
     let from = part.center;
-    let way = subtract(light, from);
+    let (way, farthest, size) = match light {
+        Place::At(light) => {
+            let light = narrowed(light);
+            (subtract(light, from), 1.0, length(from) + length(light))
+        }
+        Place::Toward(way) => (narrowed(way), f64::INFINITY, length(from)),
+    };
     let squared = dot(way, way);
-    let size = length(from) + length(light);
     let stands_between = |ball: &Ball| {
         let to_ball = subtract(ball.center, from);
         let along = if squared > 0.0 {
-            (dot(to_ball, way) / squared).clamp(0.0, 1.0)
+            (dot(to_ball, way) / squared).clamp(0.0, farthest)
         } else {
             0.0
         };

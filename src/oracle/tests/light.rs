@@ -197,7 +197,7 @@ fn lights_add_up_channel_by_channel() {
         .plane([0.0; 3], [0.0, 1.0, 0.0])
         .light([0.0, 1.0, 0.0], 0.0)
         .light([0.0, 2.0, 0.0], 4.0);
-    scene.0.lights[0].value.intensity_mut().value = Value::Rgb {
+    scene.0.lights[0].value.size_mut().value = Value::Rgb {
         rgb: [1.0, 2.0, 3.0],
         space: crate::scene::ColorSpace::Rec709,
     };
@@ -249,7 +249,7 @@ fn spectra_are_multiplied_wavelength_by_wavelength() {
     let mut scene = Builder::looking([1.0, 2.0, 1.0], [0.0; 3])
         .plane([0.0; 3], [0.0, 1.0, 0.0])
         .light([0.0, 2.0, 0.0], 1.0);
-    scene.0.lights[0].value.intensity_mut().value = curve([0.02, 0.01]);
+    scene.0.lights[0].value.size_mut().value = curve([0.02, 0.01]);
     let Material::Phong(lobes) = &mut scene.0.materials[0].value else {
         unreachable!("the builder's material is phong");
     };

@@ -83,6 +83,8 @@ pub(in crate::scene) enum Kind {
 pub(in crate::scene) enum Purpose {
     /// The intensity of a light, which has a size.
     Light,
+    /// The illuminance of a light without a place, which has a size.
+    Illuminance,
     /// The color of a light whose size is beside it.
     Color,
     /// Radiance without a lamp.

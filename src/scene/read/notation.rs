@@ -79,6 +79,15 @@ pub(super) const COLOR: Key = key!(
 .or("1")
 .about("The light's color, of any size: it is scaled to the size that is said beside it.")
 .also(&["colour", "tint", "rgb"]);
+pub(super) const LUX: Key = key!("lux", "an illuminance in lx", "100000")
+    .of(Kind::Number(AMOUNT))
+    .about("Illuminance in lx on a surface that faces a sun.")
+    .also(&["lx", "illuminance"]);
+/// The size that a sun of a color alone lacks.
+pub(super) const SIZE_OF_SUN: Key = Key {
+    line: "the sun's size in lux: `{ lux = 100000, color = … }`",
+    ..LUX
+};
 /// The size that a light of a color alone lacks.
 pub(super) const SIZE: Key = Key {
     line: "the light's size in a unit, such as `{ candela = 120, color = … }` \
@@ -116,7 +125,7 @@ pub(in crate::scene) enum Notation {
 }
 
 impl Notation {
-    pub(in crate::scene) const ALL: [Self; 12] = [
+    pub(in crate::scene) const ALL: [Self; 13] = [
         Self::Rgb,
         Self::Illuminant,
         Self::Daylight,
@@ -128,6 +137,7 @@ impl Notation {
         Self::Sized(Unit::Lumens),
         Self::Sized(Unit::WattsPerSteradian),
         Self::Sized(Unit::Watts),
+        Self::Sized(Unit::Lux),
         Self::Density,
     ];
 
@@ -144,6 +154,7 @@ impl Notation {
             Self::Sized(Unit::Lumens) => &LUMENS,
             Self::Sized(Unit::WattsPerSteradian) => &WATTS_PER_STERADIAN,
             Self::Sized(Unit::Watts) => &WATTS,
+            Self::Sized(Unit::Lux) => &LUX,
             Self::Density => &DENSITY,
         }
     }
@@ -162,6 +173,7 @@ impl Notation {
             Self::Sized(Unit::Lumens) => &[&LUMENS, &COLOR],
             Self::Sized(Unit::WattsPerSteradian) => &[&WATTS_PER_STERADIAN, &COLOR],
             Self::Sized(Unit::Watts) => &[&WATTS, &COLOR],
+            Self::Sized(Unit::Lux) => &[&LUX, &COLOR],
             Self::Density => &[&DENSITY],
         })
     }
@@ -169,10 +181,25 @@ impl Notation {
     /// Whether it is light rather than a share of it, and whether its size is said.
     pub(in crate::scene) const fn is_for(self, purpose: Purpose) -> Result<(), &'static str> {
         match (self, purpose) {
+            (Self::Sized(Unit::Lux), Purpose::Light) => Err(
+                "is what arrives from a sun, `[lights.NAME.sun]`; a lamp has a size of its own: \
+                     `{ candela = 120, color = … }` (or `lumens`, `watts_per_steradian`, `watts`)",
+            ),
             (Self::Rgb | Self::Curve | Self::File, _)
-            | (Self::Lines, Purpose::Light | Purpose::Color | Purpose::Background)
+            | (
+                Self::Lines,
+                Purpose::Light | Purpose::Illuminance | Purpose::Color | Purpose::Background,
+            )
             | (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Color)
-            | (Self::Sized(_) | Self::Density, Purpose::Light) => Ok(()),
+            | (Self::Sized(_) | Self::Density, Purpose::Light)
+            | (Self::Sized(Unit::Lux), Purpose::Illuminance) => Ok(()),
+            (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Illuminance) => {
+                Err("is a color without a size; write `{ lux = 100000, color = … }`")
+            }
+            (Self::Sized(_) | Self::Density, Purpose::Illuminance) => Err(
+                "is what a lamp sends; a sun has an illuminance: a number or `[r, g, b]` in lux, \
+                     `{ lux = 100000, color = … }`, or a curve in W/(m² nm)",
+            ),
             (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Light) => Err(
                 "is a color without a size; write `{ candela = 120, color = … }` \
                      (or `lumens`, `watts_per_steradian`, `watts`)",

@@ -12,8 +12,8 @@ use super::fields::{Fields, Reader, spanned};
 use super::illuminant::{illuminant_called, temperature, unknown_illuminant};
 use super::key::{Form, Key, Purpose};
 use super::notation::{
-    BLACKBODY, COLOR, DAYLIGHT, DENSITY, FILE, ILLUMINANT, LINES, Notation, RGB, SIZE, SPACE,
-    VALUES, WAVELENGTHS,
+    BLACKBODY, COLOR, DAYLIGHT, DENSITY, FILE, ILLUMINANT, LINES, Notation, RGB, SIZE, SIZE_OF_SUN,
+    SPACE, VALUES, WAVELENGTHS,
 };
 use crate::color::ColorSpace;
 use crate::printable::shortened;
@@ -141,9 +141,14 @@ impl Reader<'_> {
         let notations = notations.filter(|notation| notation.is_for(purpose).is_ok());
         let mut keys: Vec<&'static Key> = notations.map(Notation::key).collect();
         // A second key of a notation tells which one was meant; of another, the first is missing.
-        let missing = if table.contains_key(COLOR.name) && purpose == Purpose::Light {
+        let size = match purpose {
+            Purpose::Light => Some(&SIZE),
+            Purpose::Illuminance => Some(&SIZE_OF_SUN),
+            Purpose::Color | Purpose::Background | Purpose::Surface => None,
+        };
+        let missing = if table.contains_key(COLOR.name) && size.is_some() {
             keys.push(&COLOR);
-            Some(&SIZE)
+            size
         } else if table.contains_key(VALUES.name) {
             keys.push(&VALUES);
             Some(&WAVELENGTHS)

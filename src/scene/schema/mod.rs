@@ -65,6 +65,7 @@ pub fn schema() -> String {
     properties.push(("include", include));
     let purposes = [
         (Purpose::Light, AMOUNT),
+        (Purpose::Illuminance, AMOUNT),
         (Purpose::Color, AMOUNT),
         (Purpose::Background, AMOUNT),
         (Purpose::Surface, AMOUNT),
@@ -427,6 +428,7 @@ fn holds_still(kind: Kind, channels: Range) -> Members {
 fn definition(purpose: Purpose, (_, most): Range) -> &'static str {
     match purpose {
         Purpose::Light => "light",
+        Purpose::Illuminance => "illuminance",
         Purpose::Color => "color_of_light",
         Purpose::Background => "background",
         Purpose::Surface if most == Bound::Included(1.0) => "reflectance_to_1",
@@ -479,6 +481,7 @@ const fn about_notation(notation: Notation) -> &'static str {
         Notation::Sized(Unit::Lumens) => "A luminous flux, and a color.",
         Notation::Sized(Unit::WattsPerSteradian) => "A radiant intensity, and a color.",
         Notation::Sized(Unit::Watts) => "A radiant flux, and a color.",
+        Notation::Sized(Unit::Lux) => "An illuminance, and a color.",
         Notation::Density => "A spectral intensity.",
     }
 }

@@ -408,7 +408,7 @@ impl Builder<'_> {
         let key = "color";
         let per_steradian = spread.per_steradian(unit, amount);
         match (Literal::of(color), unit) {
-            (Some(literal), Unit::Candela | Unit::Lumens) => {
+            (Some(literal), Unit::Candela | Unit::Lumens | Unit::Lux) => {
                 let of_color = self.literal(key, written, &literal)?;
                 let size = self.share(written, per_steradian, literal.luminance())?;
                 let [r, g, b] = of_color;
@@ -434,7 +434,9 @@ impl Builder<'_> {
                     None => self.light_spectrum(key, written, color)?,
                 };
                 let whole = match unit {
-                    Unit::Candela | Unit::Lumens => self.colorimetry.luminous(&spectrum),
+                    Unit::Candela | Unit::Lumens | Unit::Lux => {
+                        self.colorimetry.luminous(&spectrum)
+                    }
                     Unit::WattsPerSteradian | Unit::Watts => spectrum.total(),
                 };
                 let size = self.share(written, per_steradian, whole)?;
@@ -535,7 +537,7 @@ impl Spread {
     /// An amount of light per steradian.
     fn per_steradian(self, unit: Unit, amount: f64) -> f64 {
         match unit {
-            Unit::Candela | Unit::WattsPerSteradian => amount,
+            Unit::Candela | Unit::WattsPerSteradian | Unit::Lux => amount,
             Unit::Lumens | Unit::Watts => amount / self.0,
         }
     }

@@ -8,7 +8,7 @@ use crate::math::{Direction, Point};
 use crate::scene::{self, Aim, Problem, Spanned, Value};
 use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Rgb};
-use crate::world::light::{Cone, Light, PointLight, SpotLight};
+use crate::world::light::{Cone, Light, PointLight, SpotLight, SunLight};
 
 impl Builder<'_> {
     /// A light and, where light is carried so, its spectrum. After an error the world is dropped.
@@ -17,7 +17,7 @@ impl Builder<'_> {
         entry: &scene::Entry<scene::Light>,
     ) -> (Light, Option<Spectrum>) {
         let name = || format!("light `{}`", entry.name);
-        self.note_spectra([&entry.value.intensity().value], name);
+        self.note_spectra([&entry.value.size().value], name);
         match &entry.value {
             scene::Light::Point {
                 position,
@@ -54,6 +54,22 @@ impl Builder<'_> {
                     }),
                 };
                 (Light::Spot(light), spectrum)
+            }
+            scene::Light::Sun {
+                direction,
+                illuminance,
+                group: _,
+            } => {
+                let Emission { rgb, spectrum } =
+                    self.emission("illuminance", illuminance, Spread::EVERYWHERE);
+                let way = self.direction("direction", *direction);
+                let to_light = way.ok().and_then(|way| Direction::new(-way.get()));
+                let light = SunLight {
+                    to_light: to_light
+                        .unwrap_or_else(|| Direction::new(DVec3::Z).expect("z is a direction")),
+                    illuminance: Intensity(Rgb(rgb)),
+                };
+                (Light::Sun(light), spectrum)
             }
         }
     }

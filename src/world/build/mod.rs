@@ -535,7 +535,7 @@ fn is_spectral(scene: &Scene) -> bool {
                 lobes.diffuse.value.is_spectral() || lobes.specular.value.is_spectral()
             });
             let lights = scene.lights.iter();
-            let mut lights = lights.map(|entry| &entry.value.intensity().value);
+            let mut lights = lights.map(|entry| &entry.value.size().value);
             let lights = lights.any(Value::is_spectral);
             materials || lights || scene.image.background.value.is_spectral()
         }

@@ -176,6 +176,8 @@ impl Builder<'_> {
                     scene::Light::Point { position, .. } | scene::Light::Spot { position, .. } => {
                         position
                     }
+                    // It has no place.
+                    scene::Light::Sun { .. } => continue,
                 };
                 let light = DVec3::from_array(position.value);
                 let reach = (light - point).length();

@@ -34,12 +34,16 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 .elsewhere(NOT_IN_SPOTS),
                 read: spot_light,
             },
+            Variant {
+                name: "sun",
+                about: "Parallel light from very far away, as strong everywhere.",
+                also: &["directional", "distant", "infinite", "parallel", "sunlight"],
+                form: Form::new(&[&WAY, &ILLUMINANCE, &GROUP]).elsewhere(NOT_IN_SUNS),
+                read: sun_light,
+            },
         ],
         elsewhere: &[Elsewhere {
             words: &[
-                "sun",
-                "directional",
-                "distant",
                 "area",
                 "rectangle",
                 "disk",
@@ -49,14 +53,13 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 "dome",
                 "environment",
                 "envmap",
-                "infinite",
                 "ambient",
                 "constant",
                 "sky",
             ],
             key: None,
-            advice: "lights are `point`s and `spot`s; one far away has parallel rays, and `background` in \
-                     `[image]` is what is seen where nothing is",
+            advice: "lights are `point`s, `spot`s and `sun`s, and `background` in `[image]` is what is seen \
+                     where nothing is",
         }],
     },
 };
@@ -168,6 +171,74 @@ const FALLOFF: Key = key!(
 fn falloffs() -> Vec<&'static str> {
     Falloff::ALL.map(Falloff::name).to_vec()
 }
+
+const WAY: Key = key!("direction", "the way that the light goes", "[-1, -3, -1]")
+    .of(Kind::Direction)
+    .about("The way that the light goes, a vector of any length but 0: downwards at noon.")
+    .also(&["dir", "d", "axis", "to", "way"]);
+const ILLUMINANCE: Key = key!(
+    "illuminance",
+    "an illuminance in lux (a number, `[r, g, b]` or `\"#rrggbb\"`), a curve, or `{ lux = …, color = … }`",
+    "100000"
+)
+.of(Kind::Value(Purpose::Illuminance, BRIGHTEST))
+.about(
+    "E on a surface that faces the light: RGB in lux, a curve in W/(m² nm), or `{ lux = …, color = … }`. The sun has \
+     100000 lx.",
+)
+.also(&[
+    "e",
+    "lux",
+    "lx",
+    "irradiance",
+    "intensity",
+    "strength",
+    "brightness",
+]);
+
+const NOT_IN_SUNS: &[Elsewhere] = &[
+    Elsewhere {
+        words: &[
+            "position",
+            "location",
+            "center",
+            "origin",
+            "from",
+            "look_at",
+            "target",
+            "elevation",
+            "azimuth",
+            "angles",
+        ],
+        key: Some("direction"),
+        advice: "a sun has no place: write `direction`, the way that its light goes",
+    },
+    Elsewhere {
+        words: &[
+            "color",
+            "colour",
+            "rgb",
+            "temperature",
+            "blackbody",
+            "daylight",
+            "illuminant",
+            "spectrum",
+            "kelvin",
+        ],
+        key: Some("illuminance"),
+        advice: "the color is a part of the illuminance: `illuminance = { lux = 100000, color = { daylight = 5600 } }`",
+    },
+    Elsewhere {
+        words: &["angle", "radius", "size", "angular_diameter"],
+        key: None,
+        advice: "the rays of a sun are parallel, and its shadows sharp",
+    },
+    Elsewhere {
+        words: &["type", "kind"],
+        key: None,
+        advice: "the kind stands in the header: `[lights.NAME.sun]`",
+    },
+];
 
 const FLUX: Elsewhere = Elsewhere {
     words: &["power", "energy", "flux", "watts", "lumens", "lm", "w"],
@@ -284,6 +355,17 @@ fn spot_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
         inner: inner?,
         outer: outer?,
         falloff: falloff?.value,
+        group: group?,
+    })
+}
+
+fn sun_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
+    let direction = fields.vector(&WAY);
+    let illuminance = fields.value(&ILLUMINANCE, Purpose::Illuminance);
+    let group = fields.optional_string(&GROUP);
+    Some(Light::Sun {
+        direction: direction?,
+        illuminance: illuminance?,
         group: group?,
     })
 }
