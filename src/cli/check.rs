@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use candela::Renderer;
+use candela::ies::Widths;
 use candela::internal::Size;
 use candela::internal::{counted, printable, printable_path};
 use candela::scene::{Motion, Scene, Transport};
@@ -203,16 +204,40 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
 
 fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     writeln!(output, "\nlights     {}", world.lights().len())?;
-    for light in world.lights().iter().take(LISTED) {
+    for (index, light) in world.lights().iter().enumerate().take(LISTED) {
         let [r, g, b] = light.value.intensity().0.0.map(rounded);
         let mut unit = "cd";
+        // A part of the largest intensity, as the whole angle at which that is.
+        let mut widths = String::new();
         let name = printable(&light.name);
         let kind = match &light.value {
             Light::Point(_) => "point".to_owned(),
             Light::Spot(spot) => {
                 let [inner, outer] =
                     [spot.cone.inner(), spot.cone.outer()].map(|angle| rounded(angle.to_degrees()));
+                let [beam, field] =
+                    [0.5, 0.1].map(|part| rounded(2.0 * spot.cone.angle_at(part).to_degrees()));
+                widths = format!(", beam {beam}°, field {field}°");
                 format!("spot to {inner}° and {outer}°")
+            }
+            Light::Ies(ies) => {
+                let file = &ies.luminaire;
+                let photometry = &file.photometry;
+                widths = format!(
+                    ", beam {}, field {}",
+                    in_planes(photometry.beam_angle()),
+                    in_planes(photometry.field_angle())
+                );
+                unit = "cd at most";
+                let rated = match file.rated_lumens() {
+                    Some(lumens) => format!("lamps of {} lm", rounded(lumens)),
+                    None => "absolute".to_owned(),
+                };
+                let zonal = rounded(photometry.zonal_lumens());
+                format!(
+                    "ies, {}, {rated}, zonal sum {zonal} lm",
+                    photometry.coordinates()
+                )
             }
             Light::Sun(sun) => {
                 unit = "lx";
@@ -220,9 +245,28 @@ fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
                 format!("sun along [{x} {y} {z}]")
             }
         };
-        writeln!(output, "  {name:<20} {kind}, [{r} {g} {b}] {unit}")?;
+        let flux = light.value.flux().map_or_else(String::new, |flux| {
+            format!(", {} lm", rounded(flux * world.candelas(index)))
+        });
+        writeln!(
+            output,
+            "  {name:<20} {kind}, [{r} {g} {b}] {unit}{flux}{widths}"
+        )?;
     }
     print_rest(world.lights().len(), output)
+}
+
+/// The angles of two planes, C0 and C90.
+fn in_planes(widths: Widths) -> String {
+    let of = |width: Option<f64>| {
+        width.map_or_else(|| "none".to_owned(), |width| format!("{}°", rounded(width)))
+    };
+    let (along, across) = (of(widths.plane_0), of(widths.plane_90));
+    if along == across {
+        along
+    } else {
+        format!("{along} × {across}")
+    }
 }
 
 /// Six digits of a number.

@@ -92,6 +92,9 @@ pub struct LightTerms {
     pub distance: f64,
     /// Of a spot, where in its cone p is; `None` for other lights, and where d is 0.
     pub spot: Option<SpotTerms>,
+    /// Of a luminaire, what it sends towards p; `None` for other lights, and where d is 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luminaire: Option<LuminaireTerms>,
     /// L3: I / d² in lux, of a spot I f(θ) / d², of a sun E; 0 where d is 0.
     pub incident: [f64; 3],
     /// ω_i, the unit direction from p to the light; 0 where d is 0.
@@ -129,6 +132,15 @@ pub struct SpotTerms {
     pub falloff: f64,
 }
 
+/// What a luminaire sends towards a point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LuminaireTerms {
+    /// The vertical and the horizontal angle of its file, in degrees.
+    pub angles: [f64; 2],
+    /// The intensity there over that into the brightest direction.
+    pub factor: f64,
+}
+
 /// What becomes of one light at one point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -140,7 +152,7 @@ pub enum Outcome {
     /// It is below the surface, n·ω_i ≤ 0 for the geometric normal, or for n where shadow rays are lifted: it
     /// adds nothing.
     Below,
-    /// It is a spot, and the point is outside of its cone: it adds nothing.
+    /// It is a spot and the point is outside of its cone, or a luminaire that sends nothing there: it adds nothing.
     Outside,
     /// It is at the point itself, d = 0: it adds nothing.
     AtPoint,
@@ -200,6 +212,7 @@ impl Oracle {
             intensity: self.palette.seen(&light.intensity),
             distance: term.distance,
             spot: term.spot,
+            luminaire: term.luminaire,
             incident: self.palette.seen(&term.incident),
             to_light: term.to_light,
             cos_incident: term.cos_incident,

@@ -44,6 +44,7 @@ mod components;
 mod explanation;
 mod hit;
 mod lighting;
+mod luminaire;
 mod occlusion;
 mod pixel;
 mod spectrum;
@@ -67,9 +68,10 @@ use camera::{Camera, Ray};
 use components::Components;
 pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
 #[doc(hidden)]
-pub use explanation::{SpotTerms, TransportUsed};
+pub use explanation::{LuminaireTerms, SpotTerms, TransportUsed};
 use hit::{Hit, starts_inwards};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
+use luminaire::Luminaire;
 use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
 pub use pixel::{PixelMean, PixelQuadrature};
 use spot::Cone;
@@ -116,6 +118,8 @@ struct Lamp {
     intensity: Components,
     /// What a spot shines into; `None` is all directions.
     cone: Option<Cone>,
+    /// What a luminaire sends where.
+    luminaire: Option<Luminaire>,
 }
 
 /// Where light comes from.
@@ -166,6 +170,8 @@ struct Term {
     distance: f64,
     /// Of a spot: θ and f(θ).
     spot: Option<SpotTerms>,
+    /// Of a luminaire: the angles, and what is sent there.
+    luminaire: Option<LuminaireTerms>,
     incident: Components,
     to_light: Vector,
     cos_incident: f64,
@@ -368,7 +374,15 @@ impl Oracle {
                 falloff: cone.falloff(angle),
             }
         });
-        let falloff = spot.map_or(1.0, |spot| spot.falloff);
+        let luminaire = light.luminaire.as_ref().map(|luminaire| {
+            let angles = luminaire.angles(narrowed(subtract(segment.from, segment.to)));
+            LuminaireTerms {
+                angles,
+                factor: luminaire.factor(angles),
+            }
+        });
+        let factor = luminaire.map(|luminaire| luminaire.factor);
+        let falloff = spot.map(|spot| spot.falloff).or(factor).unwrap_or(1.0);
         let incident = match light.place {
             Place::At(_) => incident_light(intensity, distance).scaled(falloff),
             // L3 of parallel light: L_i = E.
@@ -399,6 +413,7 @@ impl Oracle {
         Term {
             distance,
             spot,
+            luminaire,
             incident,
             to_light: narrowed(to_light),
             cos_incident: cos_incident.narrow(),
@@ -558,6 +573,7 @@ impl Lamp {
                 place: Place::At(subtract(widened(position.value), widened(reference))),
                 intensity: palette.light(&intensity.value),
                 cone: None,
+                luminaire: None,
             },
             Light::Spot {
                 position,
@@ -575,6 +591,29 @@ impl Lamp {
                     place: Place::At(subtract(widened(position.value), widened(reference))),
                     intensity: palette.light_into(&intensity.value, cone.flux()),
                     cone: Some(cone),
+                    luminaire: None,
+                }
+            }
+            Light::Ies {
+                position,
+                aim,
+                up,
+                file: _,
+                luminaire,
+                intensity,
+                scale,
+                group: _,
+            } => {
+                let up = up.map(|up| up.value);
+                let luminaire = Luminaire::new(position.value, aim, up, luminaire);
+                Self {
+                    name: name.to_owned(),
+                    place: Place::At(subtract(widened(position.value), widened(reference))),
+                    intensity: palette
+                        .light_into(&intensity.value, luminaire.flux())
+                        .scaled(scale.value),
+                    cone: None,
+                    luminaire: Some(luminaire),
                 }
             }
             Light::Sun {
@@ -588,6 +627,7 @@ impl Lamp {
                 ),
                 intensity: palette.light(&illuminance.value),
                 cone: None,
+                luminaire: None,
             },
         }
     }
@@ -601,6 +641,7 @@ impl Term {
         Self {
             distance: 0.0,
             spot: None,
+            luminaire: None,
             incident: dark.clone(),
             to_light: ZERO,
             cos_incident: 0.0,

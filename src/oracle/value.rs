@@ -173,7 +173,9 @@ impl Palette {
 /// spectrum.
 fn is_spectral(scene: &Scene) -> bool {
     let lights = scene.lights.iter().map(|light| match &light.value {
-        Light::Point { intensity, .. } | Light::Spot { intensity, .. } => &intensity.value,
+        Light::Point { intensity, .. }
+        | Light::Spot { intensity, .. }
+        | Light::Ies { intensity, .. } => &intensity.value,
         Light::Sun { illuminance, .. } => &illuminance.value,
     });
     let materials = scene.materials.iter().flat_map(|material| {

@@ -181,7 +181,7 @@ impl<'w> Quadrature<'w> {
         });
         let distance = from_box.max(self.solid(shape).distance(origin));
         let geometry = match value {
-            Light::Point(_) | Light::Spot(_) => 1.0 / (distance * distance),
+            Light::Point(_) | Light::Spot(_) | Light::Ies(_) => 1.0 / (distance * distance),
             Light::Sun(_) => 1.0,
         };
         let reflected = self.world.reflected(light, index);

@@ -35,6 +35,7 @@ pub use keys::Interpolation;
 pub use read::{Change, FIRST_FRAME, Motion, Moved};
 
 pub use crate::color::ColorSpace;
+use crate::ies::IesFile;
 pub use crate::input::Hash;
 #[doc(hidden)]
 pub use crate::input::{Foreign, NotAFile};
@@ -205,6 +206,27 @@ pub enum Light {
         /// Lights of one group have one layer, by its name. Default: none.
         group: Option<Spanned<String>>,
     },
+    /// `[lights.NAME.ies]`: a luminaire by its file, a point that sends into each direction what was measured.
+    Ies {
+        /// p_L
+        position: Spanned<[f64; 3]>,
+        /// Where vertical angle 0 of the file points.
+        aim: Aim,
+        /// What horizontal angle 0 is towards, of any length but 0; `None` is y, or where the light goes along
+        /// that −z.
+        up: Option<Spanned<[f64; 3]>>,
+        /// The file as written.
+        file: Spanned<String>,
+        /// What it holds.
+        luminaire: Arc<IesFile>,
+        /// I into the brightest direction; a flux is what leaves the luminaire. Where it is not written that of the
+        /// file, white. Range: 0 or more.
+        intensity: Spanned<Value>,
+        /// A factor of all of it. Range: 0 or more. Default 1.
+        scale: Spanned<f64>,
+        /// Lights of one group have one layer, by its name. Default: none.
+        group: Option<Spanned<String>>,
+    },
     /// `[lights.NAME.sun]`: parallel light from very far away.
     Sun {
         /// The way that the light goes, a vector of any length but 0.
@@ -230,7 +252,9 @@ impl Light {
     /// How strong it is, where that was written: its intensity, of a sun its illuminance.
     pub fn size(&self) -> &Spanned<Value> {
         match self {
-            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Point { intensity, .. }
+            | Self::Spot { intensity, .. }
+            | Self::Ies { intensity, .. } => intensity,
             Self::Sun { illuminance, .. } => illuminance,
         }
     }
@@ -238,16 +262,19 @@ impl Light {
     /// The group that it is in, if any.
     pub fn group(&self) -> Option<&Spanned<String>> {
         match self {
-            Self::Point { group, .. } | Self::Spot { group, .. } | Self::Sun { group, .. } => {
-                group.as_ref()
-            }
+            Self::Point { group, .. }
+            | Self::Spot { group, .. }
+            | Self::Ies { group, .. }
+            | Self::Sun { group, .. } => group.as_ref(),
         }
     }
 
     /// How strong it is, to be changed.
     pub fn size_mut(&mut self) -> &mut Spanned<Value> {
         match self {
-            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Point { intensity, .. }
+            | Self::Spot { intensity, .. }
+            | Self::Ies { intensity, .. } => intensity,
             Self::Sun { illuminance, .. } => illuminance,
         }
     }

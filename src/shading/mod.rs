@@ -15,12 +15,13 @@ pub(crate) use groups::Share;
 use reflectance::{Ends, geometry};
 pub(crate) use terms::{Detail, LightTerms};
 
-use crate::math::Point;
-use crate::simd::{F64x16, LANES, Mask64x16};
+use crate::math::{DVec3, Point};
+use crate::simd::{F64x16, LANES, Mask64x16, ones};
 use crate::units::ReflectedIntensity;
 use crate::visibility::{
     Column, Facing, PACKETS, Points, SegmentBatch, Visibility, Workspace, columns,
 };
+use crate::world::light::IesLight;
 use crate::world::{Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
@@ -50,10 +51,9 @@ struct Lit {
     origin: Point,
     /// For each packet one bit for each point that it reaches.
     points: [u32; PACKETS],
-    /// V at each of these points, where something takes a part of the light; `None` is 1 at all of them, which
-    /// multiplies nothing. A V that differs by wavelength is a weighted sum of several, each with products of
-    /// its own.
-    transmitted: Option<Box<Column>>,
+    /// A factor of the light at each of these points: of a luminaire how much it sends there. `None` is 1 at all of
+    /// them, which multiplies nothing.
+    factors: Option<Box<Column>>,
 }
 
 impl Default for Shaded {
@@ -150,8 +150,13 @@ impl Shaded {
         for (index, light) in world.lights().iter().enumerate() {
             let numbers = next_number..;
             next_number += light.value.origins().len();
+            let mut factors = None;
             let inside = match &light.value {
                 Light::Point(_) | Light::Sun(_) => points.hit,
+                Light::Ies(luminaire) => {
+                    let factors = factors.insert(Box::new(Column::ZERO));
+                    luminaire_factors(luminaire, points, factors)
+                }
                 light @ Light::Spot(spot) => {
                     if light.misses(points.bounds()) {
                         continue;
@@ -181,7 +186,7 @@ impl Shaded {
                         light: index,
                         origin,
                         points: lit,
-                        transmitted: None,
+                        factors: factors.clone(),
                     });
                 }
             }
@@ -366,7 +371,7 @@ impl Shaded {
 }
 
 impl Lit {
-    /// The cosine terms of both lobes over d² at the points of a packet, times what passes on the way.
+    /// The cosine terms of both lobes over d² at the points of a packet, times the light's factor there.
     #[inline(always)]
     fn geometry<S: Simd>(
         &self,
@@ -378,13 +383,34 @@ impl Lit {
     ) -> Lobes<F64x16<S>> {
         let light = &world.lights()[self.light].value;
         let mut geometry = geometry(simd, ends, light, self.origin, groups.get());
-        if let Some(transmitted) = &self.transmitted {
-            let part = F64x16::load(simd, &transmitted[packet * LANES..]);
+        if let Some(factors) = &self.factors {
+            let part = F64x16::load(simd, &factors[packet * LANES..]);
             geometry.diffuse = geometry.diffuse * part;
             geometry.specular = geometry.specular * part;
         }
         geometry
     }
+}
+
+/// f of a luminaire at each point of a batch; for each packet one bit for each point where that is above 0.
+#[inline(never)]
+fn luminaire_factors(
+    luminaire: &IesLight,
+    points: &Points,
+    factors: &mut Column,
+) -> [u32; PACKETS] {
+    let mut inside = [0; PACKETS];
+    for (packet, &hit) in points.hit.iter().enumerate() {
+        for lane in ones(hit) {
+            let point = packet * LANES + lane;
+            let [x, y, z] = &points.position;
+            let position = DVec3::new(x[point], y[point], z[point]);
+            let factor = luminaire.factor(position - luminaire.position.0);
+            factors[point] = factor;
+            inside[packet] |= u32::from(factor > 0.0) << lane;
+        }
+    }
+    inside
 }
 
 /// Puts R, G and B of a packet into their columns.

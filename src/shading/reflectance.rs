@@ -48,7 +48,8 @@ pub(super) fn geometry<S: Simd>(
     let to_light = -ends.position.minus(origin.0);
     let [inverse, inverse_square] = inverse_roots(simd, to_light.dot(to_light));
     let received = match light {
-        Light::Point(_) => inverse_square,
+        // What a luminaire sends into a direction is a factor of its own.
+        Light::Point(_) | Light::Ies(_) => inverse_square,
         Light::Spot(spot) => inverse_square * falloff(simd, spot, to_light, inverse),
         Light::Sun(_) => F64x16::splat(simd, 1.0),
     };

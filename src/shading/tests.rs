@@ -118,7 +118,7 @@ impl Kernel for Sum<'_> {
                 light,
                 origin: entry.value.position(),
                 points: lit,
-                transmitted: self.transmitted.map(|part| Box::new(Column([part; BATCH]))),
+                factors: self.transmitted.map(|part| Box::new(Column([part; BATCH]))),
             });
         }
         let hit = points.hit[0];

@@ -5,18 +5,22 @@
 //! ([`World::reflected`](super::World::reflected)), whatever kind a light is of.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
+use crate::ies::IesFile;
 use crate::math::{DVec3, Direction, Point};
 pub use crate::scene::Falloff;
 use crate::units::Intensity;
 
 /// What light comes from. Matches are exhaustive: what a new kind needs, the compiler lists.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Light {
     /// The same into all directions.
     Point(PointLight),
     /// Into a cone.
     Spot(SpotLight),
+    /// Into each direction what was measured.
+    Ies(IesLight),
     /// Parallel rays.
     Sun(SunLight),
 }
@@ -42,6 +46,23 @@ pub struct SpotLight {
     pub intensity: Intensity,
     /// f(θ)
     pub cone: Cone,
+}
+
+/// A luminaire by its photometry: L_i = I f / d², with f what it sends into a direction over the largest of all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IesLight {
+    /// p_L, relative to the anchor.
+    pub position: Point,
+    /// Where vertical angle 0 points.
+    pub axis: Direction,
+    /// Across the axis: where horizontal angle 0 is.
+    pub up: Direction,
+    /// I into the brightest direction.
+    pub intensity: Intensity,
+    /// What was measured.
+    pub luminaire: Arc<IesFile>,
+    /// 1 over the largest of these.
+    over_peak: f64,
 }
 
 /// Parallel light: L_i = E, whatever the distance.
@@ -87,6 +108,7 @@ impl Light {
         match self {
             Self::Point(_) => "point",
             Self::Spot(_) => "spot",
+            Self::Ies(_) => "ies",
             Self::Sun(_) => "sun",
         }
     }
@@ -97,6 +119,7 @@ impl Light {
         match self {
             Self::Point(light) => light.intensity,
             Self::Spot(light) => light.intensity,
+            Self::Ies(light) => light.intensity,
             Self::Sun(light) => light.illuminance,
         }
     }
@@ -107,6 +130,7 @@ impl Light {
         match self {
             Self::Point(light) => light.position,
             Self::Spot(light) => light.position,
+            Self::Ies(light) => light.position,
             Self::Sun(light) => Point(light.to_light.get() * SUN_DISTANCE),
         }
     }
@@ -115,6 +139,16 @@ impl Light {
     #[inline]
     pub const fn is_sun(&self) -> bool {
         matches!(self, Self::Sun(_))
+    }
+
+    /// The flux in lm that leaves it for 1 cd of [`Light::intensity`]; of a sun there is none.
+    pub fn flux(&self) -> Option<f64> {
+        match self {
+            Self::Point(_) => Some(2.0 * TAU),
+            Self::Spot(light) => Some(light.cone.flux()),
+            Self::Ies(light) => Some(light.luminaire.photometry.lumens() * light.over_peak),
+            Self::Sun(_) => None,
+        }
     }
 
     /// The points that its light comes from, relative to the anchor, each of which has a visibility (L4) of its
@@ -128,9 +162,44 @@ impl Light {
     #[inline]
     pub fn misses(&self, bounds: [DVec3; 2]) -> bool {
         match self {
-            Self::Point(_) | Self::Sun(_) => false,
+            Self::Point(_) | Self::Ies(_) | Self::Sun(_) => false,
             Self::Spot(light) => light.misses(bounds),
         }
+    }
+}
+
+impl IesLight {
+    /// At `position`, with vertical angle 0 along `axis` and horizontal angle 0 towards `up`, as far as that is across
+    /// the axis; `None` where it is along it.
+    pub fn new(
+        position: Point,
+        axis: Direction,
+        up: DVec3,
+        intensity: Intensity,
+        luminaire: Arc<IesFile>,
+    ) -> Option<Self> {
+        let w = axis.get();
+        let up = up.try_normalize()?;
+        let across = up - w * up.dot(w);
+        // What is left of an `up` along the axis is rounding.
+        let up = Direction::new(across).filter(|_| across.length() > 1e-9)?;
+        let over_peak = luminaire.photometry.peak().candela.recip();
+        Some(Self {
+            position,
+            axis,
+            up,
+            intensity,
+            luminaire,
+            over_peak,
+        })
+    }
+
+    /// f towards a point at an offset from the luminaire, of any length but 0. Range: 0 to 1.
+    pub fn factor(&self, offset: DVec3) -> f64 {
+        let (axis, up) = (self.axis.get(), self.up.get());
+        let side = axis.cross(up);
+        let in_frame = DVec3::new(offset.dot(up), offset.dot(side), offset.dot(axis));
+        (self.luminaire.photometry.intensity(in_frame) * self.over_peak).min(1.0)
     }
 }
 
@@ -192,6 +261,26 @@ impl Cone {
     #[inline]
     pub fn outer(&self) -> f64 {
         self.outer
+    }
+
+    /// The angle in radians from the axis at which f is a part of 1, from 0 to 1.
+    pub fn angle_at(&self, part: f64) -> f64 {
+        let x = match self.falloff {
+            // x²(3 − 2x) = part, by halving: it grows with x.
+            Falloff::Smooth => {
+                let mut range = [0.0, 1.0];
+                for _ in 0..f64::MANTISSA_DIGITS {
+                    let middle = 0.5 * (range[0] + range[1]);
+                    let is_above = middle * middle * (3.0 - 2.0 * middle) > part;
+                    range[usize::from(is_above)] = middle;
+                }
+                0.5 * (range[0] + range[1])
+            }
+            Falloff::Gltf => libm::sqrt(part),
+            Falloff::LinearAngle => return self.outer - part * (self.outer - self.inner),
+        };
+        let versine = self.versine_outer - x * versine_span(self.inner, self.outer);
+        2.0 * libm::asin(libm::sqrt(versine / 2.0).min(1.0))
     }
 
     /// The flux in lm of a spot of 1 cd on its axis: ∫ f dω = 2π ∫ f(θ) sin θ dθ, in closed form. Range: above 0,

@@ -7,7 +7,8 @@ use std::fmt;
 
 use super::containment::contained;
 use super::material::Model;
-use super::{Material, Shape, World};
+use super::{Light, Material, Shape, World};
+use crate::ies::IesFile;
 use crate::printable::counted;
 use crate::scene::ColorSpace;
 use crate::scene::ShadowTerminator;
@@ -79,6 +80,22 @@ pub enum Warning {
         object: String,
         /// How many.
         triangles: usize,
+    },
+    /// An IES file is not taken as written in places: one of its [remarks](crate::ies::IesRemarks::list).
+    MendedLuminaire {
+        /// The light's name.
+        light: String,
+        /// What the file has, how often, and what became of it.
+        remark: String,
+    },
+    /// What leaves a luminaire is not the flux that its file states of its lamps.
+    OtherFlux {
+        /// The light's name.
+        light: String,
+        /// The flux of its lamps, in lm.
+        rated: f64,
+        /// The zonal sum of its table, in lm.
+        zonal: f64,
     },
     /// A mesh file is not taken as written in places: one of its
     /// [remarks](crate::mesh::MeshRemarks::list).
@@ -175,12 +192,28 @@ impl fmt::Display for Warning {
                 "{triangles} triangles of object `{object}` are too small where they are placed for \
                  64-bit floats to tell their corners apart, and were dropped"
             ),
+            Self::MendedLuminaire { light, remark } => {
+                write!(f, "the IES file of light `{light}` has {remark}")
+            }
+            Self::OtherFlux {
+                light,
+                rated,
+                zonal,
+            } => write!(
+                f,
+                "the IES file of light `{light}` states lamps of {rated:.6} lm, and {zonal:.6} lm leave the luminaire, \
+                 {:.1} % of that: an efficiency, or another flux than that of its table",
+                zonal / rated * 100.0,
+            ),
             Self::Mended { object, remark } => {
                 write!(f, "the file of object `{object}` has {remark}")
             }
         }
     }
 }
+
+/// By which part the flux that leaves a luminaire may differ from that of its lamps without a word.
+const OTHER_FLUX: f64 = 0.05;
 
 /// The part of the light arriving along the normal that a material reflects into all directions,
 /// per primary:
@@ -220,6 +253,11 @@ pub fn warnings(world: &World) -> Vec<Warning> {
     }
     warnings.extend(outside(world));
     warnings.extend(long_layers(world));
+    for light in world.lights() {
+        if let Light::Ies(luminaire) = &light.value {
+            warnings.extend(of_luminaire(&light.name, &luminaire.luminaire));
+        }
+    }
     let contained = contained(world);
     let mut holders = contained.objects.iter().peekable();
     for (index, object) in world.objects().iter().enumerate() {
@@ -275,6 +313,26 @@ fn long_layers(world: &World) -> impl Iterator<Item = Warning> {
     let layers = names.map(|name| format!("light_{name}"));
     let long: BTreeSet<String> = layers.filter(|layer| layer.len() > LONGEST_LAYER).collect();
     long.into_iter().map(|layer| Warning::LongLayer { layer })
+}
+
+/// What is to be said of the file of a luminaire.
+fn of_luminaire(name: &str, file: &IesFile) -> Vec<Warning> {
+    let remarks = file.remarks.list().into_iter();
+    let mended = remarks.map(|remark| Warning::MendedLuminaire {
+        light: name.to_owned(),
+        remark,
+    });
+    let zonal = file.photometry.zonal_lumens();
+    let other = file.rated_lumens().filter(|rated| {
+        let is_told = *rated > 0.0;
+        is_told && (zonal / rated - 1.0).abs() > OTHER_FLUX
+    });
+    let other = other.map(|rated| Warning::OtherFlux {
+        light: name.to_owned(),
+        rated,
+        zonal,
+    });
+    mended.chain(other).collect()
 }
 
 /// Lights and reflectances with a channel below 0 in the working space, by more than rounding.

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use candela::internal::printable;
 use candela::oracle::{
-    Explanation, HitTerms, LightTerms, MaterialTerms, Outcome, SpotTerms, TransportUsed,
+    Explanation, HitTerms, LightTerms, LuminaireTerms, MaterialTerms, Outcome, SpotTerms,
+    TransportUsed,
 };
 
 use super::{Report, SpectralRadiance};
@@ -258,8 +259,13 @@ impl Table {
             }
             Outcome::Outside => {
                 self.text(format!(
-                    "Light `{}`, {place}, has p outside of its cone: it adds nothing",
-                    printable(&light.name)
+                    "Light `{}`, {place}, {}: it adds nothing",
+                    printable(&light.name),
+                    if light.luminaire.is_some() {
+                        "sends nothing to p"
+                    } else {
+                        "has p outside of its cone"
+                    }
                 ));
             }
             Outcome::Lit | Outcome::Occluded => {
@@ -279,6 +285,13 @@ impl Table {
             let (angle, falloff) = (number(angle), number(falloff));
             self.text(format!(
                 "    θ = {angle}° from the axis    f(θ) = {falloff}"
+            ));
+        }
+        if let Some(LuminaireTerms { angles, factor }) = light.luminaire {
+            let [vertical, horizontal] = angles.map(number);
+            let factor = number(factor);
+            self.text(format!(
+                "    V = {vertical}°, H = {horizontal}°    f(V, H) = {factor} of the largest intensity"
             ));
         }
         if light.outcome == Outcome::Outside {
@@ -307,7 +320,12 @@ impl Table {
                 format!("L7  r_s = {specular} · {cos_lobe}^{shininess}"),
             )
         };
+        let of_luminaire = light.luminaire.map(|luminaire| number(luminaire.factor));
         let (intensity, incident) = match light.spot {
+            None if let Some(factor) = of_luminaire => (
+                "    I, the largest",
+                format!("L3  L_i = I · {factor} / {distance}²"),
+            ),
             None if is_sun => ("    E", "L3  L_i = E".to_owned()),
             None => ("    I", format!("L3  L_i = I / {distance}²")),
             Some(SpotTerms { falloff, .. }) => {

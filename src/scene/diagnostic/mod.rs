@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::Source;
 use super::curve::CurveError;
+use crate::ies::IesError;
 use crate::input::{NotAFile, is_transient};
 use crate::memory::OutOfMemory;
 use crate::mesh::MeshError;
@@ -222,6 +223,14 @@ pub enum Problem {
         /// Why.
         error: Box<MeshError>,
     },
+    /// An IES file that cannot be used.
+    #[error("cannot use the IES file {}: {error}", printable_path(path))]
+    Ies {
+        /// The file, joined to the scene's folder.
+        path: PathBuf,
+        /// Why.
+        error: Box<IesError>,
+    },
     /// A curve file that cannot be used.
     #[error("cannot use the curve file {}: {error}", printable_path(path))]
     Curve {
@@ -323,6 +332,7 @@ impl Problem {
                 ..
             } => false,
             Self::Mesh { error, .. } => error.is_transient(),
+            Self::Ies { error, .. } => error.is_transient(),
             Self::Curve { error, .. } => error.is_transient(),
             Self::TooLarge { .. }
             | Self::NotUtf8 { .. }
@@ -388,6 +398,7 @@ impl Problem {
             | Self::OutOfRange { .. }
             | Self::Duplicate { .. }
             | Self::Mesh { .. }
+            | Self::Ies { .. }
             | Self::Curve { .. }
             | Self::Conflict(_)
             | Self::OutOfMemory { .. } => None,

@@ -1,4 +1,4 @@
-//! The files that a scene names: meshes and curves.
+//! The files that a scene names: meshes, luminaires and curves.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::super::diagnostic::{Span, Spanned};
 use super::super::inputs::Input;
 use super::document::Document;
+use crate::ies::IesFile;
 use crate::input::Hash;
 use crate::mesh::MeshFile;
 use crate::spectrum::Curve;
@@ -18,6 +19,7 @@ pub(super) struct Files {
     /// What paths are relative to that are named from these places on.
     pub(super) folders: Vec<(usize, PathBuf)>,
     pub(super) meshes: HashMap<PathBuf, Option<Arc<MeshFile>>>,
+    pub(super) luminaires: HashMap<PathBuf, Option<Arc<IesFile>>>,
     pub(super) curves: HashMap<PathBuf, Option<Arc<Curve>>>,
     /// Those that were read, and where they are named first.
     pub(super) read: Vec<(Span, Input)>,
@@ -28,6 +30,7 @@ impl Files {
         Self {
             folders: document.folders.clone(),
             meshes: HashMap::new(),
+            luminaires: HashMap::new(),
             curves: HashMap::new(),
             read: document.included.clone(),
         }

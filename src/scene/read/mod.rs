@@ -38,6 +38,7 @@ use toml::de::{DeString, DeTable, DeValue};
 use super::diagnostic::{Diagnostic, Diagnostics, MOST_COLLECTED, Problem, Span, Spanned};
 use super::inputs::Input;
 use super::{Scene, Source};
+use crate::ies::IesFile;
 use crate::memory::{self, OutOfMemory};
 use crate::mesh::MeshFile;
 
@@ -549,6 +550,30 @@ impl<'t> Found<'t> {
 }
 
 impl Reader<'_> {
+    /// The luminaire in `file`; one that cannot be read is reported where it is named first.
+    fn luminaire(&mut self, file: &Spanned<String>) -> Option<Arc<IesFile>> {
+        let path = self.files.path(file);
+        if let Some(known) = self.files.luminaires.get(&path) {
+            return known.clone();
+        }
+        let loaded = match IesFile::load_hashed(&path) {
+            Ok((luminaire, files)) => {
+                for (path, hash) in files {
+                    self.files.note(file, &path, hash);
+                }
+                Some(Arc::new(luminaire))
+            }
+            Err(error) => {
+                let path = path.clone();
+                let error = Box::new(error);
+                self.report(file.span, Problem::Ies { path, error });
+                None
+            }
+        };
+        self.files.luminaires.insert(path, loaded.clone());
+        loaded
+    }
+
     /// The mesh in `file`; one that cannot be read is reported where it is named first.
     fn mesh(&mut self, file: &Spanned<String>) -> Option<Arc<MeshFile>> {
         let path = self.files.path(file);

@@ -1,5 +1,7 @@
 //! Lights: where they are and point, and how strong they are.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::color::{Emission, Spread};
@@ -8,7 +10,10 @@ use crate::math::{Direction, Point};
 use crate::scene::{self, Aim, Problem, Spanned, Value};
 use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Rgb};
-use crate::world::light::{Cone, Light, PointLight, SpotLight, SunLight};
+use crate::world::light::{Cone, IesLight, Light, PointLight, SpotLight, SunLight};
+
+/// An `up` this near to the axis, as a sine, is along it.
+const ALONG: f64 = 1e-6;
 
 impl Builder<'_> {
     /// A light and, where light is carried so, its spectrum. After an error the world is dropped.
@@ -54,6 +59,38 @@ impl Builder<'_> {
                     }),
                 };
                 (Light::Spot(light), spectrum)
+            }
+            scene::Light::Ies {
+                position,
+                aim,
+                up,
+                file: _,
+                luminaire,
+                intensity,
+                scale,
+                group: _,
+            } => {
+                let photometry = &luminaire.photometry;
+                let spread = Spread(photometry.lumens() / photometry.peak().candela);
+                let emission = self.emission("intensity", intensity, spread);
+                let Emission { rgb, spectrum } = self.scaled(emission, *scale);
+                let axis = self.axis(*position, aim);
+                let (axis, up) = axis
+                    .and_then(|axis| Ok((axis, self.up(axis, *up)?)))
+                    .unwrap_or_else(|Reported| {
+                        (
+                            Direction::new(DVec3::Z).expect("z is a direction"),
+                            DVec3::Y,
+                        )
+                    });
+                let light = IesLight::new(
+                    self.light_position(*position),
+                    axis,
+                    up,
+                    Intensity(Rgb(rgb)),
+                    Arc::clone(luminaire),
+                );
+                (Light::Ies(light.expect("`up` is across")), spectrum)
             }
             scene::Light::Sun {
                 direction,
@@ -142,6 +179,44 @@ impl Builder<'_> {
             self.report(inner.span, Problem::Conflict(conflict));
             Reported
         })
+    }
+
+    /// A factor of a light.
+    fn scaled(&mut self, emission: Emission, written: Spanned<f64>) -> Emission {
+        let largest = emission.rgb.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let legal = |scale: f64| scale >= 0.0 && scale * largest <= f64::from(f32::MAX);
+        let expected = "a factor from 0 that makes light of at most 3.4e38 in every channel";
+        let scale = self
+            .number("scale", written, legal, expected)
+            .unwrap_or(0.0);
+        Emission {
+            rgb: emission.rgb.map(|channel| channel * scale),
+            spectrum: emission.spectrum.map(|spectrum| spectrum.scaled(scale)),
+        }
+    }
+
+    /// What horizontal angle 0 is towards: where nothing is said y, or −z for light along that.
+    fn up(
+        &mut self,
+        axis: Direction,
+        written: Option<Spanned<[f64; 3]>>,
+    ) -> Result<DVec3, Reported> {
+        let across = |up: DVec3| axis.get().cross(up).length() > ALONG;
+        let Some(written) = written else {
+            return Ok(if across(DVec3::Y) {
+                DVec3::Y
+            } else {
+                DVec3::NEG_Z
+            });
+        };
+        let up = self.direction("up", written)?.get();
+        if across(up) {
+            return Ok(up);
+        }
+        let conflict = "`up` is along the way that the light points, expected a vector that is not: it says towards \
+                        what horizontal angle 0 of the file is";
+        self.report(written.span, Problem::Conflict(conflict.to_owned()));
+        Err(Reported)
     }
 
     /// The unit vector along which a light points.

@@ -173,9 +173,9 @@ impl Builder<'_> {
                     return;
                 }
                 let position = match &scene.lights[index].value {
-                    scene::Light::Point { position, .. } | scene::Light::Spot { position, .. } => {
-                        position
-                    }
+                    scene::Light::Point { position, .. }
+                    | scene::Light::Spot { position, .. }
+                    | scene::Light::Ies { position, .. } => position,
                     // It has no place.
                     scene::Light::Sun { .. } => continue,
                 };

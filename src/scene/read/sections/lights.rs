@@ -2,11 +2,11 @@
 
 use std::ops::Bound;
 
-use super::super::super::diagnostic::Problem;
-use super::super::super::{Aim, Falloff, Light};
+use super::super::super::diagnostic::{Problem, Spanned};
+use super::super::super::{Aim, Falloff, Light, Value};
 use super::super::entries::{Section, Variant, Variants};
 use super::super::fields::Fields;
-use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
+use super::super::key::{AMOUNT, BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
 
 pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
     key: "lights",
@@ -35,6 +35,23 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 read: spot_light,
             },
             Variant {
+                name: "ies",
+                about: "A luminaire by its file, IES LM-63: a point that sends into each direction what was measured.",
+                also: &["photometric", "photometry", "luminaire", "ies_light", "web"],
+                form: Form::new(&[
+                    &POSITION,
+                    &LOOK_AT,
+                    &DIRECTION,
+                    &UP,
+                    &LUMINAIRE,
+                    &OF_LUMINAIRE,
+                    &SCALE,
+                    &GROUP,
+                ])
+                .elsewhere(NOT_IN_LUMINAIRES),
+                read: ies_light,
+            },
+            Variant {
                 name: "sun",
                 about: "Parallel light from very far away, as strong everywhere.",
                 also: &["directional", "distant", "infinite", "parallel", "sunlight"],
@@ -49,7 +66,6 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 "disk",
                 "sphere",
                 "quad",
-                "ies",
                 "dome",
                 "environment",
                 "envmap",
@@ -58,7 +74,7 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 "sky",
             ],
             key: None,
-            advice: "lights are `point`s, `spot`s and `sun`s, and `background` in `[image]` is what is seen \
+            advice: "lights are `point`s, `spot`s, `ies` files and `sun`s, and `background` in `[image]` is what is seen \
                      where nothing is",
         }],
     },
@@ -171,6 +187,47 @@ const FALLOFF: Key = key!(
 fn falloffs() -> Vec<&'static str> {
     Falloff::ALL.map(Falloff::name).to_vec()
 }
+
+const UP: Key = key!("up", "a vector towards horizontal angle 0", "[0, 1, 0]")
+    .of(Kind::Direction)
+    .or("[0, 1, 0]")
+    .about(
+        "What horizontal angle 0 of the file is towards; angles go counter-clockwise seen against the light. Where the \
+         light goes along `[0, 1, 0]`, the default is `[0, 0, -1]`.",
+    )
+    .also(&["u", "rotate", "roll", "orientation", "c0"]);
+const LUMINAIRE: Key = key!("file", "an IES file beside the scene", "\"downlight.ies\"")
+    .of(Kind::Text)
+    .about("An IES file (LM-63), relative to the scene's folder.")
+    .also(&["ies", "filename", "path", "profile", "photometry"]);
+const OF_LUMINAIRE: Key = INTENSITY
+    .or("that of the file")
+    .about(
+        "I into the brightest direction, instead of the file's: RGB in candela, a curve in W/(sr nm), or in a unit; a \
+         flux, such as `lumens`, is what leaves the luminaire. Without it the light is white.",
+    );
+const SCALE: Key = key!("scale", "a factor", "0.5")
+    .of(Kind::Number(AMOUNT))
+    .or("1")
+    .about("A factor of all the light: dimming.")
+    .also(&["factor", "multiplier", "dim", "dimming", "gain"]);
+
+const NOT_IN_LUMINAIRES: &[Elsewhere] = &[
+    FLUX,
+    COLOR,
+    Elsewhere {
+        words: &[
+            "inner", "outer", "angle", "cone", "falloff", "radius", "size",
+        ],
+        key: None,
+        advice: "an `ies` light sends what its file says; a cone of light is `[lights.NAME.spot]`",
+    },
+    Elsewhere {
+        words: &["type", "kind"],
+        key: None,
+        advice: "the kind stands in the header: `[lights.NAME.ies]`",
+    },
+];
 
 const WAY: Key = key!("direction", "the way that the light goes", "[-1, -3, -1]")
     .of(Kind::Direction)
@@ -355,6 +412,38 @@ fn spot_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
         inner: inner?,
         outer: outer?,
         falloff: falloff?.value,
+        group: group?,
+    })
+}
+
+fn ies_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
+    let position = fields.vector(&POSITION);
+    let aim = aim(fields);
+    let up = match fields.get(&UP) {
+        Some(_) => fields.vector(&UP).map(Some),
+        None => Some(None),
+    };
+    let file = fields.string(&LUMINAIRE);
+    let luminaire = file.as_ref().and_then(|file| fields.reader.luminaire(file));
+    let intensity = match fields.get(&OF_LUMINAIRE) {
+        Some(_) => fields.value(&OF_LUMINAIRE, Purpose::Light).map(Some),
+        None => Some(None),
+    };
+    let scale = fields.number_or(&SCALE, 1.0);
+    let group = fields.optional_string(&GROUP);
+    let (file, luminaire) = (file?, luminaire?);
+    let of_file = || Spanned {
+        value: Value::Uniform(luminaire.photometry.peak().candela),
+        span: file.span,
+    };
+    Some(Light::Ies {
+        position: position?,
+        aim: aim?,
+        up: up?,
+        intensity: intensity?.unwrap_or_else(of_file),
+        file,
+        luminaire,
+        scale: scale?,
         group: group?,
     })
 }
