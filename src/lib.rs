@@ -128,6 +128,7 @@ pub mod display;
 pub mod exr;
 #[doc(hidden)]
 pub mod ies;
+mod illuminance;
 pub mod image;
 #[doc(hidden)]
 pub mod image_file;
@@ -171,6 +172,7 @@ pub use self::image::Film;
 pub use camera::{Camera, Projection};
 #[doc(hidden)]
 pub use color::Primaries;
+pub use illuminance::illuminance;
 pub use math::{DVec3, Direction, Point, Ray};
 pub use memory::OutOfMemory;
 pub use render::{Options, Renderer, render};

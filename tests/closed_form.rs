@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
 use candela::image::Film;
+use candela::scene::Scene;
 
-use crate::images::{pixel, render, render_counted};
+use crate::images::{film_of, pixel, render, render_counted};
 use crate::measured::{HALF_LAST_BIT, Measured};
 
 /// Relative error where nothing but the rounding to f32 is between the formula and the pixel.
@@ -504,6 +505,109 @@ fn a_spot_in_lumens_sends_out_so_much() {
         let flux = sum * area;
         assert!((flux / 800.0 - 1.0).abs() < 2e-3, "{name} {outer}: {flux}");
     }
+}
+
+/// L = E k_d n·ω, the same at all points.
+#[test]
+fn a_plane_under_a_sun() {
+    for (direction, cos) in [
+        ("[0, -1, 0]", 1.0),
+        ("[3, -4, 0]", 0.8),
+        ("[-2e6, -1e6, 2e6]", 1.0 / 3.0),
+        ("[1e-6, 1e-9, 0]", 0.0),
+    ] {
+        let text = [
+            from_above(16, 4.0),
+            floor_of("phong]\ndiffuse = 0.5"),
+            format!("[lights.s.sun]\ndirection = {direction}\nilluminance = [100000, 5, 0]\n"),
+        ]
+        .concat();
+        let film = render(&text, 1);
+        each_pixel(&film, 4.0, |_, _, [r, g, ..]| {
+            assert_near(r, 0.5 * 100_000.0 * cos, ROUNDING, direction);
+            assert_near(g, 0.5 * 5.0 * cos, ROUNDING, direction);
+        });
+    }
+}
+
+/// The shadow of a sphere under a sun is as wide as the sphere, wherever that is: an ellipse of half-axes R and
+/// R / cos θ around where the way through its center meets the floor.
+#[test]
+fn a_sphere_under_a_sun() {
+    for height in [0.5, 10.0, 1e4] {
+        let text = [
+            from_above(64, 4.0),
+            floor_of("phong]\ndiffuse = 0.5"),
+            format!(
+                "[lights.s.sun]\ndirection = [3, -4, 0]\nilluminance = 10\n[objects.ball.sphere]\nmaterial = \
+                 \"m\"\ncenter = [{:?}, {height:?}, 0.2]\nradius = 0.4\n",
+                // As seen from above it is not before its shadow.
+                -0.75 * height + if height < 1.0 { -0.5 } else { 0.0 }
+            ),
+        ]
+        .concat();
+        let film = render(&text, 1);
+        let center = if height < 1.0 { -0.5 } else { 0.0 };
+        let mut dark = 0;
+        each_pixel(&film, 4.0, |x, z, [r, ..]| {
+            let from_ball = (x - (-0.75 * height + center)).hypot(z - 0.2);
+            if from_ball < 0.5 {
+                return;
+            }
+            let inside = ((x - center) * 0.8).hypot(z - 0.2);
+            // The rays of the camera go nearly straight down.
+            if inside < 0.39 {
+                dark += 1;
+                assert_eq!(r, 0.0, "{height} at {x} {z}");
+            } else if inside > 0.41 {
+                assert_near(r, 0.5 * 10.0 * 0.8, ROUNDING, "lit");
+            }
+        });
+        assert!(dark > 40, "{height}: {dark}");
+    }
+}
+
+/// L = I(V, H) k_d h / (h² + r²)^{3/2} under a luminaire that points straight down, its table bilinear in both
+/// angles: horizontal angle 0 is towards `up`, and they go counter-clockwise for one who looks against the light.
+#[test]
+fn a_plane_under_a_luminaire() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 2 3 5 1 2 0 0 0\n1 1 10\n0 30 90\n0 90 180 270 360\n\
+                 50 10 0\n50 20 0\n50 30 0\n50 40 0\n50 10 0\n";
+    std::fs::write(folder.path().join("lamp.ies"), table).unwrap();
+    let (h, height) = (1.5, 4.0);
+    let text = [
+        from_above(64, height),
+        floor_of("phong]\ndiffuse = 0.5"),
+        format!(
+            "[lights.s.ies]\nposition = [0.1, {h:?}, 0]\ndirection = [0, -3, 0]\nup = [1, 0, 0]\nfile = \
+             \"lamp.ies\"\nscale = 0.25\n"
+        ),
+    ]
+    .concat();
+    let scene = Scene::parse(&text, folder.path().join("scene.toml")).unwrap();
+    let film = film_of(&scene, 1);
+    each_pixel(&film, height, |x, z, [r, ..]| {
+        let radius = (x - 0.1).hypot(z);
+        let vertical = (radius / h).atan().to_degrees();
+        // Seen from below with x to the right, z is upwards.
+        let horizontal = z.atan2(x - 0.1).to_degrees().rem_euclid(360.0);
+        let at_30 = match horizontal {
+            h if h < 90.0 => 10.0 + 10.0 * h / 90.0,
+            h if h < 180.0 => 20.0 + 10.0 * (h - 90.0) / 90.0,
+            h if h < 270.0 => 30.0 + 10.0 * (h - 180.0) / 90.0,
+            h => 40.0 - 30.0 * (h - 270.0) / 90.0,
+        };
+        let candela = if vertical < 30.0 {
+            50.0 + (at_30 - 50.0) * vertical / 30.0
+        } else {
+            at_30 * (90.0 - vertical) / 60.0
+        };
+        let d2 = h * h + radius * radius;
+        // The file's multiplier is 2.
+        let expected = 0.25 * 2.0 * candela * 0.5 * h / d2.powf(1.5);
+        assert_near(r, expected, 1e-6, "luminaire");
+    });
 }
 
 /// Half of the light of a spot of 90° to 90° is a hemisphere of a point light.

@@ -55,6 +55,7 @@ fn scenes(folder: &tempfile::TempDir) -> Vec<(String, Scene)> {
     scenes.truncate(50);
     scenes.extend(generate::terminators(8, folder.path()));
     scenes.extend(generate::spots(10, folder.path()));
+    scenes.extend(generate::suns(10, folder.path()));
     scenes.retain(|(_, scene)| {
         let eye = scene.camera.value.view().eye.value;
         let distance = eye.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -151,6 +152,36 @@ fn moved(
                     Aim::LookAt(look_at) => put(look_at),
                     Aim::Direction(direction) => direction.value = turn(direction.value),
                 }
+            }
+            Light::Ies {
+                position, aim, up, ..
+            } => {
+                let way = match aim {
+                    Aim::LookAt(look_at) => [0, 1, 2].map(|i| look_at.value[i] - position.value[i]),
+                    Aim::Direction(direction) => direction.value,
+                };
+                // What is not written is y, or −z along that, and turns with the rest.
+                let is_upright = way[0].hypot(way[2]) <= 1e-6 * way[1].abs();
+                let default = if is_upright {
+                    [0.0, 0.0, -1.0]
+                } else {
+                    [0.0, 1.0, 0.0]
+                };
+                let written = up.as_ref().map_or(default, |up| up.value);
+                *up = Some(Spanned {
+                    value: turn(written),
+                    span: position.span,
+                });
+                put(position);
+                match aim {
+                    Aim::LookAt(look_at) => put(look_at),
+                    Aim::Direction(direction) => direction.value = turn(direction.value),
+                }
+            }
+            Light::Sun { direction, .. } => {
+                direction.value = turn(direction.value);
+                // It is as strong at any distance.
+                continue;
             }
         }
         let intensity = light.value.size_mut();

@@ -30,6 +30,7 @@ mod invariance;
 mod layering;
 mod layers;
 mod limits;
+mod lux;
 mod measured;
 mod memory;
 mod merging;

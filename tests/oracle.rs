@@ -314,6 +314,15 @@ fn generated_spots() {
     judge("spots", WORST, &scenes);
 }
 
+/// The same scenes, under parallel light and what IES files say.
+#[test]
+fn generated_suns_and_luminaires() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = generate::count().div_ceil(3);
+    let scenes = generate::suns(count, folder.path());
+    judge("suns and luminaires", WORST, &scenes);
+}
+
 /// At how many columns the oracle is done in reasonable time.
 fn affordable_width(scene: &Scene) -> u32 {
     let surfaces: usize = scene

@@ -85,7 +85,7 @@ fn every_scene_is_valid() {
 
 /// What a schema cannot say, and the bad scenes that are wrong in that way alone. Each stands for all
 /// whose names begin so.
-const BEYOND: [(&str, &[&str]); 8] = [
+const BEYOND: [(&str, &[&str]); 9] = [
     ("what is in a file", &["csv_", "mesh_"]),
     (
         "that wavelengths ascend",
@@ -111,7 +111,13 @@ const BEYOND: [(&str, &[&str]); 8] = [
             "range_triangle",
             "range_sizes",
             "spot_at_itself",
+            "ies_at_itself",
+            "ies_up_along",
         ],
+    ),
+    (
+        "what is in an IES file",
+        &["ies_missing", "ies_not_one", "ies_truncated"],
     ),
     (
         "which of two angles is larger",
@@ -331,6 +337,11 @@ fn around(header: &str, entry: &str) -> String {
 fn the_schema_agrees_with_the_reader() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("dragon.ply"), TRIANGLE).unwrap();
+    fs::copy(
+        "tests/bad_scenes/lamp.ies",
+        folder.path().join("downlight.ies"),
+    )
+    .unwrap();
     let kinds = kinds();
     let keys: usize = kinds.iter().map(|kind| kind.keys.len()).sum();
     assert!(keys >= 34, "{keys}");
@@ -472,6 +483,11 @@ fn defaults_are_what_the_schema_says() {
     ];
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("dragon.ply"), TRIANGLE).unwrap();
+    fs::copy(
+        "tests/bad_scenes/lamp.ies",
+        folder.path().join("downlight.ies"),
+    )
+    .unwrap();
     let path = folder.path().join("scene.toml");
     let mut defaults = 0;
     for (header, kind, forms) in forms {

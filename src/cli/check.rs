@@ -3,7 +3,6 @@
 use std::io::Write;
 
 use candela::Renderer;
-use candela::ies::Widths;
 use candela::internal::Size;
 use candela::internal::{counted, printable, printable_path};
 use candela::scene::{Motion, Scene, Transport};
@@ -15,6 +14,7 @@ use candela::world::{Light, Loaded, Plan, Shape, World, physics};
 use super::Failure;
 use super::frames::{Frame, Frames, frames};
 use super::legality::{self, Triangles};
+use super::light::in_planes;
 use super::source::SceneArguments;
 
 /// Check a scene without rendering it: is it legal, what will be computed and what left out, what
@@ -254,19 +254,6 @@ fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
         )?;
     }
     print_rest(world.lights().len(), output)
-}
-
-/// The angles of two planes, C0 and C90.
-fn in_planes(widths: Widths) -> String {
-    let of = |width: Option<f64>| {
-        width.map_or_else(|| "none".to_owned(), |width| format!("{}°", rounded(width)))
-    };
-    let (along, across) = (of(widths.plane_0), of(widths.plane_90));
-    if along == across {
-        along
-    } else {
-        format!("{along} × {across}")
-    }
 }
 
 /// Six digits of a number.

@@ -14,6 +14,8 @@ mod frames;
 mod job;
 mod legality;
 mod legend;
+mod light;
+mod lux;
 mod man;
 mod merge;
 mod new;
@@ -74,6 +76,10 @@ Examples:
       Is it legal, what will be computed, what will it cost
   candela probe scene.toml --pixel 640,360
       The sum at one pixel, term by term
+  candela light downlight.ies -o polar.svg
+      What an IES file says, and its polar diagram
+  candela lux office.toml --from -3,0.75,2 --u 6,0,0 --v 0,0,-4
+      Illuminance of a working plane: mean, uniformity, point by point
   candela verify scene.toml
       Does the renderer agree with the equations on this scene
   candela report scene.toml -o report
@@ -104,6 +110,8 @@ enum Command {
     Job(job::Arguments),
     Check(check::Arguments),
     Probe(probe::Arguments),
+    Light(light::Arguments),
+    Lux(lux::Arguments),
     Verify(verify::Arguments),
     Report(report::Arguments),
     Diff(diff::Arguments),
@@ -153,6 +161,10 @@ fn run(command: &Command, unfinished: &Unfinished) -> Result<(), Failure> {
         Command::Verify(arguments) => {
             with_threads(None, || verify::run(arguments, unfinished, &mut output))
         }
+        Command::Lux(arguments) => {
+            with_threads(None, || lux::run(arguments, unfinished, &mut output))
+        }
+        Command::Light(arguments) => light::run(arguments, unfinished, &mut output),
         Command::Job(arguments) => job::run(arguments, unfinished, &mut output),
         Command::Report(arguments) => report::run(arguments, unfinished, &mut output),
         Command::Diff(arguments) => {

@@ -35,6 +35,8 @@ fn parsed(words: &[OsString]) -> Result<Arguments, clap::Error> {
         Command::Tonemap(tonemap) => tonemap.misuse().map(|misuse| ("tonemap", misuse)),
         Command::ContactSheet(sheet) => sheet.misuse().map(|misuse| ("contact-sheet", misuse)),
         Command::Check(_)
+        | Command::Light(_)
+        | Command::Lux(_)
         | Command::Probe(_)
         | Command::Verify(_)
         | Command::Report(_)

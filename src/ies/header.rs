@@ -23,6 +23,19 @@ pub enum Edition {
     Lm63_2019,
 }
 
+impl Edition {
+    /// Its name: `LM-63-2002`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Lm63_1986 => "LM-63-1986",
+            Self::Lm63_1991 => "LM-63-1991",
+            Self::Lm63_1995 => "LM-63-1995",
+            Self::Lm63_2002 => "LM-63-2002",
+            Self::Lm63_2019 => "LM-63-2019",
+        }
+    }
+}
+
 /// A line `[KEYWORD] text` of a file, with the lines `[MORE]` that go on with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Keyword {

@@ -151,6 +151,24 @@ impl Light {
         }
     }
 
+    /// L3 with the cosine of L5: the illuminance in lux at a point of a surface with a unit normal, for 1 cd of
+    /// [`Light::intensity`], where nothing is in its way. 0 where the light is below, or at the point itself.
+    pub(crate) fn illuminance(&self, point: Point, normal: DVec3) -> f64 {
+        let way = self.position().0 - point.0;
+        let Some(to_light) = way.try_normalize() else {
+            return 0.0;
+        };
+        let cosine = normal.dot(to_light).max(0.0);
+        let factor = match self {
+            Self::Sun(_) => return cosine,
+            Self::Point(_) => 1.0,
+            Self::Spot(light) => light.cone.falloff_along(light.axis.get(), -to_light),
+            Self::Ies(light) => light.factor(-way),
+        };
+        let received = cosine * factor / way.length_squared();
+        if received.is_finite() { received } else { 0.0 }
+    }
+
     /// The points that its light comes from, relative to the anchor, each of which has a visibility (L4) of its
     /// own. Lights without a size have one.
     #[inline(always)]
@@ -261,6 +279,25 @@ impl Cone {
     #[inline]
     pub fn outer(&self) -> f64 {
         self.outer
+    }
+
+    /// f into a unit direction, of a cone around a unit axis.
+    fn falloff_along(&self, axis: DVec3, direction: DVec3) -> f64 {
+        let (sin, cos) = (axis.cross(direction).length(), axis.dot(direction));
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        let inside = |x: f64| x.clamp(0.0, 1.0);
+        // 1 − cos θ = sin²θ / (1 + cos θ)
+        let versine = sin * sin / (1.0 + cos);
+        let x = inside((self.versine_outer - versine) * self.inverse_span);
+        match self.falloff {
+            Falloff::Smooth => x * x * (3.0 - 2.0 * x),
+            Falloff::Gltf => x * x,
+            Falloff::LinearAngle => {
+                inside((self.outer - libm::atan2(sin, cos)) * self.inverse_angle)
+            }
+        }
     }
 
     /// The angle in radians from the axis at which f is a part of 1, from 0 to 1.

@@ -9,6 +9,7 @@ mod frames;
 mod help;
 mod interruption;
 mod layers;
+mod light;
 mod merge;
 mod new;
 mod probe;
@@ -31,7 +32,7 @@ use tempfile::TempDir;
 
 use crate::openimageio::{decode, oiiotool};
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 16] = [
     "render",
     "tonemap",
     "contact-sheet",
@@ -40,6 +41,8 @@ const COMMANDS: [&str; 14] = [
     "job",
     "check",
     "probe",
+    "light",
+    "lux",
     "verify",
     "report",
     "diff",

@@ -39,7 +39,7 @@ impl Palette {
         Self::Flattened,
     ];
 
-    fn has_spectra(self) -> bool {
+    pub(super) fn has_spectra(self) -> bool {
         matches!(self, Self::Spectral | Self::Flattened)
     }
 

@@ -3,6 +3,7 @@
 
 mod colors;
 mod compositions;
+mod luminaires;
 mod mesh;
 
 use std::f64::consts::TAU;
@@ -135,12 +136,31 @@ pub(crate) fn spots(count: u64, folder: &Path) -> Vec<(String, Scene)> {
     scenes.collect()
 }
 
+/// So many scenes of all kinds under suns and luminaires, beside those of [`scenes`].
+pub(crate) fn suns(count: u64, folder: &Path) -> Vec<(String, Scene)> {
+    // Seeds that no other scene has.
+    let seeds = (0..count).map(|seed| seed + (1 << 42));
+    let scenes = seeds.map(|seed| {
+        let (kind, composition) = kind(seed);
+        compose(
+            seed,
+            &format!("{kind} under suns and luminaires"),
+            composition,
+            Bulbs::SunsAndLuminaires,
+            folder,
+        )
+    });
+    scenes.collect()
+}
+
 /// What the lights of a scene are.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Bulbs {
     Points,
     /// Most of them.
     Spots,
+    /// Most of them, with some points.
+    SunsAndLuminaires,
 }
 
 /// Writes a kind of scene.
@@ -308,6 +328,19 @@ impl<'f> Draft<'f> {
         let position = self.place(position);
         // Bright enough for the distances of the compositions, at any scale.
         let strength = self.random.log_between(1.0, 100.0) * self.scale * self.scale;
+        if self.bulbs == Bulbs::SunsAndLuminaires {
+            match self.random.count(0, 4) {
+                0 => {}
+                1 => {
+                    self.sun(position);
+                    return;
+                }
+                _ => {
+                    self.luminaire(position, strength);
+                    return;
+                }
+            }
+        }
         let intensity = self.intensity(strength);
         let (kind, cone) = if self.bulbs == Bulbs::Spots && self.random.chance(0.8) {
             ("spot", self.cone(position))
@@ -317,6 +350,64 @@ impl<'f> Draft<'f> {
         let _ = write!(
             self.text,
             "[lights.l{}.{kind}]\nposition = {position:?}\nintensity = {intensity}\n{cone}\n",
+            self.lights
+        );
+        self.lights += 1;
+    }
+
+    /// A sun on the side of a position.
+    fn sun(&mut self, position: Vector) {
+        let direction = match self.random.count(0, 3) {
+            // Straight along an axis.
+            0 => self.random.choice(&[
+                [0.0, -1.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 0.0, -2.0],
+                [-1.0, -1.0, 0.0],
+            ]),
+            _ => along(self.origin, position, -1.0),
+        };
+        let lux = self.random.log_between(0.1, 10.0);
+        let illuminance = match self.random.count(0, 3) {
+            0 => format!("{lux:?}"),
+            1 => format!("[{lux:?}, {:?}, {:?}]", 0.9 * lux, 0.8 * lux),
+            _ if self.palette.has_spectra() => {
+                format!("{{ lux = {lux:?}, color = {{ daylight = 5600 }} }}")
+            }
+            _ => format!("{{ lux = {lux:?}, color = [1.0, 0.9, 0.8] }}"),
+        };
+        let _ = write!(
+            self.text,
+            "[lights.l{}.sun]\ndirection = {direction:?}\nilluminance = {illuminance}\n\n",
+            self.lights
+        );
+        self.lights += 1;
+    }
+
+    /// A luminaire that hangs in any way.
+    fn luminaire(&mut self, position: Vector, strength: f64) {
+        let file = format!("luminaire-{}-{}.ies", self.seed, self.lights);
+        let table = luminaires::luminaire(&mut self.random);
+        fs::write(self.folder.join(&file), table).unwrap();
+        let aim = match self.random.count(0, 3) {
+            0 => "direction = [0, -1, 0]".to_owned(),
+            1 => format!("direction = {:?}", self.random.direction()),
+            _ => {
+                let target = self.random.point(1.5);
+                format!("look_at = {:?}", self.place(target))
+            }
+        };
+        let up = match self.random.count(0, 2) {
+            0 => format!("up = {:?}\n", self.random.direction()),
+            _ => String::new(),
+        };
+        let size = match self.random.count(0, 2) {
+            0 => format!("scale = {:?}\n", strength / 100.0),
+            _ => format!("intensity = {}\n", self.intensity(strength)),
+        };
+        let _ = write!(
+            self.text,
+            "[lights.l{}.ies]\nposition = {position:?}\n{aim}\nfile = \"{file}\"\n{up}{size}\n",
             self.lights
         );
         self.lights += 1;
@@ -508,6 +599,34 @@ fn scenes_are_legal_and_cover_the_format() {
     let lights = |text: &String| text.matches("[lights.").count();
     assert!(texts.iter().any(|text| lights(text) == 0));
     assert!(texts.iter().any(|text| lights(text) == 8));
+}
+
+#[test]
+fn suns_and_luminaires_are_legal_and_cover_the_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let texts: Vec<String> = suns(40, folder.path())
+        .iter()
+        .map(|(name, scene)| {
+            if let Err(error) = candela::world::World::new(scene) {
+                panic!("{name}:\n{error}");
+            }
+            scene.source.text.clone()
+        })
+        .collect();
+    for part in [
+        ".sun]",
+        ".ies]",
+        ".point]",
+        "lux = ",
+        "\nup = ",
+        "\nscale = ",
+        "{ lumens = ",
+        "direction = [0, -1, 0]",
+        "transport = \"spectral\"",
+    ] {
+        let count = texts.iter().filter(|text| text.contains(part)).count();
+        assert!(count >= 3, "{part} is in {count} scenes");
+    }
 }
 
 #[test]

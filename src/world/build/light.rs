@@ -184,8 +184,10 @@ impl Builder<'_> {
     /// A factor of a light.
     fn scaled(&mut self, emission: Emission, written: Spanned<f64>) -> Emission {
         let largest = emission.rgb.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let legal = |scale: f64| scale >= 0.0 && scale * largest <= f64::from(f32::MAX);
-        let expected = "a factor from 0 that makes light of at most 3.4e38 in every channel";
+        let legal =
+            |scale: f64| (0.0..=1e30).contains(&scale) && scale * largest <= f64::from(f32::MAX);
+        let expected =
+            "a factor from 0 to 1e30 that makes light of at most 3.4e38 in every channel";
         let scale = self
             .number("scale", written, legal, expected)
             .unwrap_or(0.0);

@@ -6,7 +6,7 @@ use super::super::super::diagnostic::{Problem, Spanned};
 use super::super::super::{Aim, Falloff, Light, Value};
 use super::super::entries::{Section, Variant, Variants};
 use super::super::fields::Fields;
-use super::super::key::{AMOUNT, BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
+use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, LARGEST, Purpose, key};
 
 pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
     key: "lights",
@@ -201,13 +201,16 @@ const LUMINAIRE: Key = key!("file", "an IES file beside the scene", "\"downlight
     .about("An IES file (LM-63), relative to the scene's folder.")
     .also(&["ies", "filename", "path", "profile", "photometry"]);
 const OF_LUMINAIRE: Key = INTENSITY
-    .or("that of the file")
+    .optional()
     .about(
         "I into the brightest direction, instead of the file's: RGB in candela, a curve in W/(sr nm), or in a unit; a \
          flux, such as `lumens`, is what leaves the luminaire. Without it the light is white.",
     );
 const SCALE: Key = key!("scale", "a factor", "0.5")
-    .of(Kind::Number(AMOUNT))
+    .of(Kind::Number((
+        Bound::Included(0.0),
+        Bound::Included(LARGEST),
+    )))
     .or("1")
     .about("A factor of all the light: dimming.")
     .also(&["factor", "multiplier", "dim", "dimming", "gain"]);
