@@ -81,6 +81,12 @@ for name; do
     moving) width=480 frame=18 ;;
     *) width=480 ;;
     esac
+    # Scenes in the light of real places are exposed as with a camera.
+    case $name in
+    wall-washer) exposed="--iso 100 --shutter 1/4 --aperture 4 --view aces2" ;;
+    yard) exposed="--iso 100 --shutter 1/100 --aperture 16" ;;
+    *) exposed= ;;
+    esac
     awk -v width="$width" '
         /^resolution = / && match($0, /[0-9]+, [0-9]+/) {
             split(substr($0, RSTART, RLENGTH), size, ", ")
@@ -88,5 +94,6 @@ for name; do
         }
         { print }' "$scene" > "$small"
     "$candela" render "$small" --frame $frame -o "$work/$name.exr" --samples 64 --quiet
-    "$candela" tonemap "$work/$name.exr" -o "docs/pictures/$name.png" --alpha opaque
+    # shellcheck disable=SC2086 # The options are words.
+    "$candela" tonemap "$work/$name.exr" -o "docs/pictures/$name.png" --alpha opaque $exposed
 done

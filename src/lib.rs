@@ -1,17 +1,17 @@
 //! candela: a renderer for direct light.
 //!
-//! For every pixel it computes what a viewer receives from point lights and spots by way of one surface
+//! For every pixel it computes what a viewer receives from the lights of a scene by way of one surface
 //! (L9, with its parts L1 to L8 in [`oracle`]):
 //!
 //! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
 //!
-//! in candela, lux and cd/m², with the metre as the scene unit. The image is the same to the bit
+//! in candela, lux and cd/m², with the metre as the scene unit; of a sun E_s stands in the place of I_s/d_s². The image is the same to the bit
 //! for any number of threads.
 //!
 //! # The way of the data
 //!
 //! ```text
-//!  scene.toml, *.ply, *.obj, *.csv
+//!  scene.toml, *.ply, *.obj, *.ies, *.csv
 //!            │ Scene::load
 //!          scene ─────────────────── oracle      as written, every value with its place
 //!            │ World::new              │
@@ -57,11 +57,11 @@
 //!
 //! # Scope
 //!
-//! In: diffuse point lights and spots; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
+//! In: points, spots, luminaires by IES files, and suns as lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
 //! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
 //! spaces, or as spectra; sequences of what moves.
 //!
-//! Out: indirect light, mirrors and refraction, lights with a size or at infinity, textures, motion blur.
+//! Out: indirect light, mirrors and refraction, lights with a size, textures, motion blur.
 //!
 //! # Example
 //!
