@@ -24,13 +24,6 @@ impl Power {
         }
     }
 
-    pub(super) fn exponent(self) -> f64 {
-        match self {
-            Self::Whole(exponent) => f64::from(exponent),
-            Self::Any(exponent) => exponent,
-        }
-    }
-
     /// Of four cosines from 0 to 1 and their squared sines, each of which has its own digits.
     #[inline(always)]
     pub(super) fn of(self, cosines: [f64; 4], squared_sines: [f64; 4]) -> Fours {

@@ -200,6 +200,44 @@ fn emitters_shine_to_their_sides() {
 }
 
 #[test]
+fn an_outline_is_what_it_holds() {
+    let center = Point::new(0.0, 0.0, 1.0);
+    let halves = [v(0.0, 0.5, 0.0), v(0.5, 0.0, 0.0)];
+    let [n, w] = [v(0.1, 0.2, 1.0), v(0.3, 0.1, 1.0)].map(DVec3::normalize);
+    let disk = Conic::of_disk(DVec3::Z, -DVec3::Z, 0.5).unwrap();
+    for (emitter, [solid_angle, irradiance, lobe, cosine_lobe]) in [
+        (
+            Emitter::rectangle(center, halves, false),
+            [
+                polygon::solid_angle(&square()),
+                polygon::irradiance(&square(), n),
+                polygon::lobe(&square(), w, 20.0),
+                polygon::cosine_lobe(&square(), w, n, 20.0),
+            ],
+        ),
+        (
+            Emitter::disk(center, normal(-DVec3::Z), 0.5, false),
+            [
+                disk.solid_angle(),
+                disk.irradiance(n),
+                disk.lobe(w, 20.0),
+                disk.cosine_lobe(w, n, 20.0),
+            ],
+        ),
+    ] {
+        let origin = Point::new(0.0, 0.0, 0.0);
+        let outline = emitter.unwrap().seen_from(origin).unwrap();
+        is_near(outline.solid_angle(), solid_angle);
+        is_near(outline.irradiance(normal(n)), irradiance);
+        is_near(outline.lobe(direction(w), 20.0), lobe);
+        is_near(
+            outline.cosine_lobe(direction(w), normal(n), 20.0),
+            cosine_lobe,
+        );
+    }
+}
+
+#[test]
 fn what_has_no_area_is_no_emitter() {
     let center = Point::new(0.0, 0.0, 2.0);
     assert!(Emitter::rectangle(center, [DVec3::X, DVec3::X], false).is_none());
