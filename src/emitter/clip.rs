@@ -1,7 +1,7 @@
 //! Planar polygons as they are seen from a point, and cut by planes through it.
 //!
-//! Corners are vectors from the point, in any unit, of lengths from 1e-70 to 1e70 of it. What is integrated over a polygon
-//! does not depend on the sense in which they are written.
+//! Corners are vectors from the point, in any unit, of lengths from 1e-70 to 1e70 of it. What is integrated over a
+//! polygon does not depend on the sense in which they are written.
 
 use crate::math::DVec3;
 
@@ -39,9 +39,9 @@ impl Polygon {
         &self.corners[..self.count]
     }
 
-    /// What of it is where `inward · x ≥ 0`, cut by the plane through the point with this normal (Sutherland & Hodgman
-    /// 1974). Of one that is not convex, parts may be joined by edges there and back on the plane, over which integrals
-    /// cancel. `None` where that has more than [`MOST_CORNERS`].
+    /// What of it is where `inward · x ≥ 0`, cut by the plane through the point with this normal (Sutherland &
+    /// Hodgman 1974). Of one that is not convex, parts may be joined by edges there and back on the plane, over
+    /// which integrals cancel. `None` where that has more than [`MOST_CORNERS`].
     pub(crate) fn clipped(&self, inward: DVec3) -> Option<Self> {
         let mut clipped = Self::NOTHING;
         let mut is_full = false;

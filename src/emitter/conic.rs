@@ -1,8 +1,9 @@
-//! Disks and spheres as they are seen from a point: elliptic cones, and what planes through the point leave of them.
+//! Disks and spheres as they are seen from a point: elliptic cones, and what planes through the point leave of
+//! them.
 //!
-//! The outline of a disk or a sphere is g(t) = e₁ b cos t + e₂ d sin t + ê a, t from 0 to 2π, where ê is the axis of the
-//! cone and e₁, e₂ are the axes of the ellipse: |g|² = a² + b² cos² t + d² sin² t. A plane through the point cuts the
-//! ellipse along a chord.
+//! The outline of a disk or a sphere is g(t) = e₁ b cos t + e₂ d sin t + ê a, t from 0 to 2π, where ê is the axis
+//! of the cone and e₁, e₂ are the axes of the ellipse: |g|² = a² + b² cos² t + d² sin² t. A plane through the point
+//! cuts the ellipse along a chord.
 
 use super::gauss;
 use super::lambert::{half_arc, half_edge};
@@ -13,8 +14,8 @@ use crate::math::DVec3;
 /// So many planes may cut a cone: two horizons, the lobe's, and one of who asks.
 const MOST_PLANES: usize = 4;
 
-/// Two planes whose heights differ by less than so much of them are one: what is between them is below the last digits
-/// of any integral.
+/// Two planes whose heights differ by less than so much of them are one: what is between them is below the last
+/// digits of any integral.
 const SAME_PLANE: f64 = 1e-14;
 
 /// An elliptic cone from the origin, cut by planes through it.
@@ -78,9 +79,9 @@ impl Conic {
 
     /// A disk around a vector from the point, across `normal` of unit length. `None` from a point in its plane.
     ///
-    /// In the plane through the point, the center and the normal, the cone is between two rays g₁ and g₂ to the rim, and
-    /// its axis halves the angle 2β between them: b = sin β, a = cos β. The chord through where the axis meets the disk
-    /// gives d = R/√(|g₁| |g₂|).
+    /// In the plane through the point, the center and the normal, the cone is between two rays g₁ and g₂ to the
+    /// rim, and its axis halves the angle 2β between them: b = sin β, a = cos β. The chord through where the axis
+    /// meets the disk gives d = R/√(|g₁| |g₂|).
     pub(crate) fn of_disk(center: DVec3, normal: DVec3, radius: f64) -> Option<Self> {
         let along = center.dot(normal);
         let height = along.abs();
@@ -158,8 +159,9 @@ impl Conic {
         (self.frame[2], a / libm::hypot(b.max(d), a) - COSINE_ERROR)
     }
 
-    /// Φ(n) = ∫ max(0, n·u) dω in sr, from 0 to π, n of unit length: ½ ∮ n · (u × du), in closed form. Above the horizon it is
-    /// π (n·ê) b d/√((a² + b²)(a² + d²)). Off by 3e-15 at most where a plane cuts it, else by 1e-15 of the result.
+    /// Φ(n) = ∫ max(0, n·u) dω in sr, from 0 to π, n of unit length: ½ ∮ n · (u × du), in closed form. Above the
+    /// horizon it is π (n·ê) b d/√((a² + b²)(a² + d²)). Off by 3e-15 at most where a plane cuts it, else by 1e-15
+    /// of the result.
     pub(crate) fn irradiance(&self, normal: DVec3) -> f64 {
         let normal = self.local(normal);
         let mut total = 0.0;
@@ -177,8 +179,8 @@ impl Conic {
         self.lobe(self.frame[2], 0.0)
     }
 
-    /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), once the horizon has cut it; w of unit length, n from 0 to 1e9. It
-    /// is exact to 1e-11 of 2π/(n+1).
+    /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), once the horizon has cut it; w of unit length, n from 0
+    /// to 1e9. It is exact to 1e-11 of 2π/(n+1).
     pub(crate) fn lobe(&self, w: DVec3, exponent: f64) -> f64 {
         let w = self.local(w);
         let integrand = Integrand::lobe(w, exponent);
@@ -188,8 +190,8 @@ impl Conic {
         self.boundary(w, &integrand) / (exponent + 1.0)
     }
 
-    /// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), once v's horizon has cut it, as [`lobe`](Self::lobe). It is exact to
-    /// 1e-11 of 2π/(n+2).
+    /// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), once v's horizon has cut it, as [`lobe`](Self::lobe). It is
+    /// exact to 1e-11 of 2π/(n+2).
     pub(crate) fn cosine_lobe(&self, w: DVec3, v: DVec3, exponent: f64) -> f64 {
         let [w, v] = [w, v].map(|vector| self.local(vector));
         let integrand = Integrand::cosine_lobe(w, v, exponent);
@@ -216,8 +218,8 @@ impl Conic {
         total.max(0.0)
     }
 
-    /// ∫ f(x) dω over a whole cone that is so narrow that f and 1/|x|² hardly bend over it, x in the frame and of unit
-    /// length: four points along the radius, twelve around.
+    /// ∫ f(x) dω over a whole cone that is so narrow that f and 1/|x|² hardly bend over it, x in the frame and of
+    /// unit length: four points along the radius, twelve around.
     fn over_small(&self, f: impl Fn(DVec3) -> f64) -> f64 {
         const AROUND: u32 = 12;
         let [b, d, a] = self.radii;

@@ -1,5 +1,5 @@
-//! Points and weights of Gauss–Legendre quadrature on [−1, 1] (Abramowitz & Stegun 1964, 25.4.30): the points above 0,
-//! each beside its weight; the others are their mirror images.
+//! Points and weights of Gauss–Legendre quadrature on [−1, 1] (Abramowitz & Stegun 1964, 25.4.30): the points above
+//! 0, each beside its weight; the others are their mirror images.
 
 /// The upper half of the smallest rule with at least so many points, or of the largest.
 pub(super) fn half_rule(count: usize) -> &'static [[f64; 2]] {

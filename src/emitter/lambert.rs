@@ -3,8 +3,8 @@
 use super::clip::across;
 use crate::math::DVec3;
 
-/// ½ Θ n·m of the straight edge between two vectors, Θ its angle, m the unit normal of the plane through it and the point; 0
-/// where it has no length or passes through the point.
+/// ½ Θ n·m of the straight edge between two vectors, Θ its angle, m the unit normal of the plane through it and the
+/// point; 0 where it has no length or passes through the point.
 #[inline(always)]
 pub(super) fn half_edge(normal: DVec3, from: DVec3, to: DVec3) -> f64 {
     let cross = across(from, to);

@@ -1,5 +1,5 @@
-//! ∫ (w·u)ⁿ dω and ∫ (w·u)ⁿ (v·u) dω by what they are on the boundary (Stokes; Arvo 1995, "Applications of irradiance
-//! tensors to the simulation of non-Lambertian phenomena", for whole n; here for any).
+//! ∫ (w·u)ⁿ dω and ∫ (w·u)ⁿ (v·u) dω by what they are on the boundary (Stokes; Arvo 1995, "Applications of
+//! irradiance tensors to the simulation of non-Lambertian phenomena", for whole n; here for any).
 //!
 //! With c = w·u, φ the azimuth about w, so that dφ = w·(u × du)/(1 − c²):
 //!
@@ -8,8 +8,9 @@
 //! (n+2) ∫ cⁿ (v·u) dω = (w·v) ∮ (1 − cⁿ) dφ + ∮ cⁿ v·(u × du)
 //!
 //! Both are ∮ α S w·(u × du) + cᵏ v·(u × du), where S = (1 − cᵏ)/(1 − c²). S has no pole where c is 1: however
-//! close to w the boundary passes, it bends no more than cᵏ does, over 1/√k rad, and Gauss–Legendre's points need know
-//! nothing else. Where cᵏ is below [`NEGLIGIBLE`] what is left is α dφ, which is α times a difference of azimuths.
+//! close to w the boundary passes, it bends no more than cᵏ does, over 1/√k rad, and Gauss–Legendre's points need
+//! know nothing else. Where cᵏ is below [`NEGLIGIBLE`] what is left is α dφ, which is α times a difference of
+//! azimuths.
 
 use super::clip::{across, for_each_edge};
 use super::gauss;
@@ -44,8 +45,8 @@ const GRADED: usize = 12;
 /// Nothing is halved any more that is so short, in radians.
 const SHORTEST: f64 = 1e-15;
 
-/// Light that is seen over a smaller angle in radians is integrated over its area, where the lobe is wide besides: of
-/// the result, integrals along the boundary lose as many digits as that angle has zeros.
+/// Light that is seen over a smaller angle in radians is integrated over its area, where the lobe is wide besides:
+/// of the result, integrals along the boundary lose as many digits as that angle has zeros.
 const SMALL: f64 = 1e-3;
 
 /// How wide the lobe is then at least, by how many times the light's angle is 1/√k.
@@ -138,8 +139,8 @@ impl Integrand {
         }
     }
 
-    /// Of a polygon no edge of which is within the window, the integral over its boundary: α times its winding about w. `None`
-    /// where one may be.
+    /// Of a polygon no edge of which is within the window, the integral over its boundary: α times its winding
+    /// about w. `None` where one may be.
     pub(super) fn whole(&self, corners: &[DVec3]) -> Option<f64> {
         if self.window > 0.98 {
             return None;

@@ -1,8 +1,8 @@
 //! Luminaires with an area: the light that a point receives of them, in closed form where nothing stands between.
 //!
-//! An emitter sends the same radiance L_e in all directions from all of its surface. A point p sees it as a set Ω of
-//! directions u, its [`Outline`]. With V = 1, L9 is an integral over Ω, of which L_e and the reflectances are factors.
-//! What is left are three scalars in sr:
+//! An emitter sends the same radiance L_e in all directions from all of its surface. A point p sees it as a set Ω
+//! of directions u, its [`Outline`]. With V = 1, L9 is an integral over Ω, of which L_e and the reflectances are
+//! factors. What is left are three scalars in sr:
 //!
 //! | factor | integral | range |
 //! | --- | --- | --- |
@@ -10,17 +10,20 @@
 //! | lobe τⁿ(w) | ∫ max(0, w·u)ⁿ dω | 0 to 2π/(n+1) |
 //! | lobe with cosine | ∫ max(0, w·u)ⁿ (v·u) dω | 0 to 2π/(n+2) |
 //!
-//! By L6, ω_o·ω_r = w·u where w = 2 (n·ω_o) n − ω_o, so that, N the shininess and Ω cut by the horizon of the geometric
-//! normal:
+//! By L6, ω_o·ω_r = w·u where w = 2 (n·ω_o) n − ω_o, so that, N the shininess and Ω cut by the horizon of the
+//! geometric normal:
 //!
 //! - `phong`: L_o = L_e [k_d Φ(n) + k_s τᴺ(w)], as L7 has no cosine;
-//! - `normalized_phong`: L_o = L_e [ρ_d/π Φ(n) + ρ_s (N+2)/(2π) ∫ max(0, w·u)ᴺ (n·u) dω], Ω cut by the horizon of n too.
+//! - `normalized_phong`: L_o = L_e [ρ_d/π Φ(n) + ρ_s (N+2)/(2π) ∫ max(0, w·u)ᴺ (n·u) dω], Ω cut by the horizon of
+//!   n too.
 //!
-//! All are integrals along the boundary of Ω: great circles where it is straight, arcs of ellipses where it is a disk or a
-//! sphere. Planes through p leave outlines of the same kinds, the horizon as well as those through an occluder's edges.
+//! All are integrals along the boundary of Ω: great circles where it is straight, arcs of ellipses where it is a
+//! disk or a sphere. Planes through p leave outlines of the same kinds, the horizon as well as those through an
+//! occluder's edges.
 //!
-//! Lambert 1760, "Photometria". Baum, Rushmeier & Winget 1989, "Improving radiosity solutions through the use of analytically
-//! determined form-factors". Arvo 1995, "Applications of irradiance tensors to the simulation of non-Lambertian phenomena".
+//! Lambert 1760, "Photometria". Baum, Rushmeier & Winget 1989, "Improving radiosity solutions through the use of
+//! analytically determined form-factors". Arvo 1995, "Applications of irradiance tensors to the simulation of
+//! non-Lambertian phenomena".
 
 mod clip;
 mod conic;
@@ -67,8 +70,8 @@ enum Shape {
 }
 
 impl Emitter {
-    /// A rectangle with these vectors from its center to the middles of two of its sides, which are across each other; it
-    /// shines to the side of their cross product. `None` where it has no area or is not finite.
+    /// A rectangle with these vectors from its center to the middles of two of its sides, which are across each
+    /// other; it shines to the side of their cross product. `None` where it has no area or is not finite.
     pub(crate) fn rectangle(center: Point, halves: [DVec3; 2], is_two_sided: bool) -> Option<Self> {
         let [a, b] = halves;
         let normal = Normal::new(a.cross(b))?;

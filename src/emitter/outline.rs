@@ -25,8 +25,8 @@ pub(crate) struct Cone {
 }
 
 impl Outline {
-    /// What of it is above a plane through the point, which is where `inward · x ≥ 0`. `None` where too many planes have
-    /// cut it: four of a disk or sphere, some twenty of a rectangle.
+    /// What of it is above a plane through the point, which is where `inward · x ≥ 0`. `None` where too many planes
+    /// have cut it: four of a disk or sphere, some twenty of a rectangle.
     pub(crate) fn clipped(&self, inward: Normal) -> Option<Self> {
         match self {
             Self::Polygon(polygon) => polygon.clipped(inward.get()).map(Self::Polygon),
@@ -42,8 +42,8 @@ impl Outline {
         }
     }
 
-    /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), n from 0 to 1e9, w the mirrored direction to the viewer. The
-    /// horizon has to have cut it.
+    /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), n from 0 to 1e9, w the mirrored direction to the
+    /// viewer. The horizon has to have cut it.
     pub(crate) fn lobe(&self, w: Direction, shininess: f64) -> f64 {
         match self {
             Self::Polygon(polygon) => polygon::lobe(polygon.corners(), w.get(), shininess),
@@ -51,7 +51,8 @@ impl Outline {
         }
     }
 
-    /// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), as [`lobe`](Self::lobe). The horizon of v has to have cut it.
+    /// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), as [`lobe`](Self::lobe). The horizon of v has to have cut
+    /// it.
     pub(crate) fn cosine_lobe(&self, w: Direction, v: Normal, shininess: f64) -> f64 {
         let [w, v] = [w.get(), v.get()];
         match self {

@@ -8,18 +8,19 @@ use super::lambert::half_edge;
 use super::lobe::{Integrand, is_small, power};
 use crate::math::DVec3;
 
-/// Polygons whose angle in radians is below this are integrated over their area: what four points say of them is then
-/// exact to the last digits.
+/// Polygons whose angle in radians is below this are integrated over their area: what four points say of them is
+/// then exact to the last digits.
 const SMALL: f64 = 1e-2;
 
 /// More than the rounding of a cosine.
 pub(super) const COSINE_ERROR: f64 = 1e-15;
 
-/// Φ(n) = ∫ max(0, n·u) dω in sr, from 0 to π: the irradiance per unit of radiance (Lambert 1760; Baum, Rushmeier & Winget
-/// 1989): ½ Σ Θᵢ n·mᵢ over the edges of what is above the horizon, Θᵢ the angle of an edge, mᵢ the unit normal of the plane
-/// through it and the point. `normal` is of unit length.
+/// Φ(n) = ∫ max(0, n·u) dω in sr, from 0 to π: the irradiance per unit of radiance (Lambert 1760; Baum, Rushmeier &
+/// Winget 1989): ½ Σ Θᵢ n·mᵢ over the edges of what is above the horizon, Θᵢ the angle of an edge, mᵢ the unit
+/// normal of the plane through it and the point. `normal` is of unit length.
 ///
-/// Off by 3e-15 at most, and by 1e-13 of the result where the polygon is narrow and above the horizon. A point in the polygon's plane sees 0 of it from outside; from inside, and on an edge, what is on one of the two sides.
+/// Off by 3e-15 at most, and by 1e-13 of the result where the polygon is narrow and above the horizon. A point in
+/// the polygon's plane sees 0 of it from outside; from inside, and on an edge, what is on one of the two sides.
 pub(crate) fn irradiance(corners: &[DVec3], normal: DVec3) -> f64 {
     if reach(corners) < SMALL && corners.iter().all(|corner| normal.dot(*corner) >= 0.0) {
         return over_small(corners, |u| normal.dot(u));
@@ -31,8 +32,8 @@ pub(crate) fn irradiance(corners: &[DVec3], normal: DVec3) -> f64 {
     total.abs()
 }
 
-/// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), of a polygon that the horizon has cut already; w of unit length, n
-/// from 0 to 1e9. It is exact to 1e-11 of 2π/(n+1).
+/// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), of a polygon that the horizon has cut already; w of unit
+/// length, n from 0 to 1e9. It is exact to 1e-11 of 2π/(n+1).
 pub(crate) fn lobe(corners: &[DVec3], w: DVec3, exponent: f64) -> f64 {
     let integrand = Integrand::lobe(w, exponent);
     if is_small(reach(corners), &integrand) && corners.iter().all(|corner| w.dot(*corner) > 0.0) {
@@ -41,8 +42,8 @@ pub(crate) fn lobe(corners: &[DVec3], w: DVec3, exponent: f64) -> f64 {
     boundary(corners, w, &integrand) / (exponent + 1.0)
 }
 
-/// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), of a polygon that v's horizon has cut already, as [`lobe`]. It is exact to
-/// 1e-11 of 2π/(n+2).
+/// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), of a polygon that v's horizon has cut already, as [`lobe`]. It
+/// is exact to 1e-11 of 2π/(n+2).
 pub(crate) fn cosine_lobe(corners: &[DVec3], w: DVec3, v: DVec3, exponent: f64) -> f64 {
     let integrand = Integrand::cosine_lobe(w, v, exponent);
     if is_small(reach(corners), &integrand) && corners.iter().all(|corner| w.dot(*corner) > 0.0) {
@@ -88,8 +89,8 @@ pub(crate) fn bounding_cone(corners: &[DVec3]) -> (DVec3, f64) {
     (if is_towards { normal } else { -normal }, -COSINE_ERROR)
 }
 
-/// The solid angle of a polygon, in sr, from 0 to 2π: the sum of those of the triangles around a corner (van Oosterom &
-/// Strackee 1983). A point in its plane sees 0 of it, or, inside of it, 2π or 0 as it is rounded.
+/// The solid angle of a polygon, in sr, from 0 to 2π: the sum of those of the triangles around a corner (van
+/// Oosterom & Strackee 1983). A point in its plane sees 0 of it, or, inside of it, 2π or 0 as it is rounded.
 pub(crate) fn solid_angle(corners: &[DVec3]) -> f64 {
     let mut total = 0.0;
     for_each_triangle(corners, |[first, b, c]| {
@@ -114,8 +115,8 @@ fn for_each_triangle(corners: &[DVec3], mut take: impl FnMut([DVec3; 3])) {
     }
 }
 
-/// How far a polygon reaches from its first corner, over the distance of that: about its angle in radians where it is
-/// small.
+/// How far a polygon reaches from its first corner, over the distance of that: about its angle in radians where it
+/// is small.
 fn reach(corners: &[DVec3]) -> f64 {
     let [first, rest @ ..] = corners else {
         return 0.0;
@@ -128,8 +129,8 @@ fn reach(corners: &[DVec3]) -> f64 {
 }
 
 /// ∫ f(x) dω over a polygon that is so small that f and 1/|x|² hardly bend over it, x of unit length: products of
-/// Gauss–Legendre rules of four points over the triangles around a corner. Boundary integrals lose, of what is small,
-/// as many digits as its angle has zeros; this does not.
+/// Gauss–Legendre rules of four points over the triangles around a corner. Boundary integrals lose, of what is
+/// small, as many digits as its angle has zeros; this does not.
 fn over_small(corners: &[DVec3], f: impl Fn(DVec3) -> f64) -> f64 {
     let half = gauss::half_rule(4);
     let mut rule = [[0.0; 2]; 4];

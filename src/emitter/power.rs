@@ -42,8 +42,8 @@ impl Power {
     }
 }
 
-/// (1 − z^j)/(1 − z) is 1 + z + … + z^(j−1), of which double as many are the sum times 1 + z^j, and one more adds z^j:
-/// no digit cancels. With z = c², cᵏ is z^j or c z^j, and 1 − c z^j = (1 − z^j) + z^j (1 − c).
+/// (1 − z^j)/(1 − z) is 1 + z + … + z^(j−1), of which double as many are the sum times 1 + z^j, and one more adds
+/// z^j: no digit cancels. With z = c², cᵏ is z^j or c z^j, and 1 − c z^j = (1 − z^j) + z^j (1 − c).
 #[inline(always)]
 fn whole(exponent: u32, cosines: [f64; 4]) -> Fours {
     let squares = cosines.map(|c| c * c);

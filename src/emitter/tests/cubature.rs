@@ -1,5 +1,5 @@
-//! The integrals by brute force: over the area of a part of a plane, row by row, by adaptive Gauss–Kronrod quadrature with
-//! its own estimate of its error. Nothing of this is shared with what it tests.
+//! The integrals by brute force: over the area of a part of a plane, row by row, by adaptive Gauss–Kronrod
+//! quadrature with its own estimate of its error. Nothing of this is shared with what it tests.
 
 use crate::math::DVec3;
 

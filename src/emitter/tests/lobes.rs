@@ -33,9 +33,9 @@ fn sharp_lobes_beside_an_edge_are_what_brute_force_says() {
     }
 }
 
-/// Where a lobe is so narrow that it sees but one edge, the part of it beyond a great circle at the angle δ is
-/// ∫ (1 − cᵏ) dφ/k with tan φ = x: ½ − (1/π) ∫₀^∞ (1 + tan²δ (1 + x²))^(−k/2) dx/(1 + x²), here by the trapezoidal rule in
-/// x = sinh s, whose error falls off faster than any power.
+/// Where a lobe is so narrow that it sees but one edge, the part of it beyond a great circle at the angle δ is ∫ (1
+/// − cᵏ) dφ/k with tan φ = x: ½ − (1/π) ∫₀^∞ (1 + tan²δ (1 + x²))^(−k/2) dx/(1 + x²), here by the trapezoidal rule
+/// in x = sinh s, whose error falls off faster than any power.
 fn beyond(distance: f64, k: f64) -> f64 {
     let square = distance.tan().powi(2);
     let step = 1.0 / 64.0;
