@@ -180,7 +180,7 @@ impl Conic {
     }
 
     /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), once the horizon has cut it; w of unit length, n from 0
-    /// to 1e9. It is exact to 1e-11 of 2π/(n+1).
+    /// to 1e9. It is exact to 3e-12 of 2π/(n+1).
     pub(crate) fn lobe(&self, w: DVec3, exponent: f64) -> f64 {
         let w = self.local(w);
         let integrand = Integrand::lobe(w, exponent);
@@ -191,7 +191,7 @@ impl Conic {
     }
 
     /// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), once v's horizon has cut it, as [`lobe`](Self::lobe). It is
-    /// exact to 1e-11 of 2π/(n+2).
+    /// exact to 3e-12 of 2π/(n+2).
     pub(crate) fn cosine_lobe(&self, w: DVec3, v: DVec3, exponent: f64) -> f64 {
         let [w, v] = [w, v].map(|vector| self.local(vector));
         let integrand = Integrand::cosine_lobe(w, v, exponent);

@@ -33,7 +33,7 @@ pub(crate) fn irradiance(corners: &[DVec3], normal: DVec3) -> f64 {
 }
 
 /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), of a polygon that the horizon has cut already; w of unit
-/// length, n from 0 to 1e9. It is exact to 1e-11 of 2π/(n+1).
+/// length, n from 0 to 1e9. It is exact to 3e-12 of 2π/(n+1).
 pub(crate) fn lobe(corners: &[DVec3], w: DVec3, exponent: f64) -> f64 {
     let integrand = Integrand::lobe(w, exponent);
     if is_small(reach(corners), &integrand) && corners.iter().all(|corner| w.dot(*corner) > 0.0) {
@@ -43,7 +43,7 @@ pub(crate) fn lobe(corners: &[DVec3], w: DVec3, exponent: f64) -> f64 {
 }
 
 /// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), of a polygon that v's horizon has cut already, as [`lobe`]. It
-/// is exact to 1e-11 of 2π/(n+2).
+/// is exact to 3e-12 of 2π/(n+2).
 pub(crate) fn cosine_lobe(corners: &[DVec3], w: DVec3, v: DVec3, exponent: f64) -> f64 {
     let integrand = Integrand::cosine_lobe(w, v, exponent);
     if is_small(reach(corners), &integrand) && corners.iter().all(|corner| w.dot(*corner) > 0.0) {

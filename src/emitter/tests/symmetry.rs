@@ -18,7 +18,7 @@ fn all(corners: &[DVec3], n: DVec3, w: DVec3, exponent: f64) -> [f64; 4] {
 #[track_caller]
 fn is_same(a: [f64; 4], b: [f64; 4], what: &str) {
     for (a, b) in a.into_iter().zip(b) {
-        assert!((a - b).abs() < 2e-11, "{what}: {a} {b}");
+        assert!((a - b).abs() < 1.5e-12, "{what}: {a} {b}");
     }
 }
 
