@@ -34,6 +34,7 @@
 //! | --- | --- |
 //! | `units` | photometric quantities as types: candela, lux, cd/m² |
 //! | `math` | points, directions, normals and rays in f64 |
+//! | `emitter` | what a point receives of luminaires with an area, in closed form |
 //! | `simd` | sixteen numbers side by side, on any instruction set |
 //! | `color` | RGB spaces: primaries, luminance, conversion, differences, transfer functions |
 //! | [`output`] | files that appear whole or not at all |
@@ -125,6 +126,15 @@ mod color;
 #[doc(hidden)]
 pub mod compare;
 pub mod display;
+#[cfg_attr(
+    not(test),
+    expect(
+        dead_code,
+        unused_imports,
+        reason = "no scene has a light with an area yet"
+    )
+)]
+mod emitter;
 pub mod exr;
 #[doc(hidden)]
 pub mod ies;
