@@ -126,6 +126,8 @@ mod color;
 pub mod compare;
 pub mod display;
 pub mod exr;
+#[doc(hidden)]
+pub mod ies;
 pub mod image;
 #[doc(hidden)]
 pub mod image_file;

@@ -13,7 +13,7 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 26] = [
+const MAY_USE: [(&str, &[&str]); 27] = [
     ("units", &[]),
     ("math", &[]),
     ("simd", &["math"]),
@@ -25,6 +25,7 @@ const MAY_USE: [(&str, &[&str]); 26] = [
     ("spectrum", &["printable"]),
     ("input", &[]),
     ("mesh", &["input", "printable"]),
+    ("ies", &["input", "math", "printable"]),
     (
         "scene",
         &["color", "spectrum", "mesh", "input", "printable", "memory"],
