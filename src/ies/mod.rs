@@ -25,6 +25,8 @@ mod limits;
 mod numbers;
 mod photometry;
 mod remarks;
+#[cfg(test)]
+mod tests;
 mod tilt;
 
 use std::fmt::Display;
