@@ -138,7 +138,6 @@ mod emitter;
 pub mod exr;
 #[doc(hidden)]
 pub mod ies;
-mod illuminance;
 pub mod image;
 #[doc(hidden)]
 pub mod image_file;
@@ -182,9 +181,8 @@ pub use self::image::Film;
 pub use camera::{Camera, Projection};
 #[doc(hidden)]
 pub use color::Primaries;
-pub use illuminance::illuminance;
 pub use math::{DVec3, Direction, Point, Ray};
 pub use memory::OutOfMemory;
-pub use render::{Options, Renderer, render};
+pub use render::{Options, Renderer, illuminance, render};
 pub use scene::Scene;
 pub use world::World;

@@ -13,7 +13,7 @@ use source::{anchored, module_path, paths, sources, without_tests, words};
 /// The modules of the library in the order in which data flows, and whom each may use. The oracle
 /// shares nothing with the renderer but the scene as written and the published tables, so that no mistake
 /// can hide on both sides.
-const MAY_USE: [(&str, &[&str]); 27] = [
+const MAY_USE: [(&str, &[&str]); 28] = [
     ("units", &[]),
     ("math", &[]),
     ("emitter", &["math"]),
@@ -26,15 +26,25 @@ const MAY_USE: [(&str, &[&str]); 27] = [
     ("spectrum", &["printable"]),
     ("input", &[]),
     ("mesh", &["input", "printable"]),
+    ("ies", &["input", "math", "printable"]),
     (
         "scene",
-        &["color", "spectrum", "mesh", "input", "printable", "memory"],
+        &[
+            "color",
+            "spectrum",
+            "mesh",
+            "ies",
+            "input",
+            "printable",
+            "memory",
+        ],
     ),
     (
         "world",
         &[
             "scene",
             "mesh",
+            "ies",
             "units",
             "math",
             "camera",
@@ -113,7 +123,7 @@ const MAY_USE: [(&str, &[&str]); 27] = [
         ],
     ),
     ("bench", &["world", "visibility", "math", "simd"]),
-    ("oracle", &["scene", "mesh", "spectrum"]),
+    ("oracle", &["scene", "mesh", "ies", "spectrum"]),
 ];
 
 /// Arrows that are only to some items: who, to whom, to what there.

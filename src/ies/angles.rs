@@ -195,8 +195,8 @@ fn unwrapped(written: &[Number]) -> Result<Vec<Number>, Problem> {
     if let (Some((i, [before, after])), None) = (first, second)
         && before.value > 180.0
         && end.value <= start.value
-        // A gap that is no larger than half a turn tells that they belong together.
-        && after.value + 360.0 - before.value < 90.0
+        // What is a turn further on follows, as the next plane does.
+        && after.value + 360.0 - before.value <= 90.0
     {
         for angle in angles.iter_mut().skip(i + 1) {
             angle.value += 360.0;
@@ -259,8 +259,8 @@ fn around(
         return Ok((list, symmetry));
     }
     let gap = 360.0 - span;
-    let steps = list.angles.array_windows().map(|[a, b]| b - a);
-    let (first_step, last_step) = (steps.clone().next(), steps.last());
+    let mut steps = list.angles.array_windows().map(|[a, b]| b - a);
+    let (first_step, last_step) = (steps.clone().next(), steps.next_back());
     let fits = |step: Option<f64>| step.is_some_and(|step| is_near(step, gap));
     if !is_near(gap, 0.0) {
         // Two planes do not tell a step.

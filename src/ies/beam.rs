@@ -9,6 +9,8 @@ use crate::math::DVec3;
 pub struct Peak {
     /// In cd.
     pub candela: f64,
+    /// Those of the table.
+    pub angles: Angles,
     /// Of unit length, in the lamp's frame. The first in the file where there are several.
     pub direction: DVec3,
 }
@@ -48,6 +50,7 @@ impl Photometry {
         };
         Peak {
             candela: candela.max(0.0),
+            angles,
             direction: self.coordinates().direction(angles),
         }
     }

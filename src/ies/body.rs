@@ -1,9 +1,9 @@
 //! The numbers of a file: tilt, lamps, factors, angles, intensities.
 //!
 //! LM-63-02, section 4: lamps, lumens per lamp, multiplier, number of vertical and of horizontal angles, type
-//! of photometry, type of units, width, length, height; ballast factor, ballast-lamp factor (kept for future use since
-//! 1995, and 1), input watts; then the angles, and the intensities of one plane after the other. In LM-63-19 the
-//! second factor became the *file generation type*, which is no factor.
+//! of photometry, type of units, width, length, height; ballast factor, ballast-lamp factor (kept for
+//! future use since 1995, and 1), input watts; then the angles, and the intensities of one plane after the
+//! other. In LM-63-19 the second factor became the *file generation type*, which is no factor.
 
 use super::angles::{List, horizontal, vertical};
 use super::coordinates::Coordinates;
@@ -195,8 +195,7 @@ impl Body {
         };
         let list_v = vertical(&written_v, coordinates, &columns_same, &mut remarks)?;
         let (list_h, symmetry) = horizontal(&written_h, coordinates, &planes_same, &mut remarks)?;
-        let candela = table(values, height, width, &list_v, &list_h)?;
-        let mut candela = candela;
+        let mut candela = table(values, height, width, &list_v, &list_h)?;
         if coordinates == Coordinates::C && symmetry == Symmetry::None {
             close_seam(&mut candela, list_v.angles.len(), &mut remarks);
         }

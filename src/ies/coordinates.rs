@@ -2,26 +2,24 @@
 //!
 //! # The lamp's frame
 //!
-//! Right-handed, in the position in which the luminaire was measured as it hangs from a ceiling:
+//! Right-handed:
 //!
-//! - −Z is the *axis*: straight down. The scene's `look_at` lies there.
+//! - +Z is the *axis*: the way that the light goes, straight down from a ceiling. The scene's `look_at` lies there.
 //! - +X is *up*: horizontal angle 0 of type C. The scene's `up` lies there.
-//! - +Y is Z × X, to the left of one who looks along the axis with his head towards +X.
+//! - +Y is Z × X: horizontal angle 90 of type C. Angles go counter-clockwise for one who looks against the light.
 //!
 //! # The types
 //!
-//! LM-63-02, section 3, defines the angles by these: photometric zero is down and photometric horizontal is
-//! +X for types B and C; horizontal angles are counter-clockwise in the horizontal plane for type C and
-//! clockwise for types A and B (in plan, which is seen from above); planes share a vertical line in types A
-//! and C, and a horizontal one in type B. A lamp of type A looks at the horizon: its photometric horizontal
-//! (0, 0) is turned to the axis here, so that all three types have their (0, 0) on the axis but for type C, where
-//! it is V = 0 at any H, and all have V = 90° at H = 0 up.
+//! The types differ in what their planes share (LM-63-02, section 3): in type C the axis, in type B a horizontal line
+//! across it, in type A the line of up. Horizontal angles of types A and B go the other way around. A lamp of type A looks
+//! at the horizon: its (0, 0) is turned to the axis here, so that all three types have V = 0 at H = 0 on the axis, and
+//! V = 90° at H = 0 up.
 //!
 //! | type | direction of (V, H) | range |
 //! | --- | --- | --- |
-//! | C | sin V (cos H X + sin H Y) − cos V Z | V 0 to 180, H 0 to 360 |
-//! | B | cos H (sin V X − cos V Z) − sin H Y | V −180 to 180, H −90 to 90 |
-//! | A | sin V X − cos V (cos H Z + sin H Y) | V −90 to 90, H −180 to 180 |
+//! | C | sin V (cos H X + sin H Y) + cos V Z | V 0 to 180, H 0 to 360 |
+//! | B | cos H (sin V X + cos V Z) − sin H Y | V −180 to 180, H −90 to 90 |
+//! | A | sin V X + cos V (cos H Z − sin H Y) | V −90 to 90, H −180 to 180 |
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -64,8 +62,8 @@ pub(super) fn sincos(degrees: f64) -> (f64, f64) {
 }
 
 impl Coordinates {
-    /// The angles of a direction of any length but zero in the [lamp's frame](self); where one of them is any (at a pole), it
-    /// is 0 or 180. Range: as the table above says.
+    /// The angles of a direction of any length but zero in the [lamp's frame](self); where one of them is
+    /// any (at a pole), it is 0 or 180. Range: as the table of the page says.
     pub fn angles(self, direction: DVec3) -> Angles {
         let DVec3 { x, y, z } = direction;
         let angle = |y: f64, x: f64| libm::atan2(y, x) * DEGREES;
@@ -139,9 +137,9 @@ mod tests {
 
     #[test]
     fn where_the_axes_are() {
-        let down = DVec3::new(0.0, 0.0, -1.0);
+        let down = DVec3::Z;
         let up = DVec3::X;
-        let left = DVec3::Y;
+        let side = DVec3::Y;
         let at = |coordinates: Coordinates, vertical, horizontal| {
             coordinates.direction(Angles {
                 vertical,
@@ -153,11 +151,11 @@ mod tests {
             assert_eq!(at(coordinates, 0.0, 0.0), down);
             assert_eq!(at(coordinates, 90.0, 0.0), up);
         }
-        assert_eq!(at(C, 90.0, 90.0), left);
+        assert_eq!(at(C, 90.0, 90.0), side);
         assert_eq!(at(C, 180.0, 30.0), -down);
-        assert_eq!(at(B, 33.0, 90.0), -left);
+        assert_eq!(at(B, 33.0, 90.0), -side);
         assert_eq!(at(B, 180.0, 0.0), -down);
-        assert_eq!(at(A, 0.0, 90.0), -left);
+        assert_eq!(at(A, 0.0, 90.0), -side);
         assert_eq!(at(A, -90.0, 17.0), -up);
     }
 

@@ -1,9 +1,9 @@
 //! Luminous flux of a table of intensities.
 //!
-//! Two conventions. *Zonal lumens* (IES LM-41, LM-46; the figures of reports): each zone between two vertical angles has
-//! the mean of the intensities at its borders times its solid angle 2π(cos θ₁ − cos θ₂). *Lumens* are the exact integral of what is rendered, the table that is
-//! bilinear in its angles. They differ by what a chord differs from sin θ over a cell, some 0.03 % in usual
-//! tables.
+//! Two conventions. *Zonal lumens* (IES LM-46; the figures of reports): each zone between two vertical angles
+//! has the mean of the intensities at its borders times its solid angle 2π(cos θ₁ − cos θ₂). *Lumens* are the
+//! exact integral of what is rendered, the table that is bilinear in its angles. In public files they differ by
+//! 0.0001 % (steps of half a degree) to 0.6 % (steps of 5° about a narrow beam).
 
 use super::coordinates::Coordinates;
 use super::photometry::{Photometry, Symmetry};

@@ -78,20 +78,21 @@ fn line(bytes: &[u8], start: usize) -> (&[u8], usize) {
     (&rest[..length], start + end)
 }
 
-/// Without what is blank at both ends, NUL among it.
-fn trimmed(mut text: &[u8]) -> &[u8] {
-    let is_blank = |byte: &u8| byte.is_ascii_whitespace() || *byte == 0 || *byte == 0x1a;
-    while let [first, rest @ ..] = text
-        && is_blank(first)
-    {
-        text = rest;
-    }
-    while let [rest @ .., last] = text
-        && is_blank(last)
-    {
-        text = rest;
-    }
-    text
+/// Whether a byte is blank at the ends of a line: what programs leave at the end of a file is, too.
+fn is_blank(byte: u8) -> bool {
+    byte.is_ascii_whitespace() || matches!(byte, 0 | 0x1a)
+}
+
+/// Without what is blank at its start.
+fn trimmed_start(text: &[u8]) -> &[u8] {
+    let start = text.iter().position(|&byte| !is_blank(byte));
+    &text[start.unwrap_or(text.len())..]
+}
+
+/// Without what is blank at both ends.
+fn trimmed(text: &[u8]) -> &[u8] {
+    let end = text.iter().rposition(|&byte| !is_blank(byte));
+    trimmed_start(&text[..end.map_or(0, |last| last + 1)])
 }
 
 /// UTF-8, or Latin-1, of which each byte is the character of its number.
@@ -156,9 +157,8 @@ pub(super) fn read<'a>(
     while position < bytes.len() {
         let (whole, next) = line(bytes, position);
         let text = trimmed(whole);
-        // No slice of `bytes` starts before it.
         let offset = position + whole.len() - trimmed_start(whole).len();
-        if let Some((tilt, end)) = tilt_line(bytes, text, offset, next, remarks) {
+        if let Some((tilt, end)) = tilt_line(text, offset, next, remarks) {
             // What names itself an edition that has these lines is no file of 1986.
             if edition.is_some_and(|edition| edition > Edition::Lm63_1986) {
                 remarks.plain_lines = plain_lines;
@@ -189,12 +189,6 @@ pub(super) fn read<'a>(
     let expected = "a line `TILT=NONE` before the numbers; this is how every IES file has it";
     let fault = Fault::FileEnds { expected };
     Err(Problem::new(bytes.len(), fault))
-}
-
-fn trimmed_start(text: &[u8]) -> &[u8] {
-    let blank = |byte: &u8| byte.is_ascii_whitespace() || *byte == 0 || *byte == 0x1a;
-    let start = text.iter().position(|byte| !blank(byte));
-    &text[start.unwrap_or(text.len())..]
 }
 
 /// The name and the rest of a line `[NAME] rest`.
@@ -228,7 +222,6 @@ fn add(
 
 /// What a line `TILT=` says, and where what follows it starts.
 fn tilt_line<'a>(
-    bytes: &'a [u8],
     line: &'a [u8],
     offset: usize,
     next: usize,
@@ -239,12 +232,12 @@ fn tilt_line<'a>(
         return None;
     }
     let value = trimmed_start(rest).strip_prefix(b"=")?;
-    let start = offset + line.len() - trimmed_start(value).len();
-    let length = trimmed_start(value)
-        .iter()
-        .position(|byte| byte.is_ascii_whitespace() || *byte == b',');
-    let word = &trimmed_start(value)[..length.unwrap_or(trimmed_start(value).len())];
-    remarks.loose_tilt = !line.starts_with(b"TILT=") || value.len() > trimmed_start(value).len();
+    let name = trimmed_start(value);
+    let start = offset + line.len() - name.len();
+    let ends = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
+    let length = name.iter().position(ends).unwrap_or(name.len());
+    let word = &name[..length];
+    remarks.loose_tilt = !line.starts_with(b"TILT=") || value.len() > name.len();
     let is = |expected: &[u8]| word.eq_ignore_ascii_case(expected);
     if word.is_empty() {
         remarks.loose_tilt = true;
@@ -260,8 +253,6 @@ fn tilt_line<'a>(
         // Numbers may follow on the same line.
         return Some((tilt, start + word.len()));
     }
-    let name = trimmed(value);
-    let name = &bytes[start..start + name.len()];
     Some((TiltLine::File(name, start), next))
 }
 

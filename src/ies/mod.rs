@@ -1,14 +1,15 @@
 //! Luminaire files as they are on disk, IES LM-63: bytes to a table to photometry.
 //!
-//! A file tells the luminous intensity of a luminaire in cd over vertical and horizontal angles. All editions of the
-//! standard are read (1986, 1991, 1995, 2002, 2019), all types (C, B, A) and symmetries, relative and
-//! absolute photometry. What is written is intensity × multiplier × ballast factor × ballast-lamp factor; the last is none
-//! in LM-63-2019. The [coordinates] page says which direction a pair of angles is.
+//! A file tells the luminous intensity of a luminaire in cd over vertical and horizontal angles. All
+//! editions of the standard are read (1986, 1991, 1995, 2002, 2019), all types (C, B, A) and symmetries,
+//! relative and absolute photometry. An intensity is what is written × multiplier × ballast factor ×
+//! ballast-lamp factor × tilt factor at 0°; the last but one is none in LM-63-2019. The [coordinates] page says
+//! which direction a pair of angles is.
 //!
-//! Many files are not as the standard has it. What they mean is read where it is clear, and each repair is counted in
-//! [`IesRemarks`]; what is not clear is an [`IesError`] with its line and column, what was expected and the way
-//! out. There is no panic on any input, and no memory is allocated on the word of a count in the file: reading takes linear
-//! time, and at most forty times the size of the file, which is limited to 16 MB.
+//! Many files are not as the standard has it. What they mean is read where it is clear, and each repair is
+//! counted in [`IesRemarks`]; what is not clear is an [`IesError`] with its line and column, what was expected
+//! and the way out. There is no panic on any input, and no memory is allocated on the word of a count in the
+//! file: reading takes linear time, and at most fifty times the size of the file, which is limited to 16 MB.
 //!
 //! Rules are those of ANSI/IESNA LM-63-02, "Standard File Format for the Electronic Transfer of Photometric Data
 //! and Related Information", and of its successor LM-63-19.
@@ -233,7 +234,13 @@ fn read_tilt<E: Display>(
             return Err(IesError::TiltFile { line, name, why });
         }
     };
-    let start = begin(&bytes, &mut IesRemarks::default())?;
+    let start = match begin(&bytes, &mut IesRemarks::default()) {
+        Ok(start) => start,
+        Err(error) => {
+            let why = error.to_string();
+            return Err(IesError::TiltFile { line, name, why });
+        }
+    };
     let mut numbers = Numbers::new(&bytes, start, Commas::Delimit);
     TiltFactors::read(&mut numbers, remarks).map_err(|problem| problem.in_file(&bytes, Some(&name)))
 }

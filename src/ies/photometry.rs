@@ -119,7 +119,7 @@ impl Photometry {
         self
     }
 
-    /// The intensity towards a direction of any length but zero, given in the lamp's frame: −Z is the axis, +X
+    /// The intensity towards a direction of any length but zero, given in the lamp's frame: +Z is the axis, +X
     /// up. 0 outside of the table.
     pub fn intensity(&self, direction: DVec3) -> f64 {
         self.at(self.coordinates.angles(direction))
@@ -188,9 +188,9 @@ impl Photometry {
         }
     }
 
-    /// The largest intensity over ranges of vertical and horizontal angles, up to rounding: it is at a corner of the
-    /// ranges' part of a cell of the table. Horizontal angles are those of the whole table, with all symmetries; those of type C may go
-    /// from −360 to 720.
+    /// The largest intensity over ranges of vertical and horizontal angles, up to rounding: it is at a corner
+    /// of the ranges' part of a cell of the table. Horizontal angles are those of the whole table, with all
+    /// symmetries; those of type C may go from −360 to 720.
     pub fn largest_in(
         &self,
         vertical: RangeInclusive<f64>,

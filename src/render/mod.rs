@@ -20,6 +20,7 @@ mod counts;
 mod cryptomatte;
 mod exr_sink;
 mod film_sink;
+mod illuminance;
 mod job;
 mod layer_sums;
 mod layers;
@@ -43,6 +44,7 @@ pub use counts::Counts;
 pub use counts::SCREEN_WHITE;
 #[doc(hidden)]
 pub use exr_sink::memory;
+pub use illuminance::illuminance;
 pub use job::Job;
 pub use layers::{Layers, MatteRanks, Relight};
 pub use options::{Options, OptionsError};
