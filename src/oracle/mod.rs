@@ -43,6 +43,7 @@ mod colorimetry;
 mod components;
 mod explanation;
 mod hit;
+mod lamp;
 mod lighting;
 mod luminaire;
 mod occlusion;
@@ -62,7 +63,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::mesh::MeshGroup;
-use crate::scene::{Light, Object, Scene};
+use crate::scene::{Object, Scene};
 
 use camera::{Camera, Ray};
 use components::Components;
@@ -70,11 +71,10 @@ pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome}
 #[doc(hidden)]
 pub use explanation::{LuminaireTerms, SpotTerms, TransportUsed};
 use hit::{Hit, starts_inwards};
+use lamp::{BEYOND_ALL, Lamp, Place};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
-use luminaire::Luminaire;
 use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
 pub use pixel::{PixelMean, PixelQuadrature};
-use spot::Cone;
 use surface::{Shape, Surface};
 use value::Palette;
 use vector::{
@@ -109,30 +109,6 @@ struct NamedObject {
     /// Shared by all objects that have it.
     material: Arc<Material>,
 }
-
-#[derive(Clone, Debug)]
-struct Lamp {
-    name: String,
-    place: Place,
-    /// I in candela, or in W·sr⁻¹·nm⁻¹; of a spot on its axis. Of a sun E in lux, or in W·m⁻²·nm⁻¹.
-    intensity: Components,
-    /// What a spot shines into; `None` is all directions.
-    cone: Option<Cone>,
-    /// What a luminaire sends where.
-    luminaire: Option<Luminaire>,
-}
-
-/// Where light comes from.
-#[derive(Clone, Copy, Debug)]
-enum Place {
-    /// p_L
-    At(WideVector),
-    /// The unit vector to a sun.
-    Toward(WideVector),
-}
-
-/// How far along the way to a sun something is looked for that stands between, in m: beyond all coordinates of a scene.
-const BEYOND_ALL: f64 = 1e33;
 
 /// The value of a point of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -558,78 +534,6 @@ impl NamedObject {
             .iter()
             .find(|group| group.triangles.contains(&triangle))
             .map(|group| group.name.clone())
-    }
-}
-
-impl Lamp {
-    fn new(name: &str, light: &Light, palette: &Palette, reference: Vector) -> Self {
-        match light {
-            Light::Point {
-                position,
-                intensity,
-                group: _,
-            } => Self {
-                name: name.to_owned(),
-                place: Place::At(subtract(widened(position.value), widened(reference))),
-                intensity: palette.light(&intensity.value),
-                cone: None,
-                luminaire: None,
-            },
-            Light::Spot {
-                position,
-                aim,
-                intensity,
-                inner,
-                outer,
-                falloff,
-                group: _,
-            } => {
-                let angles = [inner.value, outer.value];
-                let cone = Cone::new(position.value, aim, angles, *falloff);
-                Self {
-                    name: name.to_owned(),
-                    place: Place::At(subtract(widened(position.value), widened(reference))),
-                    intensity: palette.light_into(&intensity.value, cone.flux()),
-                    cone: Some(cone),
-                    luminaire: None,
-                }
-            }
-            Light::Ies {
-                position,
-                aim,
-                up,
-                file: _,
-                luminaire,
-                intensity,
-                scale,
-                group: _,
-            } => {
-                let up = up.map(|up| up.value);
-                let luminaire = Luminaire::new(position.value, aim, up, luminaire);
-                Self {
-                    name: name.to_owned(),
-                    place: Place::At(subtract(widened(position.value), widened(reference))),
-                    intensity: palette
-                        .light_into(&intensity.value, luminaire.flux())
-                        .scaled(scale.value),
-                    cone: None,
-                    luminaire: Some(luminaire),
-                }
-            }
-            Light::Sun {
-                direction,
-                illuminance,
-                group: _,
-            } => Self {
-                name: name.to_owned(),
-                place: Place::Toward(
-                    unit(widened(direction.value.map(|part| -part))).unwrap_or_default(),
-                ),
-                intensity: palette.light(&illuminance.value),
-                cone: None,
-                luminaire: None,
-            },
-        }
     }
 }
 

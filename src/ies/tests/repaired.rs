@@ -7,6 +7,10 @@ const GOOD: &str = "IESNA:LM-63-2002\n[TEST] 1\nTILT=NONE\n1 1000 1 3 5 1 2 0.1 
     0 90 180 270 360\n100 80 10.5\n100 70 5\n100 60 0\n100 50 4\n100 80 10.5\n";
 
 /// Another form of the good file has the same intensities and these remarks alone.
+#[expect(
+    clippy::needless_pass_by_value,
+    reason = "remarks are written where they are expected"
+)]
 fn same(text: &[u8], expected: IesRemarks) {
     let good = parse_clean(GOOD);
     let file = IesFile::parse(text);
