@@ -57,9 +57,9 @@
 //!
 //! # Scope
 //!
-//! In: points, spots, luminaires by IES files, and suns as lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
-//! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
-//! spaces, or as spectra; sequences of what moves.
+//! In: points, spots, luminaires by IES files, and suns as lights; spheres, planes, triangles and meshes (PLY,
+//! OBJ); Phong's reflectance, to the letter and normalized; perspective and orthographic cameras; light as RGB in
+//! four working spaces, or as spectra; sequences of what moves.
 //!
 //! Out: indirect light, mirrors and refraction, lights with a size, textures, motion blur.
 //!
