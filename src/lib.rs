@@ -5,8 +5,8 @@
 //!
 //! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
 //!
-//! in candela, lux and cd/m², with the metre as the scene unit; of a sun E_s stands in the place of I_s/d_s². The image is the same to the bit
-//! for any number of threads.
+//! in candela, lux and cd/m², with the metre as the scene unit; a sun has E_s in the place of I_s/d_s². The image is the
+//! same to the bit for any number of threads.
 //!
 //! # The way of the data
 //!
@@ -58,9 +58,9 @@
 //!
 //! # Scope
 //!
-//! In: points, spots, luminaires by IES files, and suns as lights; spheres, planes, triangles and meshes (PLY, OBJ); Phong's reflectance,
-//! to the letter and normalized; perspective and orthographic cameras; light as RGB in four working
-//! spaces, or as spectra; sequences of what moves.
+//! In: points, spots, luminaires by IES files, and suns as lights; spheres, planes, triangles and meshes (PLY,
+//! OBJ); Phong's reflectance, to the letter and normalized; perspective and orthographic cameras; light as RGB in
+//! four working spaces, or as spectra; sequences of what moves.
 //!
 //! Out: indirect light, mirrors and refraction, lights with a size, textures, motion blur.
 //!
