@@ -99,7 +99,7 @@ fn a_floor_is_lit_as_the_oracle_says() {
 #[test]
 fn a_plane_in_the_air() {
     let scene = parse(
-        "[camera.perspective]\neye = [0, 1, 4]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+        "[image]\nresolution = [8, 8]\n[camera.perspective]\neye = [0, 1, 4]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
          [materials.m.phong]\ndiffuse = 0.5\n\
          [objects.far.sphere]\nmaterial = \"m\"\ncenter = [50, 0, 0]\nradius = 1\n\
          [lights.lamp.point]\nposition = [1, 3, 2]\nintensity = 80\n\

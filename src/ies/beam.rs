@@ -101,7 +101,7 @@ impl Photometry {
             coordinates @ (Coordinates::A | Coordinates::B) => {
                 let (sin, cos) = sincos(from_axis);
                 let (sin_around, cos_around) = sincos(plane);
-                coordinates.angles(DVec3::new(sin * cos_around, sin * sin_around, -cos))
+                coordinates.angles(DVec3::new(sin * cos_around, sin * sin_around, cos))
             }
         }
     }

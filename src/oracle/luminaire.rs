@@ -91,11 +91,11 @@ impl Luminaire {
         let first = columns[0];
         let is_c = self.file.photometry.coordinates() == Coordinates::C;
         let turn = horizontal.rem_euclid(360.0);
-        let half = turn.min(360.0 - turn);
+        let from_first = turn.min(360.0 - turn);
         let horizontal = match (self.file.photometry.symmetry(), is_c) {
             (Symmetry::Axial, _) => first,
-            (Symmetry::Quadrants, _) => half.min(180.0 - half),
-            (Symmetry::Mirrored, true) => half,
+            (Symmetry::Quadrants, _) => from_first.min(180.0 - from_first),
+            (Symmetry::Mirrored, true) => from_first,
             (Symmetry::Mirrored, false) => horizontal.abs(),
             (Symmetry::MirroredAcross, _) if turn < 90.0 => 180.0 - turn,
             (Symmetry::MirroredAcross, _) if turn > 270.0 => 540.0 - turn,

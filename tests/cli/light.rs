@@ -40,7 +40,7 @@ fn an_ies_file_in_numbers_and_as_a_diagram() {
 #[test]
 fn a_working_plane_in_lux() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = "[camera.perspective]\neye = [0, 1, 4]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+    let scene = "[image]\nresolution = [8, 8]\n[camera.perspective]\neye = [0, 1, 4]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
                  [materials.m.phong]\ndiffuse = 0.5\n\
                  [lights.lamp.point]\nposition = [0, 2, 0]\nintensity = 100\n\
                  [objects.floor.plane]\nmaterial = \"m\"\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\n";

@@ -355,64 +355,6 @@ impl<'f> Draft<'f> {
         self.lights += 1;
     }
 
-    /// A sun on the side of a position.
-    fn sun(&mut self, position: Vector) {
-        let direction = match self.random.count(0, 3) {
-            // Straight along an axis.
-            0 => self.random.choice(&[
-                [0.0, -1.0, 0.0],
-                [1.0, 0.0, 0.0],
-                [0.0, 0.0, -2.0],
-                [-1.0, -1.0, 0.0],
-            ]),
-            _ => along(self.origin, position, -1.0),
-        };
-        let lux = self.random.log_between(0.1, 10.0);
-        let illuminance = match self.random.count(0, 3) {
-            0 => format!("{lux:?}"),
-            1 => format!("[{lux:?}, {:?}, {:?}]", 0.9 * lux, 0.8 * lux),
-            _ if self.palette.has_spectra() => {
-                format!("{{ lux = {lux:?}, color = {{ daylight = 5600 }} }}")
-            }
-            _ => format!("{{ lux = {lux:?}, color = [1.0, 0.9, 0.8] }}"),
-        };
-        let _ = write!(
-            self.text,
-            "[lights.l{}.sun]\ndirection = {direction:?}\nilluminance = {illuminance}\n\n",
-            self.lights
-        );
-        self.lights += 1;
-    }
-
-    /// A luminaire that hangs in any way.
-    fn luminaire(&mut self, position: Vector, strength: f64) {
-        let file = format!("luminaire-{}-{}.ies", self.seed, self.lights);
-        let table = luminaires::luminaire(&mut self.random);
-        fs::write(self.folder.join(&file), table).unwrap();
-        let aim = match self.random.count(0, 3) {
-            0 => "direction = [0, -1, 0]".to_owned(),
-            1 => format!("direction = {:?}", self.random.direction()),
-            _ => {
-                let target = self.random.point(1.5);
-                format!("look_at = {:?}", self.place(target))
-            }
-        };
-        let up = match self.random.count(0, 2) {
-            0 => format!("up = {:?}\n", self.random.direction()),
-            _ => String::new(),
-        };
-        let size = match self.random.count(0, 2) {
-            0 => format!("scale = {:?}\n", strength / 100.0),
-            _ => format!("intensity = {}\n", self.intensity(strength)),
-        };
-        let _ = write!(
-            self.text,
-            "[lights.l{}.ies]\nposition = {position:?}\n{aim}\nfile = \"{file}\"\n{up}{size}\n",
-            self.lights
-        );
-        self.lights += 1;
-    }
-
     /// Where a spot points, mostly to about the middle, and its angles.
     fn cone(&mut self, position: Vector) -> String {
         let target = self.random.point(1.5);

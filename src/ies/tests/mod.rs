@@ -119,7 +119,7 @@ fn a_file_is_read() {
     assert_near(photometry.value(1, 0).unwrap(), 80.0 * factor, 1e-15);
     assert_eq!(photometry.value(3, 0), None);
     assert_eq!(photometry.value(0, 1), None);
-    let down = DVec3::new(0.0, 0.0, -2.0);
+    let down = DVec3::new(0.0, 0.0, 2.0);
     assert_near(photometry.intensity(down), 100.0 * factor, 1e-15);
     assert_eq!(photometry.intensity(-down), 0.0);
     let halved = photometry.clone().scaled(0.5);

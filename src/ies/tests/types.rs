@@ -75,7 +75,7 @@ fn what_is_behind_is_dark() {
         let text = Text::new(kind, &vertical, &horizontal).of(|_, _| 1.0);
         let photometry = parse_clean(&text).photometry;
         for direction in directions() {
-            let expected = f64::from(direction.z < 0.0);
+            let expected = f64::from(direction.z > 0.0);
             assert_eq!(photometry.intensity(direction), expected, "{direction}");
         }
     }
