@@ -2,10 +2,10 @@
 //!
 //! Questions come in batches with what their rays share ([`RayBatch`], [`SegmentBatch`]): a point, as the primary
 //! rays of a perspective camera and the shadow rays to a point light do; a direction; or nothing. Batches
-//! that share something are answered as a whole (`coherent`): by a projection from the shared point, which
-//! decides in f32 what is certain, and for the few rays that are left in packets of sixteen, in f64. All others
-//! go down the same trees ray by ray (`incoherent`), to the same bits. Each kind of shape is searched on its own,
-//! through a list or a tree as the [`Plan`] says.
+//! that share something are answered as a whole (`coherent`): by a projection from the shared point or along the
+//! shared direction, which decides in f32 what is certain, and for the few rays that are left in packets of
+//! sixteen, in f64; those to a sun ray by ray. All others go down the same trees ray by ray (`incoherent`), to
+//! the same bits. Each kind of shape is searched on its own, through a list or a tree as the [`Plan`] says.
 //!
 //! Every number of a point is computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays

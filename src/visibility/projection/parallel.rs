@@ -33,8 +33,8 @@ const COORDINATE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// How far the reciprocal depth of an end is off, over its size: one rounding to f32, 2⁻²⁴, and as much again.
 const END_ERROR: f32 = 1.0 / (1 << 23) as f32;
 
-/// The same over the distance of the end, in units: an offset and its scalar product, four roundings of ε/2 = 2⁻⁵³
-/// of up to three times that, and what f32 takes from an end at depth 0, nothing; less than as much again for room.
+/// How far it is off besides, over how far ends are from the origin, in units: an offset and its scalar product in
+/// f64, six roundings of ε/2 = 2⁻⁵³ of up to twice that distance, and more than as much again for room.
 const END_NOISE: f32 = 1.0 / (1_u64 << 48) as f32;
 
 impl BatchProjection {
