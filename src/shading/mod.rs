@@ -175,6 +175,7 @@ impl Shaded {
                 if asked > 0 {
                     let segments = SegmentBatch::ToPoint {
                         end: origin,
+                        to_light: light.value.direction(),
                         number,
                         points,
                         facing: &above,

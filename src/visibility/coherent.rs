@@ -1,5 +1,8 @@
 //! L2 and L4 for rays that share a point or a direction, and segments to one point: by a projection, which decides
-//! in f32 what is certain, and for the few that are left in packets of sixteen, in f64.
+//! in f32 what is certain, and for the few that are left in packets of sixteen, in f64; for those to a sun see
+//! [`sun`].
+
+mod sun;
 
 use fearless_simd::Simd;
 

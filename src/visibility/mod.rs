@@ -2,10 +2,10 @@
 //!
 //! Questions come in batches with what their rays share ([`RayBatch`], [`SegmentBatch`]): a point, as the primary
 //! rays of a perspective camera and the shadow rays to a point light do; a direction; or nothing. Batches
-//! that share something are answered as a whole (`coherent`): by a projection from the shared point, which
-//! decides in f32 what is certain, and for the few rays that are left in packets of sixteen, in f64. All others
-//! go down the same trees ray by ray (`incoherent`), to the same bits. Each kind of shape is searched on its own,
-//! through a list or a tree as the [`Plan`] says.
+//! that share something are answered as a whole (`coherent`): by a projection from the shared point or along the
+//! shared direction, which decides in f32 what is certain, and for the few rays that are left in packets of
+//! sixteen, in f64; those to a sun ray by ray. All others go down the same trees ray by ray (`incoherent`), to
+//! the same bits. Each kind of shape is searched on its own, through a list or a tree as the [`Plan`] says.
 //!
 //! Every number of a point is computed in f64. The tree's boxes are f32 and conservative, and ties are
 //! settled by the order of the scene file: the picture depends neither on the tree, nor on which rays
@@ -57,7 +57,7 @@ pub(crate) use shaft::{Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace};
 pub(crate) use work::MetLeaves;
 pub use work::{RayWork, Work};
 
-use crate::math::{DVec3, Point};
+use crate::math::{DVec3, Direction, Point};
 use crate::memory::{self, OutOfMemory};
 use crate::simd::DVec3x16;
 use crate::world::{Plan, World};
@@ -109,6 +109,9 @@ pub(crate) enum SegmentBatch<'s> {
     /// [above](Points::facing) of it.
     ToPoint {
         end: Point,
+        /// Of a light that is infinitely far away the way to it; `end` is then so far along it that segments are
+        /// parallel to the last digit.
+        to_light: Option<Direction>,
         /// Which it is among the points of all lights.
         number: usize,
         points: &'s Points,
@@ -270,12 +273,16 @@ impl<'w> Visibility<'w> {
         match segments {
             SegmentBatch::ToPoint {
                 end,
+                to_light,
                 number,
                 points,
                 facing,
             } => {
                 space.projection.origin_number = number + 1;
-                self.free_to_point(simd, end, points, facing, space)
+                match to_light {
+                    Some(to_light) => self.free_to_sun(simd, end, to_light, points, facing, space),
+                    None => self.free_to_point(simd, end, points, facing, space),
+                }
             }
             SegmentBatch::Any(segments) => self.free_incoherent(simd, segments, space),
         }

@@ -321,11 +321,12 @@ impl Kernel for Compare<'_> {
                 all.extend(bits(seen).as_flattened());
             }
             for light in self.world.lights() {
-                let light = light.value.position();
+                let (light, to_light) = (light.value.position(), light.value.direction());
                 let facing = seen.facing(simd, self.world, light).above;
                 let [lit, expected] = [0, 1].map(|way: usize| {
                     let segments = SegmentBatch::ToPoint {
                         end: light,
+                        to_light,
                         number: 0,
                         points: &points[way],
                         facing: &facing,

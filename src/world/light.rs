@@ -135,6 +135,15 @@ impl Light {
         }
     }
 
+    /// Of parallel rays, against their way.
+    #[inline]
+    pub fn direction(&self) -> Option<Direction> {
+        match self {
+            Self::Point(_) | Self::Spot(_) => None,
+            Self::Sun(light) => Some(light.to_light),
+        }
+    }
+
     /// Whether its rays are parallel.
     #[inline]
     pub const fn is_sun(&self) -> bool {

@@ -149,10 +149,40 @@ pub(in crate::visibility) enum Shared {
 /// Where parallel rays start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::visibility) struct Start {
-    /// At which depth along w, from the origin.
+    /// At which depth along w, from the origin. The light of a sun comes from infinitely far away; its depths
+    /// count from the origin.
     pub(in crate::visibility) depth: f64,
-    /// Between which reciprocal depths, all rounding included.
+    /// Between which reciprocal depths, all rounding included; both infinite for a sun.
     pub(in crate::visibility) reciprocal_depth: [f32; 2],
+    /// At least how far along w the starts of a camera's rays, or the ends of a sun's, are from the origin.
+    pub(in crate::visibility) distance: f64,
+}
+
+impl Start {
+    /// The light of a sun, whose segments end no further than `distance` from the origin along w.
+    const fn endless(distance: f64) -> Self {
+        Self {
+            depth: 0.0,
+            reciprocal_depth: [f32::INFINITY; 2],
+            distance,
+        }
+    }
+
+    /// Whether it is infinitely far away.
+    fn is_endless(self) -> bool {
+        let [ahead, _] = self.reciprocal_depth;
+        ahead == f32::INFINITY
+    }
+
+    /// What is less deep than this along w is behind it.
+    #[inline]
+    pub(in crate::visibility) fn nearest(self) -> f64 {
+        if self.is_endless() {
+            f64::NEG_INFINITY
+        } else {
+            self.depth
+        }
+    }
 }
 
 /// How much is known of a projection.

@@ -92,6 +92,8 @@ impl BeamPlane {
 pub(in crate::visibility) struct Beam {
     sides: [Side; 4],
     start: Side,
+    /// How far along `start` boxes have to reach, to be ahead of where the rays start.
+    behind: f32,
     /// From the world to the tree's frame.
     center: DVec3,
     scale: f64,
@@ -111,6 +113,7 @@ impl Beam {
         let origin = (origin - tree.center) * tree.scale;
         let (distance, error) = (origin.length(), error * tree.scale);
         let side = |normal: DVec3| Side::new(normal, normal.dot(origin), distance, error);
+        let start = side(w);
         Self {
             sides: [
                 side(u - w * left),
@@ -118,27 +121,32 @@ impl Beam {
                 side(v - w * bottom),
                 side(w * top - v),
             ],
-            start: side(w),
+            start,
+            behind: start.offset,
             center: tree.center,
             scale: tree.scale,
         }
     }
 
-    /// Rays along w that start `start` beyond `origin` and, along u and v, in a rectangle beside it.
+    /// Rays along w that start `start` beyond `origin` and, along u and v, in a rectangle beside it; none starts
+    /// or ends further from there than `distance` along w. What is `error` beside them counts as met.
     #[inline(always)]
     pub(in crate::visibility) fn along(
         tree: &Tree,
         origin: DVec3,
         [u, v, w]: [DVec3; 3],
         [left, right, bottom, top]: [f64; 4],
-        start: f64,
+        [start, distance]: [f64; 2],
+        error: f64,
     ) -> Self {
         let origin = origin - tree.center;
-        let distance = origin.length() + start.abs() + (right - left) + (top - bottom);
+        let distance = origin.length() + distance + (right - left) + (top - bottom);
+        let (distance, error) = (distance * tree.scale, error * tree.scale);
         let side = |normal: DVec3, offset: f64| {
             let offset = normal.dot(origin) + offset;
-            Side::new(normal, offset * tree.scale, distance * tree.scale, 0.0)
+            Side::new(normal, offset * tree.scale, distance, error)
         };
+        let start = side(w, start);
         Self {
             sides: [
                 side(u, left),
@@ -146,9 +154,19 @@ impl Beam {
                 side(v, bottom),
                 side(-v, -top),
             ],
-            start: side(w, start),
+            start,
+            behind: start.offset,
             center: tree.center,
             scale: tree.scale,
+        }
+    }
+
+    /// The same rays, which come from infinitely far away; depths count from where they did.
+    #[inline]
+    pub(in crate::visibility) fn without_start(self) -> Self {
+        Self {
+            behind: f32::NEG_INFINITY,
+            ..self
         }
     }
 
@@ -188,9 +206,11 @@ impl Beam {
             let (distance, error) = (distance * tree.scale, error * tree.scale);
             Side::new(normal, least * tree.scale, distance, error)
         };
+        let start = side(w);
         let beam = Self {
             sides: [side(u), side(-u), side(v), side(-v)],
-            start: side(w),
+            start,
+            behind: start.offset,
             center: tree.center,
             scale: tree.scale,
         };
@@ -203,6 +223,7 @@ impl Beam {
         Self {
             sides: [side; 4],
             start: side,
+            behind: side.offset,
             center: tree.center,
             scale: tree.scale,
         }
@@ -231,7 +252,7 @@ impl Beam {
             & right.reach(simd, node, 1).simd_ge(right.offset)
             & bottom.reach(simd, node, 1).simd_ge(bottom.offset)
             & top.reach(simd, node, 1).simd_ge(top.offset)
-            & self.start.reach(simd, node, 1).simd_ge(self.start.offset)
+            & self.start.reach(simd, node, 1).simd_ge(self.behind)
             & begins.simd_le(limit);
         let bits = meets.to_bitmask() as u32 & node.present;
         let mut at = [0.0; WIDTH];

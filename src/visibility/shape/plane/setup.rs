@@ -82,9 +82,11 @@ fn rasterize_parallel<S: Simd>(
     );
     let [extent_x, extent_y] = projection.extent;
     let magnitude = x.abs() * extent_x + y.abs() * extent_y + z.abs();
-    // What f64 may be off on the way from the start to the plane.
-    let distance = to_point.length() + start.depth.abs() * over_unit + 2.0;
-    let noise = distance * over_slope.abs() * f64::from(NOISE);
+    // What f64 may be off on the way from the start to the plane. What hides an end is further from it than that is
+    // off, which is more than its rounding.
+    let distance = to_point.length() + start.distance * over_unit + 2.0;
+    let of_ends = 2.0 * projection.error * over_unit;
+    let noise = (distance * f64::from(NOISE) + of_ends) * over_slope.abs();
     let error = magnitude * f64::from(POLYNOMIAL_ERROR) + noise;
     let is_told = over_slope.abs() * NEGLIGIBLE < 1.0 && magnitude + error < RECIPROCAL_DEPTH_LIMIT;
     let reciprocal_depth = Affine([z as f32, x as f32, y as f32]);

@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::{ProjectedConics, ROOT_ERROR, SQUARES_FIT, SphereLanes};
+use super::{ProjectedConics, ROOT_ERROR, SMALLEST_RADIUS, SQUARES_FIT, SphereLanes};
 use crate::simd::{DVec3x16, F32x16, F64x16, Mask32x16};
 use crate::visibility::projection::{BatchProjection, NEGLIGIBLE, NOISE, POLYNOMIAL_ERROR, Start};
 
@@ -35,9 +35,14 @@ impl ProjectedConics {
         bits: u32,
     ) {
         let (center, radius) = spheres.before(projection);
-        let from_start = start.depth / projection.unit;
+        let over_unit = 1.0 / projection.unit;
+        let error = projection.error * over_unit;
+        let is_tiny = radius
+            .le(F64x16::splat(simd, error * SMALLEST_RADIUS))
+            .to_bits();
+        let from_start = start.nearest() * over_unit;
         // At least how far away from the starts the center is, and how far all of it is off in f32.
-        let distance = center.taxicab() + (from_start.abs() + 2.0);
+        let distance = center.taxicab() + (start.distance * over_unit + 2.0);
         let room = (distance + radius) * f64::from(POLYNOMIAL_ERROR);
         let [left, right, bottom, top] = projection.rectangle();
         let farthest = -f64::from(projection.farthest);
@@ -49,11 +54,11 @@ impl ProjectedConics {
             | (y - top).gt(beyond)
             | (z - farthest).gt(beyond)
             | (-z + from_start).gt(beyond);
-        self.of_interest = bits & !beside.to_bits();
+        self.of_interest = bits & (is_tiny | !beside.to_bits());
         if self.of_interest == 0 {
             return;
         }
-        let fits = (distance + radius).is_within(simd, SQUARES_FIT).to_bits();
+        let fits = (distance + radius).is_within(simd, SQUARES_FIT).to_bits() & !is_tiny;
         self.set_up_flattened_boxes(simd, projection, start, center, radius, distance, fits);
         let square = radius * radius;
         let [xx, yy] = [x * x, y * y];
@@ -90,7 +95,12 @@ impl ProjectedConics {
         error.store(&mut self.error.0);
         let is_told = radius.gt(distance * NEGLIGIBLE);
         self.untold = !(is_told.to_bits() & fits);
-        self.hides_own = self.untold;
+        // The light of a sun comes from outside: it never reaches points that are seen from within.
+        self.hides_own = if projection.has_points_within {
+            u32::MAX
+        } else {
+            self.untold
+        };
     }
 
     /// The squares around circles, and how close spheres reach; anywhere without a bit.

@@ -9,7 +9,7 @@ use super::{
 use crate::math::{all_three, both};
 use crate::simd::{F32x16, Mask32x16};
 use crate::visibility::projection::{
-    BatchProjection, NOISE, POLYNOMIAL_ERROR, RECIPROCAL_DEPTH_LIMIT, Start,
+    BatchProjection, NEGLIGIBLE, NOISE, POLYNOMIAL_ERROR, RECIPROCAL_DEPTH_LIMIT, Start,
 };
 
 /// The units of projections, in sizes of leaf blocks, that are far from the ends of f32.
@@ -30,7 +30,7 @@ impl LeafFrame {
         // The terms of an edge function: what a sample adds, and where x and y of a corner are of these sizes.
         let samples = ((extent_x + extent_y) * frame.reciprocal_depth) as f32;
         let (middle_terms, one_terms) = (x + y, 2.0);
-        let from_start = (start.depth.abs() + 2.0 * projection.unit) * leaf.over_size;
+        let from_start = (start.distance + 2.0 * projection.unit) * leaf.over_size;
         Self {
             distance: frame.distance + from_start as f32,
             edge_error: [
@@ -158,8 +158,9 @@ impl TriangleSetups {
             flatness * splat(OF_NORMAL),
             of_corner.times_plus(scale, of_terms * splat(OF_TERMS)),
         );
-        // f64 finds the depth from the offset to a corner and the same normal, and samples are no better.
-        let noise = frame.distance * NOISE;
+        // f64 finds the depth from the offset to a corner and the same normal, and samples are no better. What
+        // hides an end is further from it than that is off, which is more than its rounding.
+        let noise = frame.distance * NOISE + frame.error * NEGLIGIBLE as f32;
         let error = rounding.times_plus(
             splat(F32_ROUNDING),
             flatness * splat(2.0 * noise * over_unit),
