@@ -139,7 +139,7 @@ impl Light {
     #[inline]
     pub fn direction(&self) -> Option<Direction> {
         match self {
-            Self::Point(_) | Self::Spot(_) => None,
+            Self::Point(_) | Self::Spot(_) | Self::Ies(_) => None,
             Self::Sun(light) => Some(light.to_light),
         }
     }
