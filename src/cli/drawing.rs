@@ -65,6 +65,20 @@ pub(super) enum Item {
     },
 }
 
+impl Item {
+    /// A line of text that runs to the right.
+    pub(super) fn text(at: Xy, text: &str, size: f64, color: Color, anchor: Anchor) -> Self {
+        Self::Text {
+            at,
+            text: text.to_owned(),
+            size,
+            color,
+            anchor,
+            is_upright: false,
+        }
+    }
+}
+
 /// The shape of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {

@@ -8,6 +8,7 @@ use candela::internal::{printable, printable_path};
 use candela::output::{self, Unfinished};
 
 use super::drawing::{Anchor, Color, Drawing, Item, Xy, raster, svg, width};
+use super::numbers::number;
 use super::{Failure, refuse_same_files};
 
 /// Show what an IES file says: flux, peak, beam and field angle, and its polar diagram
@@ -135,9 +136,9 @@ fn write_text(file: &IesFile, path: &Path, output: &mut impl Write) -> Result<()
         "peak",
         format!(
             "{} cd at V {}°, H {}°",
-            six(peak.candela),
-            six(at.vertical),
-            six(at.horizontal)
+            number(peak.candela),
+            number(at.vertical),
+            number(at.horizontal)
         ),
     )?;
     row(
@@ -152,12 +153,12 @@ fn write_text(file: &IesFile, path: &Path, output: &mut impl Write) -> Result<()
         format!("{} (a tenth)", in_planes(photometry.field_angle())),
     )?;
     let zonal = photometry.zonal_lumens();
-    row("flux", format!("{} lm, zonal sum", six(zonal)))?;
+    row("flux", format!("{} lm, zonal sum", number(zonal)))?;
     row(
         "",
         format!(
             "{} lm, of the bilinear table, which is what is rendered",
-            six(photometry.lumens())
+            number(photometry.lumens())
         ),
     )?;
     match file.rated_lumens() {
@@ -165,8 +166,8 @@ fn write_text(file: &IesFile, path: &Path, output: &mut impl Write) -> Result<()
             "lamps",
             format!(
                 "{} lm as the file states; {} % of that leave the luminaire",
-                six(rated),
-                six(zonal / rated * 100.0)
+                number(rated),
+                number(zonal / rated * 100.0)
             ),
         )?,
         Some(_) => {}
@@ -178,7 +179,11 @@ fn write_text(file: &IesFile, path: &Path, output: &mut impl Write) -> Result<()
     if file.watts > 0.0 {
         row(
             "power",
-            format!("{} W, {} lm/W", six(file.watts), six(zonal / file.watts)),
+            format!(
+                "{} W, {} lm/W",
+                number(file.watts),
+                number(zonal / file.watts)
+            ),
         )?;
     }
     for remark in file.remarks.list() {
@@ -190,18 +195,13 @@ fn write_text(file: &IesFile, path: &Path, output: &mut impl Write) -> Result<()
 /// The angles of two planes, C0 and C90.
 pub(super) fn in_planes(widths: Widths) -> String {
     let of =
-        |width: Option<f64>| width.map_or_else(|| "none".to_owned(), |w| format!("{}°", six(w)));
+        |width: Option<f64>| width.map_or_else(|| "none".to_owned(), |w| format!("{}°", number(w)));
     let (along, across) = (of(widths.plane_0), of(widths.plane_90));
     if along == across {
         along
     } else {
         format!("{along} × {across}")
     }
-}
-
-/// Six digits of a number.
-fn six(number: f64) -> f64 {
-    format!("{number:.5e}").parse().unwrap_or(number)
 }
 
 const INK: Color = [30, 30, 34];
@@ -236,8 +236,8 @@ fn polar(file: &IesFile, title: &str) -> Drawing {
         ]
     };
     let mut items = vec![
-        text([28.0, 36.0], title, 16.0, INK, Anchor::Start),
-        text(
+        Item::text([28.0, 36.0], title, 16.0, INK, Anchor::Start),
+        Item::text(
             [28.0, 56.0],
             "Luminous intensity in cd",
             12.0,
@@ -250,8 +250,14 @@ fn polar(file: &IesFile, title: &str) -> Drawing {
         let points = (0..=180).map(|i| place(f64::from(i) * 2.0, part)).collect();
         items.push(line(points, GRID, 1.0, false));
         let [x, y] = place(180.0, part);
-        let label = format!("{}", six(f64::from(ring) * step));
-        items.push(text([x + 4.0, y - 3.0], &label, 11.0, GRAY, Anchor::Start));
+        let label = number(f64::from(ring) * step);
+        items.push(Item::text(
+            [x + 4.0, y - 3.0],
+            &label,
+            11.0,
+            GRAY,
+            Anchor::Start,
+        ));
     }
     for angle in (-150..=180).step_by(30) {
         let angle = f64::from(angle);
@@ -259,7 +265,7 @@ fn polar(file: &IesFile, title: &str) -> Drawing {
         let [x, y] = place(angle, 1.07);
         if angle != 180.0 {
             let label = format!("{}°", angle.abs());
-            items.push(text([x, y + 4.0], &label, 11.0, GRAY, Anchor::Middle));
+            items.push(Item::text([x, y + 4.0], &label, 11.0, GRAY, Anchor::Middle));
         }
     }
     for (plane, color, is_dashed) in [(90.0, PLANE_90, true), (0.0, PLANE_0, false)] {
@@ -280,10 +286,16 @@ fn polar(file: &IesFile, title: &str) -> Drawing {
             2.0,
             is_dashed,
         ));
-        items.push(text([x + 32.0, y], name, 12.0, INK, Anchor::Start));
+        items.push(Item::text([x + 32.0, y], name, 12.0, INK, Anchor::Start));
     }
-    let flux = format!("{} lm", six(photometry.zonal_lumens()));
-    items.push(text([SIZE[0] - 28.0, y], &flux, 12.0, INK, Anchor::End));
+    let flux = format!("{} lm", number(photometry.zonal_lumens()));
+    items.push(Item::text(
+        [SIZE[0] - 28.0, y],
+        &flux,
+        12.0,
+        INK,
+        Anchor::End,
+    ));
     Drawing { size: SIZE, items }
 }
 
@@ -317,17 +329,6 @@ fn line(points: Vec<Xy>, color: Color, width: f64, is_dashed: bool) -> Item {
         color,
         width,
         is_dashed,
-    }
-}
-
-fn text(at: Xy, text: &str, size: f64, color: Color, anchor: Anchor) -> Item {
-    Item::Text {
-        at,
-        text: text.to_owned(),
-        size,
-        color,
-        anchor,
-        is_upright: false,
     }
 }
 

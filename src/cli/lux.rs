@@ -9,6 +9,7 @@ use candela::internal::{counted, printable_path};
 use candela::output::{self, Unfinished};
 use candela::world::Loaded;
 
+use super::numbers::number;
 use super::source::{FrameArguments, SceneArguments};
 use super::{Failure, refuse_same_files};
 
@@ -173,7 +174,6 @@ fn summary(
     let least = lux.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = lux.iter().copied().fold(0.0, f64::max);
     let mean = lux.iter().sum::<f64>() / lux.len() as f64;
-    let six = |number: f64| -> f64 { format!("{number:.5e}").parse().unwrap_or(number) };
     let over = |a: f64, b: f64| {
         if b > 0.0 {
             format!("{:.3}", a / b)
@@ -187,9 +187,9 @@ fn summary(
         "illuminance    {points}, {} × {}; direct component only",
         grid.columns, grid.rows
     )?;
-    writeln!(output, "minimum        {} lx", six(least))?;
-    writeln!(output, "mean           {} lx", six(mean))?;
-    writeln!(output, "maximum        {} lx", six(largest))?;
+    writeln!(output, "minimum        {} lx", number(least))?;
+    writeln!(output, "mean           {} lx", number(mean))?;
+    writeln!(output, "maximum        {} lx", number(largest))?;
     writeln!(
         output,
         "uniformity U0  {} (minimum over mean, EN 12464-1)",

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::vector::{Vector, dot};
+use super::vector::{Vector, cross, dot, scale, subtract, unit};
 use crate::ies::{Coordinates, IesFile, Symmetry};
 use crate::scene::Aim;
 
@@ -41,23 +41,19 @@ impl Luminaire {
     ) -> Self {
         let axis = match aim {
             Aim::Direction(direction) => direction.value,
-            Aim::LookAt(point) => [0, 1, 2].map(|i| point.value[i] - position[i]),
+            Aim::LookAt(point) => subtract(point.value, position),
         };
-        let axis = normalized(axis);
+        let axis = unit(axis).expect("a legal luminaire points somewhere");
         // An `up` of nobody is y, or −z along that.
         let up = up.unwrap_or(if axis[0].hypot(axis[2]) > 1e-6 {
             [0.0, 1.0, 0.0]
         } else {
             [0.0, 0.0, -1.0]
         });
-        let up = normalized(up);
-        let along = dot(up, axis);
-        let up = normalized([0, 1, 2].map(|i| up[i] - along * axis[i]));
-        let side = [
-            axis[1] * up[2] - axis[2] * up[1],
-            axis[2] * up[0] - axis[0] * up[2],
-            axis[0] * up[1] - axis[1] * up[0],
-        ];
+        let up = unit(up).expect("a legal `up` is a direction");
+        let across = subtract(up, scale(axis, dot(up, axis)));
+        let up = unit(across).expect("a legal `up` is across");
+        let side = cross(axis, up);
         let (vertical, horizontal) = file.photometry.angles();
         let mut peak = 0.0_f64;
         for h in 0..horizontal.len() {
@@ -176,12 +172,4 @@ impl Luminaire {
         }
         sum * images / self.peak
     }
-}
-
-/// Of unit length.
-fn normalized(vector: Vector) -> Vector {
-    let largest = vector.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    let vector = vector.map(|part| part / largest);
-    let length = dot(vector, vector).sqrt();
-    vector.map(|part| part / length)
 }

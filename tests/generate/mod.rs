@@ -543,19 +543,24 @@ fn scenes_are_legal_and_cover_the_format() {
     assert!(texts.iter().any(|text| lights(text) == 8));
 }
 
+/// All scenes are legal, and each of these parts is in three of them or more.
+fn are_legal_with(scenes: &[(String, Scene)], parts: &[&str]) {
+    for (name, scene) in scenes {
+        if let Err(error) = candela::world::World::new(scene) {
+            panic!("{name}:\n{error}");
+        }
+    }
+    for part in parts {
+        let has = |(_, scene): &&(String, Scene)| scene.source.text.contains(part);
+        let count = scenes.iter().filter(has).count();
+        assert!(count >= 3, "{part} is in {count} scenes");
+    }
+}
+
 #[test]
 fn suns_and_luminaires_are_legal_and_cover_the_format() {
     let folder = tempfile::tempdir().unwrap();
-    let texts: Vec<String> = suns(40, folder.path())
-        .iter()
-        .map(|(name, scene)| {
-            if let Err(error) = candela::world::World::new(scene) {
-                panic!("{name}:\n{error}");
-            }
-            scene.source.text.clone()
-        })
-        .collect();
-    for part in [
+    let parts = [
         ".sun]",
         ".ies]",
         ".point]",
@@ -565,25 +570,14 @@ fn suns_and_luminaires_are_legal_and_cover_the_format() {
         "{ lumens = ",
         "direction = [0, -1, 0]",
         "transport = \"spectral\"",
-    ] {
-        let count = texts.iter().filter(|text| text.contains(part)).count();
-        assert!(count >= 3, "{part} is in {count} scenes");
-    }
+    ];
+    are_legal_with(&suns(40, folder.path()), &parts);
 }
 
 #[test]
 fn spots_are_legal_and_cover_the_format() {
     let folder = tempfile::tempdir().unwrap();
-    let texts: Vec<String> = spots(40, folder.path())
-        .iter()
-        .map(|(name, scene)| {
-            if let Err(error) = candela::world::World::new(scene) {
-                panic!("{name}:\n{error}");
-            }
-            scene.source.text.clone()
-        })
-        .collect();
-    for part in [
+    let parts = [
         ".spot]",
         ".point]",
         "\nlook_at = ",
@@ -595,8 +589,6 @@ fn spots_are_legal_and_cover_the_format() {
         "falloff = \"linear_angle\"",
         "{ lumens = ",
         "transport = \"spectral\"",
-    ] {
-        let count = texts.iter().filter(|text| text.contains(part)).count();
-        assert!(count >= 3, "{part} is in {count} scenes");
-    }
+    ];
+    are_legal_with(&spots(40, folder.path()), &parts);
 }

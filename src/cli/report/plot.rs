@@ -48,7 +48,7 @@ pub(super) fn plot(report: &Report) -> Drawing {
     let mut items = heading(report);
     let curves = curves(&report.rows);
     let Some(axes) = Axes::new(&curves, report) else {
-        items.push(text(
+        items.push(Item::text(
             [ORIGIN[0] + AXES[0] / 2.0, ORIGIN[1] - AXES[1] / 2.0],
             "no error is above 0: there is nothing to plot",
             14.0,
@@ -91,20 +91,9 @@ fn heading(report: &Report) -> Vec<Item> {
     let below =
         format!("{width} × {height} pixels, {threads}; render time alone, median of the runs");
     vec![
-        text([ORIGIN[0], 34.0], &title, 18.0, INK, Anchor::Start),
-        text([ORIGIN[0], 56.0], &below, 12.0, GRAY, Anchor::Start),
+        Item::text([ORIGIN[0], 34.0], &title, 18.0, INK, Anchor::Start),
+        Item::text([ORIGIN[0], 56.0], &below, 12.0, GRAY, Anchor::Start),
     ]
-}
-
-fn text(at: Xy, text: &str, size: f64, color: Color, anchor: Anchor) -> Item {
-    Item::Text {
-        at,
-        text: text.to_owned(),
-        size,
-        color,
-        anchor,
-        is_upright: false,
-    }
 }
 
 /// What both axes show.
@@ -206,16 +195,22 @@ impl Axes {
         }
         for tick in times.iter().filter(|tick| tick.is_named()) {
             let at = [self.x(tick.value), bottom + 18.0];
-            items.push(text(at, &digits(tick.value), 12.0, INK, Anchor::Middle));
+            items.push(Item::text(
+                at,
+                &digits(tick.value),
+                12.0,
+                INK,
+                Anchor::Middle,
+            ));
         }
         for tick in errors.iter().filter(|tick| tick.is_named()) {
             let at = [left - 8.0, self.y(tick.value) + 4.0];
-            items.push(text(at, &digits(tick.value), 12.0, INK, Anchor::End));
+            items.push(Item::text(at, &digits(tick.value), 12.0, INK, Anchor::End));
         }
         items.push(line([[left, bottom], [right, bottom]], INK, 1.2));
         items.push(line([[left, bottom], [left, top]], INK, 1.2));
         let middle = [left + AXES[0] / 2.0, bottom - AXES[1] / 2.0];
-        items.push(text(
+        items.push(Item::text(
             [middle[0], bottom + 44.0],
             "render time (s)",
             13.0,
@@ -247,7 +242,7 @@ impl Axes {
         });
         let at = [ORIGIN[0] + 8.0, y - 5.0];
         let said = format!("the reference's own error, about {} %", digits(lowest));
-        items.push(text(at, &said, 11.0, GRAY, Anchor::Start));
+        items.push(Item::text(at, &said, 11.0, GRAY, Anchor::Start));
     }
 }
 
@@ -351,7 +346,7 @@ fn labels(axes: &Axes, curves: &[Curve<'_>], styles: &[Style], items: &mut Vec<I
             });
             if let Some((at, around)) = free {
                 taken.push(around);
-                items.push(text(at, &row.label, FONT, style.color, Anchor::Start));
+                items.push(Item::text(at, &row.label, FONT, style.color, Anchor::Start));
             }
         }
     }
@@ -393,7 +388,13 @@ fn legend(report: &Report, curves: &[Curve<'_>], styles: &[Style], items: &mut V
             curve.series.to_owned()
         };
         let at = [left + 36.0, y];
-        items.push(text(at, &fitting(&name, 12.0), 12.0, INK, Anchor::Start));
+        items.push(Item::text(
+            at,
+            &fitting(&name, 12.0),
+            12.0,
+            INK,
+            Anchor::Start,
+        ));
         let is_of = |slope: &&super::table::Slope| {
             slope.series == curve.series && slope.transport == curve.transport
         };
@@ -405,7 +406,7 @@ fn legend(report: &Report, curves: &[Curve<'_>], styles: &[Style], items: &mut V
         let slope = slope.map_or_else(String::new, |slope| {
             format!("RMSE ∝ time to the {}", exponent(slope))
         });
-        items.push(text(
+        items.push(Item::text(
             [left + 36.0, y + 15.0],
             &slope,
             10.5,
