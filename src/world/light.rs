@@ -61,7 +61,7 @@ pub struct IesLight {
     pub intensity: Intensity,
     /// What was measured.
     pub luminaire: Arc<IesFile>,
-    /// 1 over the largest of these.
+    /// 1 over its largest intensity in cd.
     over_peak: f64,
 }
 
@@ -103,7 +103,7 @@ pub struct Cone {
 }
 
 impl Light {
-    /// What it is called in a scene: `point`, `spot`, `sun`.
+    /// What it is called in a scene: `point`, `spot`, `ies`, `sun`.
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Point(_) => "point",
@@ -467,6 +467,25 @@ mod tests {
                 assert!(error < 1e-10, "{falloff:?} {inner} {outer}: {error}");
             }
         }
+    }
+
+    /// The angle at which a part of the light is left is where the falloff says so.
+    #[test]
+    fn angles_of_parts_lead_back() {
+        for falloff in Falloff::ALL {
+            for (inner, outer) in [(0.0, 90.0), (20.0, 30.0), (0.0, 1e-3)] {
+                let cone = cone(inner, outer, falloff);
+                for part in [0.01, 0.1, 0.5, 0.9] {
+                    let (sin, cos) = libm::sincos(cone.angle_at(part));
+                    let f = cone.falloff_along(DVec3::X, DVec3::new(cos, sin, 0.0));
+                    let error = (f - part).abs();
+                    assert!(error < 1e-11, "{falloff:?} {outer} {part}: {error}");
+                }
+            }
+        }
+        // Where both angles are the same, that is the angle.
+        let sharp = cone(30.0, 30.0, Falloff::Smooth);
+        assert!((sharp.angle_at(0.5).to_degrees() - 30.0).abs() < 1e-12);
     }
 
     /// No box that has a point inside of the cone is missed, and boxes that are far off are.
