@@ -18,6 +18,7 @@ mod lifted;
 mod parallel;
 mod parts;
 mod shafts;
+mod suns;
 
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];

@@ -18,7 +18,13 @@ pub(super) fn add_meshes(scene: &mut Scene, meshes: &[Object]) {
 
 impl Writer {
     /// A ball of radius 1 from quads, with its normals; these `lean` to all sides.
-    fn ball(&mut self, center: [f64; 3], radius: f64, [columns, rows]: [u32; 2], lean: f64) {
+    pub(super) fn ball(
+        &mut self,
+        center: [f64; 3],
+        radius: f64,
+        [columns, rows]: [u32; 2],
+        lean: f64,
+    ) {
         let mut mesh = MeshFile::default();
         let mut normals = Vec::new();
         for row in 0..=rows {
