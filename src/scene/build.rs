@@ -8,8 +8,8 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use super::{
-    Aim, Camera, ColorSpace, Entry, Falloff, Image, Light, Lobes, Material, Object, Scene,
-    ShadowTerminator, Source, Span, Transport, Unit, Value, View,
+    Aim, AreaShape, Camera, ColorSpace, Entry, Falloff, Image, LIGHT_SAMPLES, Light, Lobes,
+    Material, Object, Scene, ShadowTerminator, Source, Span, Transport, Unit, Value, View,
 };
 use crate::mesh::MeshFile;
 use crate::spectrum::{Curve, Illuminant, Lines, Observer};
@@ -259,6 +259,68 @@ impl Light {
             group: None,
         }
     }
+
+    /// A rectangle around a center that shines towards a point: a number or `[r, g, b]` in cd/m², or any other
+    /// [`Value`] of such a light. Its size is across y and along it, or where it shines along y, z.
+    ///
+    /// ```
+    /// use candela::scene::{Light, Value};
+    ///
+    /// let panel = Light::rectangle([0.0, 3.0, 0.0], [0.0; 3], [1.2, 0.6], Value::lumens(4000.0, 1.0));
+    /// let globe = Light::sphere([0.0, 3.0, 0.0], 0.15, 5000.0);
+    /// # assert_ne!(panel, globe);
+    /// ```
+    pub fn rectangle(
+        center: [f64; 3],
+        look_at: [f64; 3],
+        size: [f64; 2],
+        luminance: impl Into<Value>,
+    ) -> Self {
+        let shape = AreaShape::Rectangle {
+            center: center.into(),
+            aim: Aim::LookAt(look_at.into()),
+            up: None,
+            size: size.into(),
+            two_sided: false,
+        };
+        Self::area(shape, luminance)
+    }
+
+    /// A disk around a center that shines towards a point.
+    pub fn disk(
+        center: [f64; 3],
+        look_at: [f64; 3],
+        radius: f64,
+        luminance: impl Into<Value>,
+    ) -> Self {
+        let shape = AreaShape::Disk {
+            center: center.into(),
+            aim: Aim::LookAt(look_at.into()),
+            radius: radius.into(),
+            two_sided: false,
+        };
+        Self::area(shape, luminance)
+    }
+
+    /// A sphere that shines.
+    pub fn sphere(center: [f64; 3], radius: f64, luminance: impl Into<Value>) -> Self {
+        let shape = AreaShape::Sphere {
+            center: center.into(),
+            radius: radius.into(),
+        };
+        Self::area(shape, luminance)
+    }
+
+    /// A surface that shines, and is seen.
+    pub fn area(shape: AreaShape, luminance: impl Into<Value>) -> Self {
+        Self::Area {
+            shape,
+            luminance: luminance.into().into(),
+            visible: true,
+            samples: f64::from(LIGHT_SAMPLES).into(),
+            group: None,
+        }
+    }
 }
 
 impl Object {
@@ -388,6 +450,11 @@ impl Value {
     /// Light of a sun of so many lx, of a color.
     pub fn lux(amount: f64, color: impl Into<Self>) -> Self {
         Self::sized(Unit::Lux, amount, color)
+    }
+
+    /// Light of a surface of so many cd/m², of a color.
+    pub fn nits(amount: f64, color: impl Into<Self>) -> Self {
+        Self::sized(Unit::Nits, amount, color)
     }
 
     /// Light of so much of a unit, of a color.

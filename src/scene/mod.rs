@@ -227,6 +227,22 @@ pub enum Light {
         /// Lights of one group have one layer, by its name. Default: none.
         group: Option<Spanned<String>>,
     },
+    /// `[lights.NAME.rectangle]`, `[lights.NAME.disk]`, `[lights.NAME.sphere]`: a surface that shines, with the same
+    /// luminance everywhere and in all directions.
+    Area {
+        /// Where it is.
+        shape: AreaShape,
+        /// L: a number and `[r, g, b]` in cd/m², a curve in W·m⁻²·sr⁻¹·nm⁻¹; a flux is what leaves it, an intensity
+        /// that along its normal. Range: 0 or more.
+        luminance: Spanned<Value>,
+        /// Whether it is seen, and in the way of light. Default true.
+        visible: bool,
+        /// How many of its points are asked where it is seen in part and no error is asked for. Range: 1 to
+        /// [`MAX_LIGHT_SAMPLES`]. Default [`LIGHT_SAMPLES`].
+        samples: Spanned<f64>,
+        /// Lights of one group have one layer, by its name. Default: none.
+        group: Option<Spanned<String>>,
+    },
     /// `[lights.NAME.sun]`: parallel light from very far away.
     Sun {
         /// The way that the light goes, a vector of any length but 0.
@@ -239,6 +255,49 @@ pub enum Light {
     },
 }
 
+/// The surface of a light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AreaShape {
+    /// It shines to the side that its axis points to.
+    Rectangle {
+        /// Its middle.
+        center: Spanned<[f64; 3]>,
+        /// Along its normal.
+        aim: Aim,
+        /// What one pair of its sides runs along, of any length but 0; `None` is y, or where the light goes along
+        /// that −z.
+        up: Option<Spanned<[f64; 3]>>,
+        /// Across `up` and along it. Range: above 0.
+        size: Spanned<[f64; 2]>,
+        /// Whether it shines to the other side too. Default false.
+        two_sided: bool,
+    },
+    /// It shines to the side that its axis points to.
+    Disk {
+        /// Its middle.
+        center: Spanned<[f64; 3]>,
+        /// Along its normal.
+        aim: Aim,
+        /// R. Range: above 0.
+        radius: Spanned<f64>,
+        /// Whether it shines to the other side too. Default false.
+        two_sided: bool,
+    },
+    /// It shines outwards.
+    Sphere {
+        /// c
+        center: Spanned<[f64; 3]>,
+        /// R. Range: above 0.
+        radius: Spanned<f64>,
+    },
+}
+
+/// How many points of a light are asked where it is seen in part, if the scene does not say.
+pub const LIGHT_SAMPLES: u32 = 64;
+
+/// The most points of a light that may be asked.
+pub const MAX_LIGHT_SAMPLES: u32 = 65_536;
+
 /// Where a light points.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Aim {
@@ -249,12 +308,13 @@ pub enum Aim {
 }
 
 impl Light {
-    /// How strong it is, where that was written: its intensity, of a sun its illuminance.
+    /// How strong it is, where that was written: its intensity, of a sun its illuminance, of an area its luminance.
     pub fn size(&self) -> &Spanned<Value> {
         match self {
             Self::Point { intensity, .. }
             | Self::Spot { intensity, .. }
             | Self::Ies { intensity, .. } => intensity,
+            Self::Area { luminance, .. } => luminance,
             Self::Sun { illuminance, .. } => illuminance,
         }
     }
@@ -265,6 +325,7 @@ impl Light {
             Self::Point { group, .. }
             | Self::Spot { group, .. }
             | Self::Ies { group, .. }
+            | Self::Area { group, .. }
             | Self::Sun { group, .. } => group.as_ref(),
         }
     }
@@ -275,7 +336,19 @@ impl Light {
             Self::Point { intensity, .. }
             | Self::Spot { intensity, .. }
             | Self::Ies { intensity, .. } => intensity,
+            Self::Area { luminance, .. } => luminance,
             Self::Sun { illuminance, .. } => illuminance,
+        }
+    }
+}
+
+impl AreaShape {
+    /// Its middle.
+    pub fn center(&self) -> &Spanned<[f64; 3]> {
+        match self {
+            Self::Rectangle { center, .. }
+            | Self::Disk { center, .. }
+            | Self::Sphere { center, .. } => center,
         }
     }
 }

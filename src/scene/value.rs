@@ -59,6 +59,8 @@ pub enum Unit {
     Lumens,
     /// Illuminance E in lx on a surface that faces the light, which has no place.
     Lux,
+    /// Luminance L in cd/m² of a surface that shines.
+    Nits,
     /// Radiant intensity in W/sr: ∫ I(λ) dλ from 360 to 830 nm.
     WattsPerSteradian,
     /// Radiant flux in W, 4π times the radiant intensity: the light that leaves the lamp, not the
@@ -147,12 +149,13 @@ impl Falloff {
 
 impl Unit {
     /// Every unit, in the order of the documentation.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Candela,
         Self::Lumens,
         Self::WattsPerSteradian,
         Self::Watts,
         Self::Lux,
+        Self::Nits,
     ];
 
     /// The key in a scene file.
@@ -163,6 +166,7 @@ impl Unit {
             Self::WattsPerSteradian => "watts_per_steradian",
             Self::Watts => "watts",
             Self::Lux => "lux",
+            Self::Nits => "nits",
         }
     }
 }
@@ -181,7 +185,7 @@ impl Value {
             | Self::Curve(_)
             | Self::Lines(_) => true,
             Self::Sized { unit, color, .. } => match unit {
-                Unit::Candela | Unit::Lumens | Unit::Lux => color.is_spectral(),
+                Unit::Candela | Unit::Lumens | Unit::Lux | Unit::Nits => color.is_spectral(),
                 Unit::WattsPerSteradian | Unit::Watts => true,
             },
             Self::Mixed(mixture) => mixture.0.iter().any(|(_, part)| part.is_spectral()),

@@ -56,6 +56,10 @@ pub(in crate::scene) enum Kind {
     Factors,
     /// Width and height.
     Pixels,
+    /// Two lengths.
+    Sides,
+    /// A whole number from 1 to this.
+    Whole(u32),
     Boolean,
     Text,
     /// A name as those of lights.
@@ -85,6 +89,8 @@ pub(in crate::scene) enum Purpose {
     Light,
     /// The illuminance of a light without a place, which has a size.
     Illuminance,
+    /// The luminance of a light with an area, which has a size.
+    Luminance,
     /// The color of a light whose size is beside it.
     Color,
     /// Radiance without a lamp.
@@ -97,7 +103,7 @@ pub(in crate::scene) enum Purpose {
 pub(in crate::scene) const LARGEST: f64 = 1e30;
 
 /// Lengths in scene units.
-pub(super) const LENGTH: Range = (Bound::Excluded(0.0), Bound::Included(LARGEST));
+pub(in crate::scene) const LENGTH: Range = (Bound::Excluded(0.0), Bound::Included(LARGEST));
 
 /// Amounts of light, which are kept in 32-bit floating point.
 pub(in crate::scene) const AMOUNT: Range = (Bound::Included(0.0), Bound::Included(BRIGHTEST));

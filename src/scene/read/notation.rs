@@ -83,6 +83,16 @@ pub(super) const LUX: Key = key!("lux", "an illuminance in lx", "100000")
     .of(Kind::Number(AMOUNT))
     .about("Illuminance in lx on a surface that faces a sun.")
     .also(&["lx", "illuminance"]);
+pub(super) const NITS: Key = key!("nits", "a luminance in cd/m²", "3000")
+    .of(Kind::Number(AMOUNT))
+    .about("Luminance in cd/m² of a surface that shines.")
+    .also(&["nit", "luminance", "cd_per_m2", "candela_per_square_meter"]);
+/// The size that a light with an area of a color alone lacks.
+pub(super) const SIZE_OF_AREA: Key = Key {
+    line: "the light's size in a unit, such as `{ nits = 3000, color = … }` (or `lumens`, `candela`, \
+           `watts_per_steradian`, `watts`)",
+    ..NITS
+};
 /// The size that a sun of a color alone lacks.
 pub(super) const SIZE_OF_SUN: Key = Key {
     line: "the sun's size in lux: `{ lux = 100000, color = … }`",
@@ -125,7 +135,7 @@ pub(in crate::scene) enum Notation {
 }
 
 impl Notation {
-    pub(in crate::scene) const ALL: [Self; 13] = [
+    pub(in crate::scene) const ALL: [Self; 14] = [
         Self::Rgb,
         Self::Illuminant,
         Self::Daylight,
@@ -138,6 +148,7 @@ impl Notation {
         Self::Sized(Unit::WattsPerSteradian),
         Self::Sized(Unit::Watts),
         Self::Sized(Unit::Lux),
+        Self::Sized(Unit::Nits),
         Self::Density,
     ];
 
@@ -155,6 +166,7 @@ impl Notation {
             Self::Sized(Unit::WattsPerSteradian) => &WATTS_PER_STERADIAN,
             Self::Sized(Unit::Watts) => &WATTS,
             Self::Sized(Unit::Lux) => &LUX,
+            Self::Sized(Unit::Nits) => &NITS,
             Self::Density => &DENSITY,
         }
     }
@@ -174,6 +186,7 @@ impl Notation {
             Self::Sized(Unit::WattsPerSteradian) => &[&WATTS_PER_STERADIAN, &COLOR],
             Self::Sized(Unit::Watts) => &[&WATTS, &COLOR],
             Self::Sized(Unit::Lux) => &[&LUX, &COLOR],
+            Self::Sized(Unit::Nits) => &[&NITS, &COLOR],
             Self::Density => &[&DENSITY],
         })
     }
@@ -185,13 +198,34 @@ impl Notation {
                 "is what arrives from a sun, `[lights.NAME.sun]`; a lamp has a size of its own: \
                      `{ candela = 120, color = … }` (or `lumens`, `watts_per_steradian`, `watts`)",
             ),
+            (Self::Sized(Unit::Nits), Purpose::Light) => Err(
+                "is what a surface sends, `[lights.NAME.rectangle]`, `disk` or `sphere`; a lamp without an area has \
+                     an intensity: `{ candela = 120, color = … }` (or `lumens`, `watts_per_steradian`, `watts`)",
+            ),
+            (Self::Sized(Unit::Lux), Purpose::Luminance) => Err(
+                "is what arrives from a sun, `[lights.NAME.sun]`; a surface that shines has a size of its own: \
+                     `{ nits = 3000, color = … }` (or `lumens`, `candela`, `watts_per_steradian`, `watts`)",
+            ),
+            (Self::Density, Purpose::Luminance) => Err(
+                "is what a lamp without an area sends; a surface has a luminance: a number or `[r, g, b]` in cd/m², \
+                     `{ nits = 3000, color = … }`, or a curve in W/(m² sr nm)",
+            ),
+            (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Luminance) => Err(
+                "is a color without a size; write `{ nits = 3000, color = … }` (or `lumens`, `candela`, \
+                     `watts_per_steradian`, `watts`)",
+            ),
             (Self::Rgb | Self::Curve | Self::File, _)
             | (
                 Self::Lines,
-                Purpose::Light | Purpose::Illuminance | Purpose::Color | Purpose::Background,
+                Purpose::Light
+                | Purpose::Illuminance
+                | Purpose::Luminance
+                | Purpose::Color
+                | Purpose::Background,
             )
             | (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Color)
             | (Self::Sized(_) | Self::Density, Purpose::Light)
+            | (Self::Sized(_), Purpose::Luminance)
             | (Self::Sized(Unit::Lux), Purpose::Illuminance) => Ok(()),
             (Self::Illuminant | Self::Daylight | Self::Blackbody, Purpose::Illuminance) => {
                 Err("is a color without a size; write `{ lux = 100000, color = … }`")

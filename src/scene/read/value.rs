@@ -12,8 +12,8 @@ use super::fields::{Fields, Reader, spanned};
 use super::illuminant::{illuminant_called, temperature, unknown_illuminant};
 use super::key::{Form, Key, Purpose};
 use super::notation::{
-    BLACKBODY, COLOR, DAYLIGHT, DENSITY, FILE, ILLUMINANT, LINES, Notation, RGB, SIZE, SIZE_OF_SUN,
-    SPACE, VALUES, WAVELENGTHS,
+    BLACKBODY, COLOR, DAYLIGHT, DENSITY, FILE, ILLUMINANT, LINES, Notation, RGB, SIZE,
+    SIZE_OF_AREA, SIZE_OF_SUN, SPACE, VALUES, WAVELENGTHS,
 };
 use crate::color::ColorSpace;
 use crate::printable::shortened;
@@ -144,6 +144,7 @@ impl Reader<'_> {
         let size = match purpose {
             Purpose::Light => Some(&SIZE),
             Purpose::Illuminance => Some(&SIZE_OF_SUN),
+            Purpose::Luminance => Some(&SIZE_OF_AREA),
             Purpose::Color | Purpose::Background | Purpose::Surface => None,
         };
         let missing = if table.contains_key(COLOR.name) && size.is_some() {

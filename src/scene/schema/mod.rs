@@ -10,7 +10,7 @@ use std::ops::Bound;
 
 use toml::de::DeValue;
 
-use super::read::key::{AMOUNT, Form, Key, Kind, LARGEST, Presence, Purpose, Range};
+use super::read::key::{AMOUNT, Form, Key, Kind, LARGEST, LENGTH, Presence, Purpose, Range};
 use super::read::moving::{LAST_FRAME, MOVING};
 use super::read::notation::Notation;
 use super::read::outline::{self, Named};
@@ -66,6 +66,7 @@ pub fn schema() -> String {
     let purposes = [
         (Purpose::Light, AMOUNT),
         (Purpose::Illuminance, AMOUNT),
+        (Purpose::Luminance, AMOUNT),
         (Purpose::Color, AMOUNT),
         (Purpose::Background, AMOUNT),
         (Purpose::Surface, AMOUNT),
@@ -235,9 +236,12 @@ fn property(key: &Key, channels: Range) -> Json {
 fn holds(kind: Kind, channels: Range) -> Members {
     let still = holds_still(kind, channels);
     match kind {
-        Kind::Number(_) | Kind::Vector | Kind::Direction | Kind::Corners | Kind::Channels => {
-            or_moving(still)
-        }
+        Kind::Number(_)
+        | Kind::Vector
+        | Kind::Direction
+        | Kind::Corners
+        | Kind::Channels
+        | Kind::Sides => or_moving(still),
         Kind::Factors => {
             let moving = moving(&Json::Object(still.clone()));
             still
@@ -254,6 +258,7 @@ fn holds(kind: Kind, channels: Range) -> Members {
         // Of values, the definition says so.
         Kind::Value(..)
         | Kind::Pixels
+        | Kind::Whole(_)
         | Kind::Boolean
         | Kind::Text
         | Kind::LightName
@@ -354,6 +359,17 @@ fn holds_still(kind: Kind, channels: Range) -> Members {
                 ("maxItems", Json::from(2.0)),
             ]
         }
+        Kind::Sides => vec![
+            ("type", Json::text("array")),
+            ("items", Json::Object(number(LENGTH))),
+            ("minItems", Json::from(2.0)),
+            ("maxItems", Json::from(2.0)),
+        ],
+        Kind::Whole(most) => vec![
+            ("type", Json::text("integer")),
+            ("minimum", Json::from(1.0)),
+            ("maximum", Json::from(f64::from(most))),
+        ],
         Kind::Boolean => vec![("type", Json::text("boolean"))],
         Kind::Text => vec![("type", Json::text("string"))],
         Kind::LightName => {
@@ -429,6 +445,7 @@ fn definition(purpose: Purpose, (_, most): Range) -> &'static str {
     match purpose {
         Purpose::Light => "light",
         Purpose::Illuminance => "illuminance",
+        Purpose::Luminance => "luminance",
         Purpose::Color => "color_of_light",
         Purpose::Background => "background",
         Purpose::Surface if most == Bound::Included(1.0) => "reflectance_to_1",
@@ -482,6 +499,7 @@ const fn about_notation(notation: Notation) -> &'static str {
         Notation::Sized(Unit::WattsPerSteradian) => "A radiant intensity, and a color.",
         Notation::Sized(Unit::Watts) => "A radiant flux, and a color.",
         Notation::Sized(Unit::Lux) => "An illuminance, and a color.",
+        Notation::Sized(Unit::Nits) => "A luminance, and a color.",
         Notation::Density => "A spectral intensity.",
     }
 }

@@ -7,6 +7,7 @@ use super::super::super::{Aim, Falloff, Light, Value};
 use super::super::entries::{Section, Variant, Variants};
 use super::super::fields::Fields;
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, LARGEST, Purpose, key};
+use super::areas::{DISK, RECTANGLE, SPHERE};
 
 pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
     key: "lights",
@@ -58,14 +59,12 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 form: Form::new(&[&WAY, &ILLUMINANCE, &GROUP]).elsewhere(NOT_IN_SUNS),
                 read: sun_light,
             },
+            RECTANGLE,
+            DISK,
+            SPHERE,
         ],
         elsewhere: &[Elsewhere {
             words: &[
-                "area",
-                "rectangle",
-                "disk",
-                "sphere",
-                "quad",
                 "dome",
                 "environment",
                 "envmap",
@@ -74,8 +73,8 @@ pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
                 "sky",
             ],
             key: None,
-            advice: "lights are `point`s, `spot`s, `ies` files and `sun`s, and `background` in `[image]` is what is seen \
-                     where nothing is",
+            advice: "lights are `point`s, `spot`s, `ies` files, `sun`s, `rectangle`s, `disk`s and `sphere`s, and \
+                     `background` in `[image]` is what is seen where nothing is",
         }],
     },
 };
@@ -114,7 +113,7 @@ const INTENSITY: Key = key!(
     "luminance",
 ]);
 
-const GROUP: Key = key!("group", "the name of a group of lights", "\"window\"")
+pub(super) const GROUP: Key = key!("group", "the name of a group of lights", "\"window\"")
     .of(Kind::LightName)
     .optional()
     .about(
@@ -127,7 +126,7 @@ const ON_AXIS: Key = INTENSITY.about(
     "I on the axis: RGB in candela, a curve in W/(sr nm), or in a unit; a flux, such as `lumens`, is what leaves \
      the lamp.",
 );
-const LOOK_AT: Key = key!(
+pub(super) const LOOK_AT: Key = key!(
     "look_at",
     "a point that the light points at, or a vector along its way, `direction`",
     "[0, 0, 0]"
@@ -136,7 +135,7 @@ const LOOK_AT: Key = key!(
 .instead_of("direction")
 .about("A point on the axis. Either this or `direction`.")
 .also(&["target", "to", "aim", "at", "lookat"]);
-const DIRECTION: Key = key!("direction", "where the light points", "[0, -1, 0]")
+pub(super) const DIRECTION: Key = key!("direction", "where the light points", "[0, -1, 0]")
     .of(Kind::Direction)
     .instead_of("look_at")
     .about("A vector along the axis, of any length but 0. Either this or `look_at`.")
@@ -291,7 +290,7 @@ const NOT_IN_SUNS: &[Elsewhere] = &[
     Elsewhere {
         words: &["angle", "radius", "size", "angular_diameter"],
         key: None,
-        advice: "the rays of a sun are parallel, and its shadows sharp",
+        advice: "the rays of a sun are parallel, and its shadows sharp; a softer one is a `[lights.NAME.sphere]` far away",
     },
     Elsewhere {
         words: &["type", "kind"],
@@ -329,7 +328,7 @@ const NOT_IN_POINTS: &[Elsewhere] = &[
     Elsewhere {
         words: &["radius", "size", "width", "height"],
         key: None,
-        advice: "a point light has no size; many of them around one another make soft shadows",
+        advice: "a point light has no size; soft shadows are those of `[lights.NAME.sphere]`, `disk` or `rectangle`",
     },
     Elsewhere {
         words: &[
@@ -359,7 +358,7 @@ const NOT_IN_SPOTS: &[Elsewhere] = &[
     Elsewhere {
         words: &["radius", "size", "width", "height"],
         key: None,
-        advice: "a spot has no size; many of them around one another make soft shadows",
+        advice: "a spot has no size; soft shadows are those of `[lights.NAME.disk]`, `rectangle` or `sphere`",
     },
     Elsewhere {
         words: &["angle", "spot_size", "fov", "aperture"],
@@ -463,7 +462,7 @@ fn sun_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
 }
 
 /// Either `look_at` or `direction`.
-fn aim(fields: &mut Fields<'_, '_, '_>) -> Option<Aim> {
+pub(super) fn aim(fields: &mut Fields<'_, '_, '_>) -> Option<Aim> {
     match (fields.get(&LOOK_AT), fields.get(&DIRECTION)) {
         (Some(_), Some(direction)) => {
             let conflict =

@@ -1,5 +1,6 @@
 //! What each section holds: image, cameras, materials, lights, objects.
 
+mod areas;
 mod camera;
 mod image;
 mod lights;
