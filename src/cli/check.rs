@@ -9,7 +9,7 @@ use candela::scene::{Motion, Scene, Transport};
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
-use candela::world::{Light, Loaded, Plan, Shape, World, physics};
+use candela::world::{AreaLight, Light, Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
 use super::frames::{Frame, Frames, frames};
@@ -205,7 +205,7 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
 fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
     writeln!(output, "\nlights     {}", world.lights().len())?;
     for (index, light) in world.lights().iter().enumerate().take(LISTED) {
-        let [r, g, b] = light.value.intensity().0.0.map(rounded);
+        let mut channels = light.value.intensity().0.0;
         let mut unit = "cd";
         // A part of the largest intensity, as the whole angle at which that is.
         let mut widths = String::new();
@@ -239,6 +239,12 @@ fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
                     photometry.coordinates()
                 )
             }
+            Light::Area(area) => {
+                (channels, unit) = (area.luminance(), "cd/m²");
+                let peak = rounded(world.candelas(index));
+                widths = format!(", {peak} cd{}", beams(area));
+                described(area)
+            }
             Light::Sun(sun) => {
                 unit = "lx";
                 let [x, y, z] = (-sun.to_light.get()).to_array().map(rounded);
@@ -248,12 +254,39 @@ fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {
         let flux = light.value.flux().map_or_else(String::new, |flux| {
             format!(", {} lm", rounded(flux * world.candelas(index)))
         });
+        let [r, g, b] = channels.map(rounded);
         writeln!(
             output,
             "  {name:<20} {kind}, [{r} {g} {b}] {unit}{flux}{widths}"
         )?;
     }
     print_rest(world.lights().len(), output)
+}
+
+/// Where the intensity of a flat light, a cosine, is a half and a tenth; a sphere's is the same everywhere.
+fn beams(light: &AreaLight) -> String {
+    if light.is_flat() {
+        let [beam, field] = [0.5_f64, 0.1].map(|part| rounded(2.0 * part.acos().to_degrees()));
+        format!(" along its normal, beam {beam}°, field {field}°")
+    } else {
+        String::new()
+    }
+}
+
+/// What a light with an area is.
+fn described(light: &AreaLight) -> String {
+    let lengths: Vec<String> = light
+        .lengths()
+        .map(|length| rounded(length).to_string())
+        .collect();
+    let mut text = format!("{} {}", light.shape(), lengths.join(" × "));
+    if light.is_two_sided() {
+        text.push_str(", two-sided");
+    }
+    if !light.is_visible {
+        text.push_str(", not seen");
+    }
+    text
 }
 
 /// Six digits of a number.

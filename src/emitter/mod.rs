@@ -25,12 +25,14 @@
 //! analytically determined form-factors". Arvo 1995, "Applications of irradiance tensors to the simulation of
 //! non-Lambertian phenomena".
 
+mod beside;
 mod clip;
 mod conic;
 mod gauss;
 mod lambert;
 mod lobe;
 mod outline;
+mod places;
 pub(crate) mod polygon;
 mod power;
 #[cfg(test)]
@@ -39,9 +41,11 @@ mod tests;
 use std::f64::consts::PI;
 
 use crate::math::{DVec3, Normal, Point};
+pub(crate) use beside::Sight;
 pub(crate) use clip::{MOST_CORNERS, Polygon};
 pub(crate) use conic::Conic;
 pub(crate) use outline::{Cone, Outline};
+pub(crate) use places::{Surface, SurfacePoint};
 
 /// A luminaire with an area, of the same luminance everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]

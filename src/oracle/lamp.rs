@@ -87,6 +87,7 @@ impl Lamp {
                     luminaire: Some(luminaire),
                 }
             }
+            Light::Area { .. } => todo!(),
             Light::Sun {
                 direction,
                 illuminance,

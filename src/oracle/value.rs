@@ -135,7 +135,7 @@ impl Palette {
     /// A light of this color, as strong as is said.
     fn sized_light(&self, unit: Unit, amount: f64, color: &Value, directions: f64) -> Components {
         let intensity = match unit {
-            Unit::Candela | Unit::WattsPerSteradian | Unit::Lux => amount,
+            Unit::Candela | Unit::WattsPerSteradian | Unit::Lux | Unit::Nits => amount,
             Unit::Lumens | Unit::Watts => amount / directions,
         };
         // Nothing of a black color is nothing.
@@ -146,7 +146,7 @@ impl Palette {
                 intensity / whole
             }
         };
-        if let (Some((rgb, space)), Unit::Candela | Unit::Lumens | Unit::Lux) =
+        if let (Some((rgb, space)), Unit::Candela | Unit::Lumens | Unit::Lux | Unit::Nits) =
             (literal(color), unit)
         {
             // A triple is in candela, and its luminance that of Rec.709.
@@ -162,7 +162,9 @@ impl Palette {
             None => spectrum(color),
         };
         let whole = match unit {
-            Unit::Candela | Unit::Lumens | Unit::Lux => self.colorimetry.luminous(&spectrum),
+            Unit::Candela | Unit::Lumens | Unit::Lux | Unit::Nits => {
+                self.colorimetry.luminous(&spectrum)
+            }
             Unit::WattsPerSteradian | Unit::Watts => spectrum.sum(),
         };
         self.light_of_spectrum(spectrum.scaled(share(whole)))
@@ -176,6 +178,7 @@ fn is_spectral(scene: &Scene) -> bool {
         Light::Point { intensity, .. }
         | Light::Spot { intensity, .. }
         | Light::Ies { intensity, .. } => &intensity.value,
+        Light::Area { luminance, .. } => &luminance.value,
         Light::Sun { illuminance, .. } => &illuminance.value,
     });
     let materials = scene.materials.iter().flat_map(|material| {

@@ -21,8 +21,8 @@ pub(super) fn geometry(
     let inverse_square = square.reciprocal();
     let received = match light {
         Light::Point(_) => inverse_square,
-        // A table is smooth only between its angles.
-        Light::Ies(_) => Model::UNKNOWN,
+        // A table is smooth only between its angles; of what is seen of an area there is no model.
+        Light::Ies(_) | Light::Area(_) => Model::UNKNOWN,
         Light::Sun(_) => Model::constant(1.0),
         Light::Spot(spot) => {
             inverse_square * falloff(spot, to_light.along(spot.axis.get()), inverse)

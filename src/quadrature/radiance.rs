@@ -1,9 +1,13 @@
 //! L over a square, and what it may be where it is not known.
 
+use std::f64::consts::TAU;
+
 use super::light::geometry;
 use super::model::Model;
 use super::surface::{Square, Surface, View};
 use super::{Primary, Quadrature, Range, Reach, Told};
+use crate::camera::Projection;
+use crate::emitter::Surface as EmitterSurface;
 use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
 use crate::world::Light;
 
@@ -15,12 +19,38 @@ impl<'w> Quadrature<'w> {
         shape: u64,
         lights: impl Iterator<Item = usize>,
     ) -> [Model; 3] {
-        let mut sums = [Model::constant(0.0); 3];
+        let mut sums = self.emission(shape).map(Model::constant);
         for light in lights {
             let terms = self.light_share(surface, shape, light);
             sums = [sums[0] + terms[0], sums[1] + terms[1], sums[2] + terms[2]];
         }
         sums
+    }
+
+    /// What a shape sends itself, if it is a light that is seen: from the side that the camera is on.
+    pub(super) fn emission(&self, shape: u64) -> [f64; 3] {
+        let (object, _) = object_and_triangle(shape);
+        let index = self.world.objects()[object as usize].emits;
+        let light = index.and_then(|index| self.world.lights()[index].value.area());
+        let Some(light) = light else {
+            return [0.0; 3];
+        };
+        let center = light.emitter.center();
+        let to_viewer = match self.camera.projection() {
+            Projection::Perspective { .. } => self.camera.eye().from(center),
+            Projection::Orthographic { .. } => -self.camera.forward().get(),
+        };
+        let is_seen = match light.emitter.surface() {
+            // From outside all of it, from inside nothing.
+            EmitterSurface::Sphere { radius } => match self.camera.projection() {
+                Projection::Perspective { .. } => to_viewer.length() > radius,
+                Projection::Orthographic { .. } => true,
+            },
+            EmitterSurface::Rectangle(_) | EmitterSurface::Disk { .. } => {
+                light.emitter.shines_along(center, to_viewer)
+            }
+        };
+        if is_seen { light.luminance() } else { [0.0; 3] }
     }
 
     /// What one light alone does to a surface, per primary.
@@ -125,7 +155,7 @@ impl<'w> Quadrature<'w> {
     ) -> Option<Range> {
         let (lists, kept) = (self.lists.len(), self.reaches.len());
         let reaches = known.unwrap_or_else(|| self.reach_all(shape, surface, None));
-        let mut range = Range::new([0.0; 3], 1.0);
+        let mut range = Range::new(self.emission(shape), 1.0);
         for light in 0..self.world.lights().len() {
             let reach = self.reaches[reaches + light];
             if reach == Reach::Dark {
@@ -153,7 +183,7 @@ impl<'w> Quadrature<'w> {
 
     /// What a shape is anywhere, by its distance from the lights alone.
     pub(super) fn range_by_distance(&self, shape: u64) -> Option<Range> {
-        let mut range = Range::new([0.0; 3], 1.0);
+        let mut range = Range::new(self.emission(shape), 1.0);
         for light in 0..self.world.lights().len() {
             let limits = self.limits(None, shape, light);
             for (channel, limits) in limits.into_iter().enumerate() {
@@ -182,6 +212,15 @@ impl<'w> Quadrature<'w> {
         let distance = from_box.max(self.solid(shape).distance(origin));
         let geometry = match value {
             Light::Point(_) | Light::Spot(_) | Light::Ies(_) => 1.0 / (distance * distance),
+            // No lobe is more than all of what is seen, which is at most a half of all directions.
+            Light::Area(light) => {
+                let emitter = &light.emitter;
+                let [least, most] = emitter.bounds();
+                let reach = 0.5 * (most - least).length();
+                let near = (distance - reach).max(0.0);
+                let solid_angle = (emitter.area() / (near * near)).min(TAU);
+                solid_angle / emitter.intensity()
+            }
             Light::Sun(_) => 1.0,
         };
         let reflected = self.world.reflected(light, index);

@@ -5,6 +5,7 @@ use fearless_simd::Simd;
 use super::surface::{Solid, Square, Surface, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
 use crate::camera::Projection;
+use crate::emitter::Emitter;
 use crate::math::DVec3;
 use crate::simd::Kernel;
 use crate::visibility::{
@@ -227,6 +228,10 @@ impl Quadrature<'_> {
     }
 
     pub(super) fn all_between(&mut self, from: [DVec3; 2], shape: u64, light: usize) -> Reach {
+        if self.world.lights()[light].value.area().is_some() {
+            // What is between all of it and these is asked at each square.
+            return Reach::Unasked;
+        }
         let to = self.origin(light, Some(from));
         match self.ask(
             &Shaft::ToPoint { from, to },
@@ -254,6 +259,13 @@ impl Quadrature<'_> {
         known: Option<usize>,
     ) -> usize {
         let start = self.reaches.len();
+        let (object, _) = object_and_triangle(shape);
+        if self.world.objects()[object as usize].emits.is_some() {
+            // A light reflects nothing.
+            let lights = self.world.lights().len();
+            self.reaches.resize(start + lights, Reach::Dark);
+            return start;
+        }
         let bounds = surface.position.bounds();
         let of_region = self.between(shape);
         for light in 0..self.world.lights().len() {
@@ -284,6 +296,9 @@ impl Quadrature<'_> {
         let Some(bounds) = bounds.filter(|_| !surface.is_lifted) else {
             return Reach::Many;
         };
+        if let Some(area) = self.world.lights()[light].value.area() {
+            return self.reach_of_area(shape, surface, bounds, light, &area.emitter);
+        }
         let origin = self.origin(light, Some(bounds));
         if self.world.lights()[light].value.misses(bounds) {
             return Reach::Dark;
@@ -315,6 +330,48 @@ impl Quadrature<'_> {
             ShaftAnswer::All(_) => Reach::Dark,
             ShaftAnswer::These => Reach::Several(self.keep()),
             ShaftAnswer::TooMany => Reach::Many,
+        }
+    }
+
+    /// Whether nothing of a light with an area arrives; else what arrives is not told.
+    fn reach_of_area(
+        &mut self,
+        shape: u64,
+        surface: &Surface,
+        bounds: [DVec3; 2],
+        light: usize,
+        emitter: &Emitter,
+    ) -> Reach {
+        let [least, most] = emitter.bounds();
+        let sizes = least.abs().max(most.abs()) + bounds[0].abs().max(bounds[1].abs());
+        let room = 1e-12 * sizes.max_element();
+        let is_below = (0..8).all(|corner: u32| {
+            let pick =
+                |axis: u32, from: f64, to: f64| if corner >> axis & 1 == 0 { from } else { to };
+            let corner = DVec3::new(
+                pick(0, least.x, most.x),
+                pick(1, least.y, most.y),
+                pick(2, least.z, most.z),
+            );
+            surface.height(corner).most() < -room
+        });
+        if is_below || emitter.is_behind(bounds) {
+            return Reach::Dark;
+        }
+        let shaft = Shaft::ToBox {
+            from: bounds,
+            to: [least, most],
+        };
+        match self.ask(&shaft, ShaftQuestion::Blockage, shape, MOST_SHAPES) {
+            ShaftAnswer::All(blocks) => {
+                let (object, _) = object_and_triangle(blocks);
+                if self.world.objects()[object as usize].emits == Some(light) {
+                    Reach::Many
+                } else {
+                    Reach::Dark
+                }
+            }
+            ShaftAnswer::Nothing | ShaftAnswer::These | ShaftAnswer::TooMany => Reach::Many,
         }
     }
 

@@ -91,6 +91,7 @@ impl Space {
     pub(super) fn of(setup: &Setup<'_>) -> Box<Self> {
         let mut space = Box::<Self>::default();
         space.tracing.note_leaves(setup.met_leaves.cloned());
+        space.shaded.is_exact = setup.goal.is_some();
         space
     }
 }

@@ -330,6 +330,25 @@ impl Light {
         }
     }
 
+    /// Whether both are seen as the same rectangle, or neither as one.
+    pub(crate) fn has_triangles_of(&self, other: &Self) -> bool {
+        fn rectangle(light: &Light) -> Option<&AreaShape> {
+            match light {
+                Light::Area {
+                    shape: shape @ AreaShape::Rectangle { .. },
+                    visible: true,
+                    ..
+                } => Some(shape),
+                Light::Area { .. }
+                | Light::Point { .. }
+                | Light::Spot { .. }
+                | Light::Ies { .. }
+                | Light::Sun { .. } => None,
+            }
+        }
+        rectangle(self) == rectangle(other)
+    }
+
     /// How strong it is, to be changed.
     pub fn size_mut(&mut self) -> &mut Spanned<Value> {
         match self {

@@ -1,5 +1,6 @@
 //! L3 and L5 to L9: how much light each point sends to the viewer.
 
+mod area;
 mod groups;
 mod power;
 mod reflectance;
@@ -10,6 +11,7 @@ mod tests;
 
 use fearless_simd::Simd;
 
+use area::{AreaSpace, AreaTerms, Asked};
 use groups::Groups;
 pub(crate) use groups::Share;
 use reflectance::{Ends, geometry};
@@ -21,11 +23,11 @@ use crate::units::ReflectedIntensity;
 use crate::visibility::{
     Column, Facing, PACKETS, Points, SegmentBatch, Visibility, Workspace, columns,
 };
-use crate::world::light::IesLight;
+use crate::world::light::{AreaLight, IesLight};
 use crate::world::{Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Shaded {
     /// L_o of each point in cd/m², per primary; the background's where nothing is hit.
     pub radiance: [Column; 3],
@@ -33,6 +35,8 @@ pub(crate) struct Shaded {
     pub shadow_rays: u64,
     /// How many of these the light reaches.
     pub lit_points: u64,
+    /// Whether an error is asked for: what is seen of lights with an area is then computed, never sampled.
+    pub is_exact: bool,
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
     lit: Vec<Lit>,
@@ -40,6 +44,7 @@ pub(crate) struct Shaded {
     /// What each packet is made of, where light is told light by light.
     packets: Vec<Groups>,
     recent: RecentProducts,
+    area: Box<AreaSpace>,
 }
 
 /// A light that is above some points of a batch.
@@ -54,6 +59,8 @@ struct Lit {
     /// A factor of the light at each of these points: of a luminaire how much it sends there. `None` is 1 at all of
     /// them, which multiplies nothing.
     factors: Option<Box<Column>>,
+    /// What a light with an area does at each of these points.
+    area: Option<Box<AreaTerms>>,
 }
 
 impl Default for Shaded {
@@ -62,11 +69,13 @@ impl Default for Shaded {
             radiance: [Column::ZERO; 3],
             shadow_rays: 0,
             lit_points: 0,
+            is_exact: false,
             singular: 0,
             lit: Vec::new(),
             groups: Groups::default(),
             packets: Vec::new(),
             recent: RecentProducts::default(),
+            area: Box::default(),
         }
     }
 }
@@ -150,9 +159,20 @@ impl Shaded {
         for (index, light) in world.lights().iter().enumerate() {
             let numbers = next_number..;
             next_number += light.value.origins().len();
+            if let Light::Area(area) = &light.value {
+                self.ask_area(
+                    simd,
+                    world,
+                    visibility,
+                    points,
+                    (index, area, numbers.start),
+                    space,
+                );
+                continue;
+            }
             let mut factors = None;
             let inside = match &light.value {
-                Light::Point(_) | Light::Sun(_) => points.hit,
+                Light::Point(_) | Light::Sun(_) | Light::Area(_) => points.hit,
                 Light::Ies(luminaire) => {
                     let factors = factors.insert(Box::new(Column::ZERO));
                     luminaire_factors(luminaire, points, factors)
@@ -188,10 +208,46 @@ impl Shaded {
                         origin,
                         points: lit,
                         factors: factors.clone(),
+                        area: None,
                     });
                 }
             }
         }
+    }
+
+    /// The same for a light with an area, of which each point sees a part.
+    #[inline(always)]
+    fn ask_area<S: Simd>(
+        &mut self,
+        simd: S,
+        world: &World,
+        visibility: &Visibility<'_>,
+        points: &Points,
+        (index, light, number): (usize, &AreaLight, usize),
+        space: &mut Workspace,
+    ) {
+        let asked = Asked {
+            world,
+            visibility,
+            points,
+            index,
+            light,
+            number,
+            is_exact: self.is_exact,
+        };
+        let Some(lit) = asked.terms(simd, &mut self.area, space) else {
+            return;
+        };
+        let reached: u32 = lit.points.iter().map(|bits| bits.count_ones()).sum();
+        self.shadow_rays += lit.asked;
+        self.lit_points += u64::from(reached);
+        self.lit.push(Lit {
+            light: index,
+            origin: light.emitter.center(),
+            points: lit.points,
+            factors: None,
+            area: Some(lit.terms),
+        });
     }
 
     /// Sums the light that reaches the points of a packet.
@@ -215,6 +271,9 @@ impl Shaded {
             let background = F64x16::splat(simd, background[channel]);
             let radiance = is_hit.select(sums[channel], background);
             radiance.store(&mut self.radiance[channel][first..]);
+        }
+        if world.has_emission() {
+            add_emission(world, points, packet, &mut self.radiance);
         }
     }
 
@@ -272,6 +331,9 @@ impl Shaded {
                 let radiance = is_hit.select(zero, background);
                 radiance.store(&mut self.radiance[channel][first..]);
             }
+            if world.has_emission() {
+                add_emission(world, points, packet, &mut self.radiance);
+            }
         }
     }
 
@@ -296,6 +358,7 @@ impl Shaded {
         let lit = &all[lit];
         terms.light = lit.light;
         terms.points = lit.points;
+        terms.seen = lit.area.as_ref().map(|area| Box::new(area.seen));
         let zero = F64x16::splat(simd, 0.0);
         for (packet, groups) in packets.iter().enumerate() {
             let bits = lit.points[packet];
@@ -382,6 +445,13 @@ impl Lit {
         groups: &Groups,
         packet: usize,
     ) -> Lobes<F64x16<S>> {
+        if let Some(area) = &self.area {
+            let first = packet * LANES;
+            return Lobes {
+                diffuse: F64x16::load(simd, &area.geometry.diffuse[first..]),
+                specular: F64x16::load(simd, &area.geometry.specular[first..]),
+            };
+        }
         let light = &world.lights()[self.light].value;
         let mut geometry = geometry(simd, ends, light, self.origin, groups.get());
         if let Some(factors) = &self.factors {
@@ -391,6 +461,33 @@ impl Lit {
         }
         geometry
     }
+}
+
+/// Adds what lights that are seen send themselves: L from the side that shines.
+#[inline(never)]
+fn add_emission(world: &World, points: &Points, packet: usize, radiance: &mut [Column; 3]) {
+    for lane in ones(points.hit[packet]) {
+        let slot = packet * LANES + lane;
+        if let Some((_, light)) = emitter_seen(world, points, slot) {
+            for (column, channel) in radiance.iter_mut().zip(light.luminance()) {
+                column[slot] += channel;
+            }
+        }
+    }
+}
+
+/// The light that a point is on, if it is seen from the side that shines, and which it is.
+pub(crate) fn emitter_seen<'w>(
+    world: &'w World,
+    points: &Points,
+    slot: usize,
+) -> Option<(usize, &'w AreaLight)> {
+    let at = |columns: &[Column; 3]| {
+        let [x, y, z] = columns;
+        DVec3::new(x[slot], y[slot], z[slot])
+    };
+    let (position, to_viewer) = (Point(at(&points.position)), at(&points.to_viewer));
+    world.emitter_seen(points.object(slot), position, to_viewer)
 }
 
 /// f of a luminaire at each point of a batch; for each packet one bit for each point where that is above 0.

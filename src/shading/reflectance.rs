@@ -50,6 +50,7 @@ pub(super) fn geometry<S: Simd>(
     let received = match light {
         // What a luminaire sends into a direction is a factor of its own.
         Light::Point(_) | Light::Ies(_) => inverse_square,
+        Light::Area(_) => unreachable!("a light with an area has integrals of its own"),
         Light::Spot(spot) => inverse_square * falloff(simd, spot, to_light, inverse),
         Light::Sun(_) => F64x16::splat(simd, 1.0),
     };

@@ -12,6 +12,8 @@ pub(crate) struct LightTerms {
     pub(crate) light: usize,
     /// For each packet one bit for each point that it reaches.
     pub(crate) points: [u32; PACKETS],
+    /// Of a light with an area how much each of them sees of it: the part of its illuminance that arrives, 0 to 1.
+    pub(crate) seen: Option<Box<Column>>,
     /// Σ geometry × weight × I · k over the reflectances, in cd/m² per primary: the radiance that this light
     /// alone sends to the viewer. Only with [`Detail::has_radiance`].
     pub(crate) radiance: [Column; 3],
@@ -28,6 +30,7 @@ impl Default for LightTerms {
         Self {
             light: 0,
             points: [0; PACKETS],
+            seen: None,
             radiance: [Column::ZERO; 3],
             lobes: Lobes {
                 diffuse: [Column::ZERO; 3],

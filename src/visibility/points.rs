@@ -16,7 +16,7 @@ use super::projection::NOTHING;
 use super::question::NearestHit;
 use super::rays::{ROUNDING, Rays};
 use super::shapes::Shapes;
-use crate::math::DVec3;
+use crate::math::{DVec3, Normal, Point};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
 pub(crate) use facing::Facing;
 use lift::Lifts;
@@ -97,6 +97,24 @@ impl Default for Points {
             is_uniform: [true; PACKETS],
         }
     }
+}
+
+/// What stands for a normal that is no number.
+fn any_normal() -> Normal {
+    Normal::new(DVec3::Z).expect("z is a direction")
+}
+
+/// Where the shadow rays of a point start, and what it is on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    /// p, or off it p′.
+    pub(crate) position: Point,
+    /// A bound on its rounding error.
+    pub(crate) error: f64,
+    /// The normal of the tangent plane that light has to be above of, towards the viewer.
+    pub(crate) horizon: Normal,
+    /// What it is on.
+    pub(crate) primitive: u64,
 }
 
 /// What points are on.
@@ -360,6 +378,52 @@ impl Points {
         } else {
             &self.geometric_normal
         }
+    }
+
+    /// Where the shadow rays of a point that is hit start.
+    #[inline]
+    pub(crate) fn start(&self, slot: usize) -> Start {
+        let at = |columns: &[Column; 3]| {
+            let [x, y, z] = columns;
+            DVec3::new(x[slot], y[slot], z[slot])
+        };
+        let starts = self.starts();
+        let is_lifted = self.lifts.points[slot / LANES] >> (slot % LANES) & 1 == 1;
+        let normal = at(if is_lifted {
+            &self.shading_normal
+        } else {
+            &self.geometric_normal
+        });
+        Start {
+            position: Point(at(starts.position)),
+            error: starts.error[slot],
+            horizon: Normal::new(normal).unwrap_or_else(any_normal),
+            primitive: self.primitive[slot],
+        }
+    }
+
+    /// A box around where all shadow rays start, from its least to its largest coordinates.
+    #[inline]
+    pub(crate) fn bounds_of_starts(&self) -> [DVec3; 2] {
+        self.starts().bounds
+    }
+
+    /// The same of one packet.
+    pub(crate) fn bounds_of_packet(&self, packet: usize) -> [DVec3; 2] {
+        let [x, y, z] = self.starts().position;
+        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for lane in ones(self.hit[packet]) {
+            let slot = packet * LANES + lane;
+            let position = DVec3::new(x[slot], y[slot], z[slot]);
+            (least, most) = (least.min(position), most.max(position));
+        }
+        [least, most]
+    }
+
+    /// What all points are on, if that is known to be one shape.
+    #[inline]
+    pub(crate) fn only_shape(&self) -> Option<u64> {
+        self.only.one().map(|primitive| primitive.0)
     }
 
     /// Whether a ray of the batch hits something.

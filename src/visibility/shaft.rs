@@ -57,13 +57,6 @@ pub(crate) enum Shaft {
     /// Segments from all points of a box, by its least and its largest coordinates, to one point.
     ToPoint { from: [DVec3; 2], to: DVec3 },
     /// Segments from all points of a box to all points of another one.
-    #[cfg_attr(
-        not(test),
-        expect(
-            dead_code,
-            reason = "for lights with an extent, which are still to come"
-        )
-    )]
     ToBox { from: [DVec3; 2], to: [DVec3; 2] },
 }
 

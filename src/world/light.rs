@@ -7,10 +7,11 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+use crate::emitter::{Emitter, Surface};
 use crate::ies::IesFile;
-use crate::math::{DVec3, Direction, Point};
+use crate::math::{DVec3, Direction, Normal, Point};
 pub use crate::scene::Falloff;
-use crate::units::Intensity;
+use crate::units::{Intensity, Rgb};
 
 /// What light comes from. Matches are exhaustive: what a new kind needs, the compiler lists.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub enum Light {
     Spot(SpotLight),
     /// Into each direction what was measured.
     Ies(IesLight),
+    /// From a surface.
+    Area(AreaLight),
     /// Parallel rays.
     Sun(SunLight),
 }
@@ -65,6 +68,19 @@ pub struct IesLight {
     over_peak: f64,
 }
 
+/// A surface with the same luminance everywhere and in all directions: L_o = L ∫ r V dω over what a point sees of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaLight {
+    /// Its shape, relative to the anchor.
+    pub(crate) emitter: Emitter,
+    /// L times the area that is seen along the normal, of a sphere from anywhere.
+    pub intensity: Intensity,
+    /// Whether it is an object of the world too.
+    pub is_visible: bool,
+    /// How many of its points are asked where it is seen in part and no error is asked for.
+    pub samples: u32,
+}
+
 /// Parallel light: L_i = E, whatever the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunLight {
@@ -103,34 +119,37 @@ pub struct Cone {
 }
 
 impl Light {
-    /// What it is called in a scene: `point`, `spot`, `ies`, `sun`.
-    pub const fn kind(&self) -> &'static str {
+    /// What it is called in a scene: `point`, `spot`, `ies`, `rectangle`, `disk`, `sphere`, `sun`.
+    pub fn kind(&self) -> &'static str {
         match self {
             Self::Point(_) => "point",
             Self::Spot(_) => "spot",
             Self::Ies(_) => "ies",
+            Self::Area(light) => light.shape(),
             Self::Sun(_) => "sun",
         }
     }
 
-    /// I: of a spot the one on its axis, of a sun that of a lamp which is as strong at 1 m.
+    /// I: of a spot the one on its axis, of an area that along its normal, of a sun that of a lamp which is as strong at 1 m.
     #[inline]
     pub fn intensity(&self) -> Intensity {
         match self {
             Self::Point(light) => light.intensity,
             Self::Spot(light) => light.intensity,
             Self::Ies(light) => light.intensity,
+            Self::Area(light) => light.intensity,
             Self::Sun(light) => light.illuminance,
         }
     }
 
-    /// Where it is, relative to the anchor; a sun is so far away that its rays are parallel to the last digit.
+    /// Where it is, of an area its middle, relative to the anchor; a sun is so far away that its rays are parallel to the last digit.
     #[inline]
     pub fn position(&self) -> Point {
         match self {
             Self::Point(light) => light.position,
             Self::Spot(light) => light.position,
             Self::Ies(light) => light.position,
+            Self::Area(light) => light.emitter.center(),
             Self::Sun(light) => Point(light.to_light.get() * SUN_DISTANCE),
         }
     }
@@ -139,7 +158,7 @@ impl Light {
     #[inline]
     pub fn direction(&self) -> Option<Direction> {
         match self {
-            Self::Point(_) | Self::Spot(_) | Self::Ies(_) => None,
+            Self::Point(_) | Self::Spot(_) | Self::Ies(_) | Self::Area(_) => None,
             Self::Sun(light) => Some(light.to_light),
         }
     }
@@ -156,7 +175,17 @@ impl Light {
             Self::Point(_) => Some(2.0 * TAU),
             Self::Spot(light) => Some(light.cone.flux()),
             Self::Ies(light) => Some(light.luminaire.photometry.lumens() * light.over_peak),
+            Self::Area(light) => Some(light.emitter.flux() / light.emitter.intensity()),
             Self::Sun(_) => None,
+        }
+    }
+
+    /// Its surface, if it has one.
+    #[inline]
+    pub(crate) fn area(&self) -> Option<&AreaLight> {
+        match self {
+            Self::Area(light) => Some(light),
+            Self::Point(_) | Self::Spot(_) | Self::Ies(_) | Self::Sun(_) => None,
         }
     }
 
@@ -173,6 +202,7 @@ impl Light {
             Self::Point(_) => 1.0,
             Self::Spot(light) => light.cone.falloff_along(light.axis.get(), -to_light),
             Self::Ies(light) => light.factor(-way),
+            Self::Area(light) => return light.illuminance(point, normal),
         };
         let received = cosine * factor / way.length_squared();
         if received.is_finite() { received } else { 0.0 }
@@ -189,9 +219,56 @@ impl Light {
     #[inline]
     pub fn misses(&self, bounds: [DVec3; 2]) -> bool {
         match self {
-            Self::Point(_) | Self::Ies(_) | Self::Sun(_) => false,
+            Self::Point(_) | Self::Ies(_) | Self::Area(_) | Self::Sun(_) => false,
             Self::Spot(light) => light.misses(bounds),
         }
+    }
+}
+
+impl AreaLight {
+    /// L in cd/m² per primary.
+    #[inline]
+    pub fn luminance(&self) -> [f64; 3] {
+        let Intensity(Rgb(channels)) = self.intensity;
+        let area = self.emitter.intensity();
+        channels.map(|channel| channel / area)
+    }
+
+    /// What it is called in a scene: `rectangle`, `disk`, `sphere`.
+    pub fn shape(&self) -> &'static str {
+        match self.emitter.surface() {
+            Surface::Rectangle(_) => "rectangle",
+            Surface::Disk { .. } => "disk",
+            Surface::Sphere { .. } => "sphere",
+        }
+    }
+
+    /// Whether it is part of a plane.
+    pub fn is_flat(&self) -> bool {
+        self.emitter.normal().is_some()
+    }
+
+    /// Whether it shines to both sides of its plane.
+    pub fn is_two_sided(&self) -> bool {
+        self.emitter.is_two_sided()
+    }
+
+    /// Of a rectangle its sides, else the radius, in m.
+    pub fn lengths(&self) -> impl Iterator<Item = f64> {
+        let lengths = match self.emitter.surface() {
+            Surface::Rectangle([a, b, c, _]) => [Some((b - a).length()), Some((c - b).length())],
+            Surface::Disk { radius, .. } | Surface::Sphere { radius } => [Some(radius), None],
+        };
+        lengths.into_iter().flatten()
+    }
+
+    /// Φ(n) per cd, in m⁻²: 0 from behind and below.
+    fn illuminance(&self, point: Point, normal: DVec3) -> f64 {
+        let Some(normal) = Normal::new(normal) else {
+            return 0.0;
+        };
+        let outline = self.emitter.seen_from(point);
+        outline.map_or(0.0, |outline| outline.irradiance(normal)) / self.emitter.intensity()
     }
 }
 

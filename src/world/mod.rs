@@ -34,7 +34,7 @@ use std::sync::Arc;
 #[doc(hidden)]
 pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
 #[doc(hidden)]
-pub use light::{Light, PointLight, SpotLight};
+pub use light::{AreaLight, Light, PointLight, SpotLight};
 #[doc(hidden)]
 pub use material::Material;
 #[doc(hidden)]
@@ -70,6 +70,8 @@ pub struct World {
     /// The group of each.
     light_groups: Vec<Option<String>>,
     objects: Vec<Object>,
+    /// From here on objects are lights that are seen.
+    first_light_object: usize,
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
     /// Shared by the frames of a sequence in which none moves.
@@ -129,6 +131,8 @@ pub struct Object {
     pub material: usize,
     /// Its shape, an index into the array of its kind.
     pub shape: Shape,
+    /// The light that it is, an index into [`World::lights`]; `None` for what reflects.
+    pub emits: Option<usize>,
 }
 
 /// Where the shape of an object is kept.
@@ -325,7 +329,32 @@ impl World {
         self.light_groups[light].as_deref()
     }
 
-    /// The objects in the order of the file, which settles ties between surfaces.
+    /// Whether any light is seen itself.
+    #[inline]
+    pub(crate) fn has_emission(&self) -> bool {
+        self.first_light_object < self.objects.len()
+    }
+
+    /// The light that a point of an object is on, where it is seen from the side that shines.
+    #[inline]
+    pub(crate) fn emitter_seen(
+        &self,
+        object: u32,
+        point: crate::math::Point,
+        to_viewer: DVec3,
+    ) -> Option<(usize, &AreaLight)> {
+        if (object as usize) < self.first_light_object {
+            return None;
+        }
+        let index = self.objects[object as usize].emits?;
+        let light = self.lights[index].value.area()?;
+        light
+            .emitter
+            .shines_along(point, to_viewer)
+            .then_some((index, light))
+    }
+
+    /// The objects in the order of the file, behind them the lights that are seen, which settles ties between surfaces.
     #[doc(hidden)]
     pub fn objects(&self) -> &[Object] {
         &self.objects

@@ -428,7 +428,11 @@ impl<'w> LayerSums<'w> {
     ) {
         let (zero, one) = (F64x16::splat(simd, 0.0), F64x16::splat(simd, 1.0));
         for (packet, &bits) in terms.points.iter().enumerate() {
-            let values = Mask64x16::from_bits(simd, bits).select(one, zero);
+            let seen = match &terms.seen {
+                Some(seen) => F64x16::load(simd, &seen[packet * LANES..]),
+                None => one,
+            };
+            let values = Mask64x16::from_bits(simd, bits).select(seen, zero);
             values.store(&mut self.column[packet * LANES..]);
         }
         self.planes.add(simd, samples, plane, &self.column);

@@ -103,8 +103,10 @@ impl Motion {
             scene.camera = camera;
         }
         replace(&mut scene.materials, at_frame.materials, |_, _| {});
-        replace(&mut scene.lights, at_frame.lights, |_, _| {});
         let mut change = Change::default();
+        replace(&mut scene.lights, at_frame.lights, |before, now| {
+            change.triangles |= !before.has_triangles_of(now);
+        });
         replace(&mut scene.objects, at_frame.objects, |before, now| {
             change.triangles |= !before.has_triangles_of(now);
         });

@@ -406,15 +406,15 @@ impl Builder<'_> {
             return Err(Reported);
         }
         let key = "color";
-        let per_steradian = spread.per_steradian(unit, amount);
+        let wanted = spread.size(unit, amount);
         match (Literal::of(color), unit) {
-            (Some(literal), Unit::Candela | Unit::Lumens | Unit::Lux) => {
+            (Some(literal), Unit::Candela | Unit::Lumens | Unit::Lux | Unit::Nits) => {
                 let of_color = self.literal(key, written, &literal)?;
-                let size = self.share(written, per_steradian, literal.luminance())?;
+                let size = self.share(written, wanted, literal.luminance())?;
                 let [r, g, b] = of_color;
                 let rgb = if r == g && g == b {
                     // To the bit what `intensity = [100, 100, 100]` is.
-                    [per_steradian; 3]
+                    [wanted; 3]
                 } else {
                     of_color.map(|channel| channel * size)
                 };
@@ -434,12 +434,12 @@ impl Builder<'_> {
                     None => self.light_spectrum(key, written, color)?,
                 };
                 let whole = match unit {
-                    Unit::Candela | Unit::Lumens | Unit::Lux => {
+                    Unit::Candela | Unit::Lumens | Unit::Lux | Unit::Nits => {
                         self.colorimetry.luminous(&spectrum)
                     }
                     Unit::WattsPerSteradian | Unit::Watts => spectrum.total(),
                 };
-                let size = self.share(written, per_steradian, whole)?;
+                let size = self.share(written, wanted, whole)?;
                 Ok(self.spectral_light(spectrum.scaled(size)))
             }
         }
@@ -526,19 +526,33 @@ fn rounded(rgb: [f64; 3]) -> [f64; 3] {
     rgb.map(|channel| (channel * 1e6).round() / 1e6)
 }
 
-/// Into how many sr the flux of a light goes: its flux in lm over its intensity in cd.
+/// What a light of size 1 sends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spread(pub(super) f64);
+pub(super) struct Spread {
+    /// Its flux in lm: where its size is an intensity, the solid angle that it goes into.
+    pub(super) flux: f64,
+    /// Its intensity in cd: 1, or where its size is a luminance, the area that is seen of it.
+    pub(super) intensity: f64,
+}
 
 impl Spread {
     /// Of a point light: evenly into all directions, 4π sr.
-    pub(super) const EVERYWHERE: Self = Self(4.0 * PI);
+    pub(super) const EVERYWHERE: Self = Self::of_flux(4.0 * PI);
 
-    /// An amount of light per steradian.
-    fn per_steradian(self, unit: Unit, amount: f64) -> f64 {
+    /// Of a light without an area, by its flux in lm over its intensity in cd.
+    pub(super) const fn of_flux(flux: f64) -> Self {
+        Self {
+            flux,
+            intensity: 1.0,
+        }
+    }
+
+    /// The size of a light of which there is so much.
+    fn size(self, unit: Unit, amount: f64) -> f64 {
         match unit {
-            Unit::Candela | Unit::WattsPerSteradian | Unit::Lux => amount,
-            Unit::Lumens | Unit::Watts => amount / self.0,
+            Unit::Nits | Unit::Lux => amount,
+            Unit::Candela | Unit::WattsPerSteradian => amount / self.intensity,
+            Unit::Lumens | Unit::Watts => amount / self.flux,
         }
     }
 }

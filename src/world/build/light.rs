@@ -12,6 +12,9 @@ use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Rgb};
 use crate::world::light::{Cone, IesLight, Light, PointLight, SpotLight, SunLight};
 
+/// What the `up` of a luminaire is for.
+const HORIZONTAL: &str = "it says towards what horizontal angle 0 of the file is";
+
 /// An `up` this near to the axis, as a sine, is along it.
 const ALONG: f64 = 1e-6;
 
@@ -47,7 +50,7 @@ impl Builder<'_> {
             } => {
                 let cone = self.cone(*inner, *outer, *falloff);
                 let Emission { rgb, spectrum } = self.spot_emission(intensity, cone);
-                let axis = self.axis(*position, aim);
+                let axis = self.axis("position", *position, aim);
                 let light = SpotLight {
                     position: self.light_position(*position),
                     axis: axis.unwrap_or_else(|Reported| {
@@ -71,12 +74,12 @@ impl Builder<'_> {
                 group: _,
             } => {
                 let photometry = &luminaire.photometry;
-                let spread = Spread(photometry.lumens() / photometry.peak().candela);
+                let spread = Spread::of_flux(photometry.lumens() / photometry.peak().candela);
                 let emission = self.emission("intensity", intensity, spread);
                 let Emission { rgb, spectrum } = self.scaled(emission, *scale);
-                let axis = self.axis(*position, aim);
+                let axis = self.axis("position", *position, aim);
                 let (axis, up) = axis
-                    .and_then(|axis| Ok((axis, self.up(axis, *up)?)))
+                    .and_then(|axis| Ok((axis, self.up(axis, *up, HORIZONTAL)?)))
                     .unwrap_or_else(|Reported| {
                         (
                             Direction::new(DVec3::Z).expect("z is a direction"),
@@ -92,6 +95,13 @@ impl Builder<'_> {
                 );
                 (Light::Ies(light.expect("`up` is across")), spectrum)
             }
+            scene::Light::Area {
+                shape,
+                luminance,
+                visible,
+                samples,
+                group: _,
+            } => self.area_light(shape, luminance, *visible, *samples),
             scene::Light::Sun {
                 direction,
                 illuminance,
@@ -143,7 +153,7 @@ impl Builder<'_> {
         cone: Result<Cone, Reported>,
     ) -> Emission {
         let spread = match cone {
-            Ok(cone) => Spread(cone.flux()),
+            Ok(cone) => Spread::of_flux(cone.flux()),
             Err(Reported) => Spread::EVERYWHERE,
         };
         self.emission("intensity", intensity, spread)
@@ -197,11 +207,12 @@ impl Builder<'_> {
         }
     }
 
-    /// What horizontal angle 0 is towards: where nothing is said y, or −z for light along that.
-    fn up(
+    /// What horizontal angle 0 is towards, or a side runs along: where nothing is said y, or −z for light along that.
+    pub(super) fn up(
         &mut self,
         axis: Direction,
         written: Option<Spanned<[f64; 3]>>,
+        why: &str,
     ) -> Result<DVec3, Reported> {
         let across = |up: DVec3| axis.get().cross(up).length() > ALONG;
         let Some(written) = written else {
@@ -215,14 +226,20 @@ impl Builder<'_> {
         if across(up) {
             return Ok(up);
         }
-        let conflict = "`up` is along the way that the light points, expected a vector that is not: it says towards \
-                        what horizontal angle 0 of the file is";
-        self.report(written.span, Problem::Conflict(conflict.to_owned()));
+        let conflict = format!(
+            "`up` is along the way that the light points, expected a vector that is not: {why}"
+        );
+        self.report(written.span, Problem::Conflict(conflict));
         Err(Reported)
     }
 
     /// The unit vector along which a light points.
-    fn axis(&mut self, position: Spanned<[f64; 3]>, aim: &Aim) -> Result<Direction, Reported> {
+    pub(super) fn axis(
+        &mut self,
+        key: &'static str,
+        position: Spanned<[f64; 3]>,
+        aim: &Aim,
+    ) -> Result<Direction, Reported> {
         match *aim {
             Aim::Direction(written) => {
                 let vector = self.direction("direction", written)?.get();
@@ -236,9 +253,10 @@ impl Builder<'_> {
                     return Err(Reported);
                 }
                 Direction::new(way).ok_or_else(|| {
-                    let conflict = "`look_at` is the same point as `position`, expected a point to shine \
-                                    at, or a `direction`";
-                    self.report(written.span, Problem::Conflict(conflict.to_owned()));
+                    let conflict = format!(
+                        "`look_at` is the same point as `{key}`, expected a point to shine at, or a `direction`"
+                    );
+                    self.report(written.span, Problem::Conflict(conflict));
                     Reported
                 })
             }

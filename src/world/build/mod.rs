@@ -1,5 +1,6 @@
 //! A legal world, built from a scene as written.
 
+mod area;
 mod camera;
 mod color;
 mod light;
@@ -252,6 +253,7 @@ impl<'a> Builder<'a> {
             lights,
             light_groups,
             objects: Vec::new(),
+            first_light_object: 0,
             spheres: Vec::new(),
             planes: Vec::new(),
             triangles: self.kept.map_or_else(Arc::<Triangles>::default, |world| {
@@ -275,10 +277,19 @@ impl<'a> Builder<'a> {
                     name: entry.name.clone(),
                     material,
                     shape,
+                    emits: None,
                 });
                 Ok(())
             },
         );
+        self.light_objects(&mut world, |builder, world, entry| {
+            let (material, lobes) = builder.material(entry);
+            builder.reserve(&mut world.materials, 1)?;
+            world.materials.push(named(entry, material));
+            builder.reserve(&mut reflectances, 1)?;
+            reflectances.extend(lobes);
+            Ok(())
+        });
         self.look_for_objects();
         self.check_heights();
         // After an error a spectrum may be missing; then the world is dropped.

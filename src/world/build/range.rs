@@ -176,8 +176,8 @@ impl Builder<'_> {
                     scene::Light::Point { position, .. }
                     | scene::Light::Spot { position, .. }
                     | scene::Light::Ies { position, .. } => position,
-                    // It has no place.
-                    scene::Light::Sun { .. } => continue,
+                    // It has no place, or more than one.
+                    scene::Light::Sun { .. } | scene::Light::Area { .. } => continue,
                 };
                 let light = DVec3::from_array(position.value);
                 let reach = (light - point).length();

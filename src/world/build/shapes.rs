@@ -150,6 +150,43 @@ impl Builder<'_> {
         Ok(())
     }
 
+    /// Two triangles between four corners in turn, as one mesh.
+    pub(super) fn rectangle(
+        &mut self,
+        corners: [DVec3; 4],
+        object: u32,
+        span: scene::Span,
+        triangles: &mut Triangles,
+    ) -> Result<(), Reported> {
+        let halves = [[0, 1, 2], [0, 2, 3]];
+        let has_area = |half: [usize; 3]| triangle_normal(half.map(|it| corners[it])).is_some();
+        if !halves.into_iter().all(has_area) {
+            let conflict = "the light is so small beside its distance from the camera's `look_at` that 64-bit floats \
+                            do not tell its corners apart, expected a larger one, or `visible = false`";
+            self.report(span, Problem::Conflict(conflict.to_owned()));
+            return Err(Reported);
+        }
+        self.reserve_mesh(triangles, 4, 2)?;
+        let first = triangles.positions.len() as u32;
+        let start = triangles.len() as u32;
+        triangles.positions.extend(corners);
+        for half in halves {
+            triangles
+                .corners
+                .push(half.map(|corner| first + corner as u32));
+        }
+        triangles.meshes.push(Mesh {
+            object,
+            triangles: start..start + 2,
+            normals: None,
+            shadow_terminator: ShadowTerminator::default(),
+            degenerate: 0,
+            vanished: 0,
+            remarks: MeshRemarks::default(),
+        });
+        Ok(())
+    }
+
     /// Room for a mesh more, with so many positions and triangles.
     fn reserve_mesh(
         &mut self,
