@@ -30,9 +30,13 @@ mod conic;
 mod gauss;
 mod lambert;
 mod lobe;
+mod occluder;
 mod outline;
+mod pieces;
 pub(crate) mod polygon;
 mod power;
+mod received;
+mod shadow;
 #[cfg(test)]
 mod tests;
 
@@ -41,7 +45,10 @@ use std::f64::consts::PI;
 use crate::math::{DVec3, Normal, Point};
 pub(crate) use clip::{MOST_CORNERS, Polygon};
 pub(crate) use conic::Conic;
+pub(crate) use occluder::Occluder;
 pub(crate) use outline::{Cone, Outline};
+pub(crate) use received::{Gloss, Received, Receiver};
+pub(crate) use shadow::{Accuracy, Bounded, ShadowSpace};
 
 /// A luminaire with an area, of the same luminance everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
