@@ -104,3 +104,13 @@ pub(super) fn for_each_edge(corners: &[DVec3], inward: DVec3, mut take: impl FnM
 pub(super) fn across(from: DVec3, to: DVec3) -> DVec3 {
     from.cross(to - from)
 }
+
+/// Corners that are so close to a plane, relative to their lengths, are on it: more than what corners and planes
+/// are rounded by.
+pub(super) const SLACK: f64 = 2e-15;
+
+/// |x| + |y| + |z|
+#[inline(always)]
+pub(super) fn l1(vector: DVec3) -> f64 {
+    vector.x.abs() + vector.y.abs() + vector.z.abs()
+}

@@ -5,14 +5,18 @@
 //! of the cone and e₁, e₂ are the axes of the ellipse: |g|² = a² + b² cos² t + d² sin² t. A plane through the point
 //! cuts the ellipse along a chord.
 
+use super::clip::{SLACK, across, l1};
 use super::gauss;
 use super::lambert::{half_arc, half_edge};
 use super::lobe::{Integrand, is_small, power};
 use super::polygon::COSINE_ERROR;
 use crate::math::DVec3;
 
-/// So many planes may cut a cone: two horizons, the lobe's, and one of who asks.
-const MOST_PLANES: usize = 4;
+/// So many planes may cut a cone: two horizons, and the sides of a cell of its outline.
+const MOST_PLANES: usize = 24;
+
+/// Most cones are cut by so many at most, and then less is made room for.
+const FEW_PLANES: usize = 5;
 
 /// Two planes whose heights differ by less than so much of them are one: what is between them is below the last
 /// digits of any integral.
@@ -37,6 +41,15 @@ enum Piece {
     Arc([f64; 2]),
     /// Straight on, of vectors in the frame.
     Edge([DVec3; 2]),
+}
+
+/// Where a polygon is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Inside,
+    Outside,
+    /// Or too close to tell.
+    Across,
 }
 
 /// A vector of unit length across another of unit length.
@@ -116,6 +129,14 @@ impl Conic {
         let frame = [e1, axis.cross(e1), axis];
         let radii = [sine, radius / product.sqrt(), cosine];
         Some(Self::new(frame, radii))
+    }
+
+    /// It without the planes that cut it.
+    pub(super) fn whole(&self) -> WholeCone {
+        WholeCone {
+            frame: self.frame,
+            radii: self.radii,
+        }
     }
 
     /// What of it is where `inward · x ≥ 0`, of unit length. `None` where too many planes cut it.
@@ -240,8 +261,18 @@ impl Conic {
     }
 
     /// The boundary of what is left of it, and where `further · x ≥ 0`, piece by piece.
+    #[inline(always)]
     fn for_each_piece(&self, further: Option<DVec3>, mut take: impl FnMut(Piece)) {
-        let mut cuts = [Cut::NONE; MOST_PLANES + 1];
+        if self.count < FEW_PLANES {
+            self.cut_by::<FEW_PLANES>(further, &mut take);
+        } else {
+            self.cut_by::<{ MOST_PLANES + 1 }>(further, &mut take);
+        }
+    }
+
+    /// The same, where there are at most so many planes.
+    fn cut_by<const MOST: usize>(&self, further: Option<DVec3>, take: &mut impl FnMut(Piece)) {
+        let mut cuts = [Cut::NONE; MOST];
         let mut count = 0;
         let planes = self.planes[..self.count].iter().copied();
         for plane in planes.chain(further) {
@@ -249,41 +280,138 @@ impl Conic {
             count += 1;
         }
         let cuts = &cuts[..count];
-        self.for_each_arc(cuts, &mut take);
+        for_each_arc::<MOST>(cuts, take);
         for place in 0..cuts.len() {
             if let Some([from, to]) = chord(cuts, place) {
                 take(Piece::Edge([from, to].map(|[x, y]| self.at(x, y))));
             }
         }
     }
+}
 
-    fn for_each_arc(&self, cuts: &[Cut], take: &mut impl FnMut(Piece)) {
-        use std::f64::consts::TAU;
-        let mut turns = [0.0; 2 * (MOST_PLANES + 1)];
-        let mut count = 0;
-        for turn in cuts.iter().filter_map(|cut| cut.turns).flatten() {
-            turns[count] = if turn < 0.0 { turn + TAU } else { turn };
-            count += 1;
+/// The arcs of the outline that are inside of so many cuts at most.
+fn for_each_arc<const MOST: usize>(cuts: &[Cut], take: &mut impl FnMut(Piece)) {
+    use std::f64::consts::TAU;
+    let mut turns = [[0.0; 2]; MOST];
+    let turns = turns.as_flattened_mut();
+    let mut count = 0;
+    for turn in cuts.iter().filter_map(|cut| cut.turns).flatten() {
+        turns[count] = if turn < 0.0 { turn + TAU } else { turn };
+        count += 1;
+    }
+    let is_inside = |turn: f64| {
+        let (sin, cos) = libm::sincos(turn);
+        cuts.iter().all(|cut| cut.height([cos, sin]) >= 0.0)
+    };
+    let turns = &mut turns[..count];
+    turns.sort_unstable_by(f64::total_cmp);
+    let Some(&first) = turns.first() else {
+        if is_inside(0.0) {
+            take(Piece::Arc([0.0, TAU]));
         }
-        let is_inside = |turn: f64| {
-            let (sin, cos) = libm::sincos(turn);
-            cuts.iter().all(|cut| cut.height([cos, sin]) >= 0.0)
+        return;
+    };
+    for place in 0..count {
+        let from = turns[place];
+        let to = turns.get(place + 1).copied().unwrap_or(first + TAU);
+        if to > from && is_inside(0.5 * (from + to)) {
+            take(Piece::Arc([from, to]));
+        }
+    }
+}
+
+/// An elliptic cone that no plane has cut.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WholeCone {
+    frame: [DVec3; 3],
+    radii: [f64; 3],
+}
+
+impl WholeCone {
+    fn cone(&self) -> Conic {
+        Conic::new(self.frame, self.radii)
+    }
+
+    /// Where a convex polygon is, which runs against the clock as it is seen from the origin.
+    pub(super) fn side_of(&self, corners: &[DVec3]) -> Side {
+        let [b, d, a] = self.radii;
+        // Here the cone is round, and its angle is 45°.
+        let scale = DVec3::new(1.0 / b, 1.0 / d, 1.0 / a);
+        let round = |corner: DVec3| {
+            let [x, y, z] = self.frame.map(|axis| axis.dot(corner));
+            DVec3::new(x, y, z) * scale
         };
-        let turns = &mut turns[..count];
-        turns.sort_unstable_by(f64::total_cmp);
-        let Some(&first) = turns.first() else {
-            if is_inside(0.0) {
-                take(Piece::Arc([0.0, TAU]));
-            }
-            return;
-        };
-        for place in 0..count {
-            let from = turns[place];
-            let to = turns.get(place + 1).copied().unwrap_or(first + TAU);
-            if to > from && is_inside(0.5 * (from + to)) {
-                take(Piece::Arc([from, to]));
+        let is_inside = |q: DVec3| q.z > 0.0 && q.x * q.x + q.y * q.y <= q.z * q.z;
+        let (mut are_inside, mut nearest, mut ratio) = (true, DVec3::ZERO, f64::INFINITY);
+        for &corner in corners {
+            let q = round(corner);
+            are_inside &= is_inside(q);
+            let square = q.x * q.x + q.y * q.y;
+            if q.z > 0.0 && square < ratio * (q.z * q.z) {
+                (nearest, ratio) = (q, square / (q.z * q.z));
             }
         }
+        if are_inside {
+            return Side::Inside;
+        }
+        let is_beyond = |plane: DVec3| {
+            let is_cone_outside = plane.z + libm::hypot(plane.x, plane.y) <= 0.0;
+            // Planes through ends that are close to each other may be anywhere.
+            is_cone_outside
+                && corners
+                    .iter()
+                    .all(|&corner| plane.dot(round(corner)) >= 0.0)
+        };
+        let length = libm::hypot(nearest.x, nearest.y);
+        if ratio > 1.0 && length > 0.0 {
+            let tangent = DVec3::new(nearest.x / length, nearest.y / length, -1.0);
+            if corners
+                .iter()
+                .all(|&corner| tangent.dot(round(corner)) >= 0.0)
+            {
+                return Side::Outside;
+            }
+        }
+        let mut before = corners.last().map_or(DVec3::ZERO, |&corner| round(corner));
+        for &corner in corners {
+            let q = round(corner);
+            let plane = before.cross(q - before);
+            // The edge itself is on both sides of its plane, as it is rounded.
+            if is_beyond(plane + DVec3::Z * (1e-15 * plane.abs().element_sum())) {
+                return Side::Outside;
+            }
+            before = q;
+        }
+        Side::Across
+    }
+
+    /// What of it is inside of a convex polygon, which runs against the clock as it is seen from the origin. `None`
+    /// where too many edges cut it.
+    pub(super) fn within(&self, corners: &[DVec3]) -> Option<Conic> {
+        let mut part = self.cone();
+        let mut before = *corners.last()?;
+        for &corner in corners {
+            let plane = across(before, corner);
+            let is_edge = |other: DVec3| plane.dot(other) >= -SLACK * l1(plane) * l1(other);
+            let local = part.local(plane);
+            // Planes through ends that are close to each other may be anywhere; what they cut off is as small.
+            if part.cuts(local) && corners.iter().all(|&other| is_edge(other)) {
+                *part.planes.get_mut(part.count)? = local;
+                part.count += 1;
+            }
+            before = corner;
+        }
+        Some(part)
+    }
+
+    /// The corners of a polygon around all of it, against the clock as they are seen from the origin.
+    pub(super) fn around(&self) -> [DVec3; 4] {
+        // No edge may cut it as numbers are rounded.
+        const MORE: f64 = 1.0 + 1e-9;
+        [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]].map(|[x, y]| {
+            let [b, d, a] = self.radii;
+            self.frame[0] * (b * x * MORE) + self.frame[1] * (d * y * MORE) + self.frame[2] * a
+        })
     }
 }
 

@@ -31,10 +31,14 @@ mod conic;
 mod gauss;
 mod lambert;
 mod lobe;
+mod occluder;
 mod outline;
+mod pieces;
 mod places;
 pub(crate) mod polygon;
 mod power;
+mod received;
+mod shadow;
 #[cfg(test)]
 mod tests;
 
@@ -44,8 +48,11 @@ use crate::math::{DVec3, Normal, Point};
 pub(crate) use beside::Sight;
 pub(crate) use clip::{MOST_CORNERS, Polygon};
 pub(crate) use conic::Conic;
+pub(crate) use occluder::Occluder;
 pub(crate) use outline::{Cone, Outline};
 pub(crate) use places::{Surface, SurfacePoint};
+pub(crate) use received::{Gloss, Received, Receiver};
+pub(crate) use shadow::{Accuracy, Bounded, ShadowSpace};
 
 /// A luminaire with an area, of the same luminance everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]

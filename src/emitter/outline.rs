@@ -7,10 +7,6 @@ use crate::math::{DVec3, Direction, Normal};
 
 /// A part of an emitter, seen from a point.
 #[derive(Clone, Copy, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "it lives on the stack, for one point at a time"
-)]
 pub(crate) enum Outline {
     Polygon(Polygon),
     Conic(Conic),
@@ -26,7 +22,7 @@ pub(crate) struct Cone {
 
 impl Outline {
     /// What of it is above a plane through the point, which is where `inward · x ≥ 0`. `None` where too many planes
-    /// have cut it: four of a disk or sphere, some twenty of a rectangle.
+    /// have cut it, more than twenty.
     pub(crate) fn clipped(&self, inward: Normal) -> Option<Self> {
         match self {
             Self::Polygon(polygon) => polygon.clipped(inward.get()).map(Self::Polygon),

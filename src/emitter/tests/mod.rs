@@ -3,6 +3,7 @@
 mod cubature;
 mod fuzz;
 mod lobes;
+mod shadows;
 mod symmetry;
 
 use std::f64::consts::PI;
@@ -328,7 +329,10 @@ fn there_is_an_end_to_corners_and_planes() {
     let full = Polygon::new(&corners[1..]).unwrap();
     assert!(full.clipped(DVec3::Z).is_some());
     assert!(Polygon::new(&[DVec3::Z, DVec3::NAN, DVec3::X]).is_none());
-    let planes = [DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y].map(normal);
+    let planes = (0..24).map(|turn| {
+        let (sin, cos) = f64::from(turn).sin_cos();
+        normal(v(cos, sin, 0.0))
+    });
     let mut outline = Conic::of_disk(DVec3::Z, DVec3::Z, 0.5).map(Outline::Conic);
     for plane in planes {
         outline = outline.unwrap().clipped(plane);
