@@ -254,6 +254,7 @@ impl<'a> Builder<'a> {
             objects: Vec::new(),
             spheres: Vec::new(),
             planes: Vec::new(),
+            disks: Vec::new(),
             triangles: self.kept.map_or_else(Arc::<Triangles>::default, |world| {
                 Arc::clone(&world.triangles)
             }),
