@@ -159,6 +159,7 @@ fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> 
         let shape = match object.shape {
             Shape::Sphere(_) => "sphere".to_owned(),
             Shape::Plane(_) => "plane".to_owned(),
+            Shape::Disk(_) => "disk".to_owned(),
             Shape::Mesh(index) => {
                 let mesh = &world.triangles().meshes()[index];
                 let normals = if mesh.normals.is_some() {

@@ -3,7 +3,7 @@
 
 use super::clip::Clip;
 use super::model::{Model, Vector};
-use super::surface::{Silhouette, Solid, Square, Surface, View, one_of};
+use super::surface::{Silhouette, Solid, Square, Surface, View, one_of, within_rim};
 use super::{List, Mean, Primary, Quadrature, Reach, Told};
 use crate::math::DVec3;
 use crate::visibility::{ShaftAnswer, ShaftQuestion};
@@ -155,10 +155,10 @@ impl Quadrature<'_> {
         }
     }
 
-    /// Two flat shapes: one is nearer on one side of a line; or they are on either side of a common edge.
+    /// Two flat shapes without curved edges: one is nearer on one side of a line; or they are on either side of a common edge.
     fn meeting(&mut self, view: &View, a: u64, b: u64) -> Option<Edge> {
         let (first, second) = (self.solid(a), self.solid(b));
-        let is_flat = |solid: &Solid| !matches!(solid, Solid::Sphere { .. });
+        let is_flat = |solid: &Solid| matches!(solid, Solid::Plane { .. } | Solid::Triangle { .. });
         if !(is_flat(&first) && is_flat(&second)) {
             return None;
         }
@@ -228,23 +228,36 @@ fn occluded(surface: &Surface, light: DVec3, occluder: &Solid) -> Option<Model> 
         } => {
             let height = normal.dot(light - corners[0]);
             let end = surface.position.minus(corners[0]).along(normal);
-            // On different sides of its plane.
-            let is_between = if height > 0.0 {
-                end.most() < 0.0
-            } else {
-                height < 0.0 && end.least() > 0.0
-            };
-            if !is_between {
+            if !is_between(height, &end) {
                 return None;
             }
             let from = corners.map(|corner| corner - light);
             one_of([0, 1, 2].map(|i: usize| way.along(from[i].cross(from[(i + 1) % 3]))))
+        }
+        Solid::Disk {
+            center,
+            normal,
+            radius,
+        } => {
+            let height = normal.dot(light - center);
+            let end = surface.position.minus(center).along(normal);
+            is_between(height, &end)
+                .then(|| within_rim(way, Vector::constant(center - light), normal, radius))
         }
         Solid::Plane { point, normal } => {
             let height = normal.dot(light - point);
             let end = surface.position.minus(point).along(normal);
             Some(end.times(-height.signum()))
         }
+    }
+}
+
+/// Whether a light and points, by their heights over the plane of a flat shape, are on different sides of it.
+fn is_between(light: f64, points: &Model) -> bool {
+    if light > 0.0 {
+        points.most() < 0.0
+    } else {
+        light < 0.0 && points.least() > 0.0
     }
 }
 

@@ -207,7 +207,7 @@ impl Quadrature<'_> {
         let start = self.region.reaches.len();
         let solid = self.solid(shape);
         let bounds = match solid {
-            Solid::Sphere { center, radius } => {
+            Solid::Sphere { center, radius } | Solid::Disk { center, radius, .. } => {
                 Some([center - DVec3::splat(radius), center + DVec3::splat(radius)])
             }
             Solid::Plane { .. } | Solid::Triangle { .. } => {

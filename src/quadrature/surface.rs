@@ -71,6 +71,11 @@ pub(super) enum Solid {
         point: DVec3,
         normal: DVec3,
     },
+    Disk {
+        center: DVec3,
+        normal: DVec3,
+        radius: f64,
+    },
     Triangle {
         corners: [DVec3; 3],
         normal: DVec3,
@@ -90,6 +95,14 @@ impl Solid {
                 point: on_it,
                 normal,
             } => normal.dot(point - on_it).abs(),
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => {
+                let way = point - center;
+                (way.length() - radius).max(normal.dot(way).abs())
+            }
             Self::Triangle {
                 corners: [a, b, c],
                 normal,
@@ -117,6 +130,14 @@ impl Solid {
                 Self::Plane {
                     point: plane.point.0,
                     normal: plane.normal.get(),
+                }
+            }
+            Shape::Disk(index) => {
+                let disk = &world.disks()[index];
+                Self::Disk {
+                    center: disk.center.0,
+                    normal: disk.normal.get(),
+                    radius: disk.radius,
                 }
             }
             Shape::Mesh(index) => {
@@ -194,6 +215,7 @@ impl Surface {
                 Self::round(view, center, radius, to_center, inside.root())
             }
             Solid::Plane { point, normal } => Self::flat(view, point, normal),
+            Solid::Disk { center, normal, .. } => Self::flat(view, center, normal),
             Solid::Triangle {
                 corners,
                 normal,
@@ -379,6 +401,14 @@ fn discriminant(view: &View, center: DVec3, radius: f64) -> (Vector, Model) {
     (to_center, inside)
 }
 
+/// Where lines along `way` come through a disk, `to_center` being the way from where they start to its center:
+/// above 0 there. They meet its plane at m/(n·d) beside the center, m = h d − (n·d) e = n × (d × e): R² (n·d)² − |m|².
+pub(super) fn within_rim(way: Vector, to_center: Vector, normal: DVec3, radius: f64) -> Model {
+    let facing = way.along(normal);
+    let beside = Vector::constant(normal).cross(way.cross(to_center));
+    (facing * facing).times(radius * radius) - beside.dot(beside)
+}
+
 impl Solid {
     /// Its silhouette in a square, if that is one curve there; and how far the rays get before it, at most.
     pub(super) fn silhouette(&self, view: &View) -> Option<(Silhouette, f64)> {
@@ -401,6 +431,21 @@ impl Solid {
                     is_round: false,
                 };
                 (height.times(sign).least() > 0.0).then_some((silhouette, f64::INFINITY))
+            }
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => {
+                let to_center = -view.origin.minus(center);
+                let inside = within_rim(view.direction, to_center, normal, radius);
+                let surface = Surface::new(view, self)?;
+                let silhouette = Silhouette {
+                    inside,
+                    is_round: false,
+                };
+                let is_told = inside.is_known();
+                is_told.then_some((silhouette, surface.distance.most()))
             }
             Self::Triangle { corners, .. } => {
                 let inside = one_edge(view, corners)?;

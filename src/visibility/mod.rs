@@ -17,7 +17,7 @@
 //!    answer.
 //! 3. `tree`: a bounding volume hierarchy and the beams that go down it. It knows boxes, not shapes.
 //! 4. `projection`: the samples of a batch on a plane, and the depth test that fragments pass there.
-//! 5. `shape`: spheres, triangles and planes, each with its set-up before a projection and its test in f64.
+//! 5. `shape`: spheres, triangles, planes and disks, each with its set-up before a projection and its test in f64.
 //! 6. `packet`: how a packet goes down a tree and puts its question to shapes.
 //! 7. `search`, `shapes`: all shapes of a kind, and all of a world.
 //! 8. `points`: the answers.
@@ -204,7 +204,7 @@ impl<'w> Visibility<'w> {
     fn of(world: &'w World, parts: Parts) -> Self {
         let shapes = Shapes::of(world, &parts);
         let meshes = world.triangles().meshes();
-        let count = world.triangles().len() + world.spheres().len();
+        let count = world.triangles().len() + world.spheres().len() + world.disks().len();
         Self {
             somewhere: shapes.somewhere(),
             shapes,
@@ -297,9 +297,12 @@ impl<'w> Visibility<'w> {
         )
     }
 
-    /// At least the largest coordinate of any sphere or triangle.
+    /// At least the largest coordinate of any sphere, triangle or disk.
     pub(crate) fn reach(&self) -> f64 {
-        self.parts.reach()
+        let disks = self.shapes.world.disks().iter();
+        disks.fold(self.parts.reach(), |reach, disk| {
+            reach.max(disk.center.0.abs().max_element() + disk.radius)
+        })
     }
 
     /// Bytes of the arrays and trees.

@@ -37,6 +37,7 @@ impl Primitive {
 pub(super) const TRIANGLES: u32 = 0;
 pub(super) const SPHERES: u32 = 1 << 30;
 pub(super) const PLANES: u32 = 2 << 30;
+pub(super) const DISKS: u32 = 3 << 30;
 
 /// Which shape it is.
 #[derive(Clone, Copy)]

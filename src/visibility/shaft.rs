@@ -505,6 +505,7 @@ fn solid_of(world: &World, primitive: Primitive) -> Solid {
                 normal: plane.normal.get(),
             }
         }
+        Shape::Disk(index) => Solid::of_disk(&world.disks()[index]),
         Shape::Mesh(_) => Solid::Triangle(world.triangles().vertices(triangle)),
     }
 }
@@ -531,6 +532,9 @@ impl ShaftSearch<'_> {
                 Primitive::whole(plane.object),
                 Solid::Plane { point, normal },
             );
+        }
+        for disk in shapes.world.disks() {
+            self.offer(Primitive::whole(disk.object), Solid::of_disk(disk));
         }
         let hull = self.hull;
         let (half_spaces, along) = (hull.half_spaces(), hull.along);

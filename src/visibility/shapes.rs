@@ -11,7 +11,7 @@ use super::projection::{BatchProjection, DepthTest};
 use super::question::{NearestHit, Occlusion, SegmentEnds};
 use super::rays::{Rays, ShearedRays};
 use super::search::{NumberedShapes, Search, outsized};
-use super::shape::{Block, Shape, Sphere, Triangle, plane};
+use super::shape::{Block, Shape, Sphere, Triangle, disk, plane};
 use super::tree::{Bounds, PartTree, PlacedPart, Stack};
 use crate::math::{DVec3, Point, all_three, both};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U64x16};
@@ -293,8 +293,9 @@ impl<'w> Shapes<'w> {
     /// A point amid the shapes.
     pub(super) fn somewhere(&self) -> DVec3 {
         let plane = self.world.planes().first().map(|plane| plane.point.0);
+        let disk = self.world.disks().first().map(|disk| disk.center.0);
         let solid = self.triangles.somewhere().or(self.spheres.somewhere());
-        solid.or(plane).unwrap_or(DVec3::ZERO)
+        solid.or(disk).or(plane).unwrap_or(DVec3::ZERO)
     }
 
     /// Bytes of the arrays and trees.
@@ -324,6 +325,10 @@ impl<'w> Shapes<'w> {
             .rasterize(simd, projection, &mut setups.spheres, stack, depth_test);
         self.triangles
             .rasterize(simd, projection, &mut setups.triangles, stack, depth_test);
+        // In the end, when much of what they are behind is known.
+        if !self.world.disks().is_empty() {
+            disk::rasterize_disks(simd, self.world.disks(), projection, depth_test);
+        }
     }
 
     /// L2 for the rays of a packet, in f64.
@@ -340,6 +345,9 @@ impl<'w> Shapes<'w> {
             || {
                 for plane in self.world.planes() {
                     plane::intersect(simd, plane, rays, nearest);
+                }
+                for disk in self.world.disks() {
+                    disk::intersect(simd, disk, rays, nearest);
                 }
                 let packet = ShearedRays::new(*rays);
                 self.spheres.ask(simd, &packet, nearest, stack);
@@ -376,6 +384,9 @@ impl<'w> Shapes<'w> {
                 };
                 for plane in self.world.planes() {
                     plane::occlude(simd, plane, &mut occlusion);
+                }
+                for disk in self.world.disks() {
+                    disk::occlude(simd, disk, &mut occlusion);
                 }
                 let rays =
                     Rays::from_point(simd, light, offsets(simd, ends.position, packet, light.0));

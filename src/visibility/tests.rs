@@ -13,6 +13,7 @@ use crate::scene::{Entry, Object, Scene, ShadowTerminator, Span};
 use crate::simd::{F64x16, Kernel, LANES, SimdLevel};
 
 mod contacts;
+mod disks;
 mod incoherent;
 mod lifted;
 mod parallel;
@@ -43,6 +44,8 @@ struct Writer {
     objects: u32,
     /// Objects that are no text: meshes without a file.
     meshes: Vec<Object>,
+    /// Disks, which no scene has: their centers, normals and radii.
+    disks: Vec<([f64; 3], [f64; 3], f64)>,
 }
 
 impl Writer {
@@ -84,6 +87,7 @@ impl Writer {
             place,
             objects: 0,
             meshes: Vec::new(),
+            disks: Vec::new(),
         }
     }
 
@@ -170,7 +174,8 @@ impl Writer {
         let text = format!("{}{camera}", self.text);
         let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
         lifted::add_meshes(&mut scene, &self.meshes);
-        let (world, camera) = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let (mut world, camera) = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        self.add_disks(&mut world);
         let plan = Plan::new(&world);
         let projection = Visibility::new(&world, &plan);
         let packets = Visibility {

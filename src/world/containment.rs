@@ -51,7 +51,7 @@ pub(super) fn contained(world: &World) -> Contained {
                 let sphere = world.spheres()[index];
                 lights.in_sphere(&sphere, &mut steps, &mut within)
             }
-            Shape::Plane(_) => Some(()),
+            Shape::Plane(_) | Shape::Disk(_) => Some(()),
             Shape::Mesh(index) => {
                 let mesh = &world.triangles().meshes()[index];
                 lights.in_mesh(world, mesh, &mut steps, &mut within)

@@ -28,6 +28,31 @@ pub struct Plane {
     pub object: u32,
 }
 
+/// ‖p − c‖ ≤ R and n · (p − c) = 0: flat and round. Range: R above 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disk {
+    /// c
+    pub center: Point,
+    /// n
+    pub normal: Normal,
+    /// R
+    pub radius: f64,
+    /// The object that it belongs to.
+    pub object: u32,
+}
+
+impl Disk {
+    /// The plane that it is in.
+    #[inline(always)]
+    pub(crate) fn plane(&self) -> Plane {
+        Plane {
+            point: self.center,
+            normal: self.normal,
+            object: self.object,
+        }
+    }
+}
+
 /// All triangles of the world, mesh after mesh in the order of the objects. None is degenerate.
 #[derive(Clone, Debug, Default)]
 pub struct Triangles {

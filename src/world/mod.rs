@@ -32,7 +32,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 #[doc(hidden)]
-pub use geometry::{Mesh, MeshNormals, Plane, Sphere, Triangles};
+pub use geometry::{Disk, Mesh, MeshNormals, Plane, Sphere, Triangles};
 #[doc(hidden)]
 pub use light::{AreaLight, Light, PointLight, SpotLight};
 #[doc(hidden)]
@@ -74,6 +74,8 @@ pub struct World {
     first_light_object: usize,
     spheres: Vec<Sphere>,
     planes: Vec<Plane>,
+    /// No object of a scene is one.
+    disks: Vec<Disk>,
     /// Shared by the frames of a sequence in which none moves.
     triangles: Arc<Triangles>,
     /// I · k of every light on every material, where light is carried spectrally.
@@ -143,6 +145,8 @@ pub enum Shape {
     Sphere(usize),
     /// An index into [`World::planes`].
     Plane(usize),
+    /// An index into [`World::disks`].
+    Disk(usize),
     /// An index into [`Triangles::meshes`]; a single triangle is a mesh of one.
     Mesh(usize),
 }
@@ -370,6 +374,28 @@ impl World {
     #[doc(hidden)]
     pub fn planes(&self) -> &[Plane] {
         &self.planes
+    }
+
+    /// All disks, in the order of the objects.
+    #[doc(hidden)]
+    pub fn disks(&self) -> &[Disk] {
+        &self.disks
+    }
+
+    /// Adds a disk as the last object, of the first material.
+    #[cfg(test)]
+    pub(crate) fn add_disk(&mut self, center: DVec3, normal: DVec3, radius: f64) {
+        self.disks.push(Disk {
+            center: crate::math::Point(center),
+            normal: crate::math::Normal::new(normal).expect("a direction"),
+            radius,
+            object: self.objects.len() as u32,
+        });
+        self.objects.push(Object {
+            name: format!("disk{}", self.disks.len()),
+            material: 0,
+            shape: Shape::Disk(self.disks.len() - 1),
+        });
     }
 
     /// All triangles, in the order of the objects.

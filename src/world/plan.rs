@@ -47,6 +47,8 @@ pub struct Plan {
     #[serde(skip_serializing_if = "is_none")]
     suns: usize,
     planes: usize,
+    #[serde(skip_serializing_if = "is_none")]
+    disks: usize,
     spheres: Acceleration,
     triangles: Acceleration,
     specular: bool,
@@ -54,7 +56,7 @@ pub struct Plan {
     lifted_shadow_rays: bool,
 }
 
-/// Scenes without spots or suns have the plan that they had before there were any.
+/// Scenes without spots, suns or disks have the plan that they had before there were any.
 fn is_none(count: &usize) -> bool {
     *count == 0
 }
@@ -93,6 +95,7 @@ impl Plan {
             spots: count(|light| matches!(light, Light::Spot(_))),
             suns: count(|light| matches!(light, Light::Sun(_))),
             planes: world.planes().len(),
+            disks: world.disks().len(),
             spheres: acceleration(world.spheres().len(), LONGEST_LIST_OF_SPHERES),
             triangles: acceleration(world.triangles().len(), LONGEST_LIST),
             specular: world
@@ -176,7 +179,7 @@ impl Plan {
             )
         };
         let [rgb, spectral] = self.transport_reasons(world);
-        vec![
+        let mut decisions = vec![
             decision("RGB transport", self.transport == Transport::Rgb, rgb),
             decision(
                 "spectral transport",
@@ -238,6 +241,11 @@ impl Plan {
                 "a smooth mesh says `shadow_terminator = \"hanika\"`",
                 "no smooth mesh says `shadow_terminator = \"hanika\"`",
             ),
-        ]
+        ];
+        if self.disks > 0 {
+            let reason = format!("{}, one by one", self.disks);
+            decisions.push(decision("disks", true, reason));
+        }
+        decisions
     }
 }

@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::candidates::{Pair, gathered};
 use crate::math::DVec3;
-use crate::simd::{DVec3x16, F64x16, LANES, U64x16};
+use crate::simd::{DVec3x16, F64x16, LANES, U64x16, ones};
 use crate::visibility::batch::{BATCH, Column, PACKETS, columns, vector};
 use crate::visibility::primitive::Primitive;
 use crate::visibility::question::{End, SegmentEnds};
@@ -75,6 +75,18 @@ impl IncoherentSegments {
     #[inline(always)]
     pub(super) fn ends(&self, segment: usize) -> [End; 2] {
         [self.start.end(segment), self.end.end(segment)]
+    }
+
+    /// A box around the segments of a packet with a bit.
+    #[inline(always)]
+    pub(super) fn bounds(&self, packet: usize, bits: u32) -> [DVec3; 2] {
+        let (mut least, mut most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for lane in ones(bits) {
+            let [start, end] = self.ends(packet * LANES + lane);
+            least = least.min(start.position).min(end.position);
+            most = most.max(start.position).max(end.position);
+        }
+        [least, most]
     }
 
     /// The way of a segment that is still free.

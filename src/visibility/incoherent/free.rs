@@ -8,7 +8,7 @@ use crate::simd::{DVec3x16, LANES, ones};
 use crate::visibility::batch::{PACKETS, first_lanes};
 use crate::visibility::rays::{Rays, ShearedRays};
 use crate::visibility::search::{Along, DESCENTS, Way};
-use crate::visibility::shape::{Block, SphereBlock, TriangleBlock, plane};
+use crate::visibility::shape::{Block, SphereBlock, TriangleBlock, disk, plane};
 use crate::visibility::shapes::Shapes;
 
 /// A segment is not free.
@@ -129,6 +129,9 @@ impl Shapes<'_> {
         let Candidates { descents, pairs } = space;
         pairs.clear();
         let mut free = self.free_of_planes(simd, segments);
+        if !self.world.disks().is_empty() {
+            self.hide_by_disks(simd, segments, &mut free);
+        }
         if !self.spheres.is_empty() {
             let mut asker = SegmentSpheres {
                 segments,
@@ -174,6 +177,34 @@ impl Shapes<'_> {
             }
         }
         free
+    }
+
+    /// Disks that are beside the box around a packet's segments are left out.
+    #[inline(never)]
+    fn hide_by_disks<S: Simd>(
+        &self,
+        simd: S,
+        segments: &IncoherentSegments,
+        free: &mut [u32; PACKETS],
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for (packet, free) in free.iter_mut().enumerate() {
+                    if *free == 0 {
+                        continue;
+                    }
+                    let start = segments.start.packet(simd, packet);
+                    let end = segments.end.packet(simd, packet);
+                    let bounds = segments.bounds(packet, *free);
+                    for disk in self.world.disks() {
+                        if !disk::is_beside(disk, bounds) {
+                            *free &= !disk::is_between(simd, disk, &start, &end).to_bits();
+                        }
+                    }
+                }
+            },
+        );
     }
 
     /// Puts at most sixteen pairs to f64; one bit for each whose triangle stands in the way.

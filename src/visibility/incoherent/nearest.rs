@@ -11,7 +11,7 @@ use crate::visibility::question::NearestHit;
 use crate::visibility::ray_batch::IncoherentRays;
 use crate::visibility::rays::{Rays, ShearedRays};
 use crate::visibility::search::{Along, DESCENTS, Way};
-use crate::visibility::shape::{SphereBlock, TriangleBlock, plane};
+use crate::visibility::shape::{SphereBlock, TriangleBlock, disk, plane};
 use crate::visibility::shapes::Shapes;
 
 /// L2 for spheres.
@@ -148,7 +148,7 @@ impl Shapes<'_> {
         }
     }
 
-    /// Begins with the planes.
+    /// Begins with the planes and disks.
     #[inline(always)]
     fn meet_planes<S: Simd>(&self, simd: S, rays: &IncoherentRays, hits: &mut Hits) {
         for packet in 0..rays.count().div_ceil(LANES) {
@@ -157,6 +157,9 @@ impl Shapes<'_> {
             let mut nearest = NearestHit::new(simd, first_lanes(rays.count(), packet));
             for plane in self.world.planes() {
                 plane::intersect(simd, plane, &packet_of_rays, &mut nearest);
+            }
+            for disk in self.world.disks() {
+                disk::intersect(simd, disk, &packet_of_rays, &mut nearest);
             }
             nearest.t.store(&mut hits.t[lanes.clone()]);
             hits.primitive[lanes].copy_from_slice(&nearest.primitive.to_array());

@@ -141,6 +141,7 @@ fn flat_point(world: &World, primitive: Primitive) -> Option<DVec3> {
     match world.objects()[object as usize].shape {
         Shape::Sphere(_) => None,
         Shape::Plane(index) => Some(world.planes()[index].point.0),
+        Shape::Disk(index) => Some(world.disks()[index].center.0),
         Shape::Mesh(_) => Some(from_shorter_edges(world.triangles().vertices(triangle))[0]),
     }
 }

@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 use super::unit::unit;
 use crate::math::{DVec3, all_three};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
-use crate::visibility::primitive::{PLANES, Primitive, SPHERES};
+use crate::visibility::primitive::{DISKS, PLANES, Primitive, SPHERES};
 use crate::visibility::question::NearestHit;
 use crate::visibility::rays::Rays;
 use crate::visibility::search::Search;
@@ -53,7 +53,9 @@ impl<S: Simd> KnownShape<S> {
     #[inline(always)]
     fn at(simd: S, shapes: &Shapes<'_>, slot: u32, rays: &Rays<S>) -> Self {
         let mut setup = None;
-        let primitive = if slot >= PLANES {
+        let primitive = if slot >= DISKS {
+            Primitive::whole(shapes.world.disks()[(slot - DISKS) as usize].object)
+        } else if slot >= PLANES {
             let plane = &shapes.world.planes()[(slot - PLANES) as usize];
             Primitive::whole(plane.object)
         } else if slot >= SPHERES {
@@ -90,6 +92,9 @@ impl<S: Simd> KnownShape<S> {
         if let Some(setup) = &self.setup {
             let (_, t) = triangle::met(setup, rays, asked);
             t
+        } else if self.slot >= DISKS {
+            let disk = &shapes.world.disks()[(self.slot - DISKS) as usize];
+            plane::met(&disk.plane(), rays)
         } else if self.slot >= PLANES {
             let plane = &shapes.world.planes()[(self.slot - PLANES) as usize];
             plane::met(plane, rays)
@@ -289,6 +294,15 @@ fn surface_of(world: &World, primitive: Primitive) -> SurfaceRecord {
             SurfaceRecord {
                 reference: plane.normal.get(),
                 tangent: plane.point.0,
+                is_curved: false,
+                material,
+            }
+        }
+        Shape::Disk(index) => {
+            let disk = &world.disks()[index];
+            SurfaceRecord {
+                reference: disk.normal.get(),
+                tangent: disk.center.0,
                 is_curved: false,
                 material,
             }

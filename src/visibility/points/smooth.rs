@@ -103,7 +103,7 @@ impl<'w> Smooth<'w> {
                         let normals = mesh.normals.as_ref();
                         normals.map(|normals| (normals, mesh.triangles.start))
                     }
-                    Shape::Sphere(_) | Shape::Plane(_) => None,
+                    Shape::Sphere(_) | Shape::Plane(_) | Shape::Disk(_) => None,
                 };
             }
             smooth.bits |= u32::from(mesh.is_some()) << lane;

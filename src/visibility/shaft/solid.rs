@@ -2,6 +2,7 @@
 
 use crate::math::DVec3;
 use crate::visibility::tree::HalfSpace;
+use crate::world::Disk;
 
 /// The size of what a shape or a shaft is off by, over the largest coordinates that go into it: rays that are
 /// computed in f64 from its corners are within a few hundred roundings of the shaft. What is nearer to a border
@@ -11,9 +12,20 @@ pub(super) const MARGIN: f64 = 1.0 / (1_u64 << 40) as f64;
 /// One shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Solid {
-    Sphere { center: DVec3, radius: f64 },
+    Sphere {
+        center: DVec3,
+        radius: f64,
+    },
     Triangle([DVec3; 3]),
-    Plane { point: DVec3, normal: DVec3 },
+    Plane {
+        point: DVec3,
+        normal: DVec3,
+    },
+    Disk {
+        center: DVec3,
+        normal: DVec3,
+        radius: f64,
+    },
 }
 
 /// A corner of a shaft: the segment from `start` to `start + way`, or without end in that direction.
@@ -112,10 +124,20 @@ impl Side {
 }
 
 impl Solid {
+    pub(super) fn of_disk(disk: &Disk) -> Self {
+        Self::Disk {
+            center: disk.center.0,
+            normal: disk.normal.get(),
+            radius: disk.radius,
+        }
+    }
+
     /// The largest coordinate.
     fn size(&self) -> f64 {
         match *self {
-            Self::Sphere { center, radius } => center.abs().max_element() + radius,
+            Self::Sphere { center, radius } | Self::Disk { center, radius, .. } => {
+                center.abs().max_element() + radius
+            }
             Self::Triangle([a, b, c]) => a.abs().max(b.abs()).max(c.abs()).max_element(),
             Self::Plane { point, .. } => point.abs().max_element(),
         }
@@ -133,6 +155,14 @@ impl Solid {
                 [a.min(b).min(c), a.max(b).max(c)]
             }
             Self::Plane { .. } => [f64::NEG_INFINITY, f64::INFINITY],
+            Self::Disk {
+                center,
+                normal: own,
+                radius,
+            } => {
+                let (middle, half) = (normal.dot(center), normal.cross(own).length() * radius);
+                [middle - half, middle + half]
+            }
         }
     }
 
@@ -154,6 +184,7 @@ impl Solid {
             Self::Sphere { .. } => None,
             Self::Triangle([a, b, c]) => Some([a, (b - a).cross(c - a)]),
             Self::Plane { point, normal } => Some([point, normal]),
+            Self::Disk { center, normal, .. } => Some([center, normal]),
         }
     }
 
@@ -163,9 +194,9 @@ impl Solid {
         Side::of(normal.dot(of - point), room * normal.abs().element_sum())
     }
 
-    /// Whether it is a sphere that is certainly outside of a cone.
+    /// Whether it is a sphere, or a disk in one, that is certainly outside of a cone.
     pub(super) fn is_outside(&self, cone: &Cone, size: f64) -> bool {
-        let Self::Sphere { center, radius } = *self else {
+        let (Self::Sphere { center, radius } | Self::Disk { center, radius, .. }) = *self else {
             return false;
         };
         let room = (self.size() + size) * MARGIN * 4.0;
@@ -193,7 +224,9 @@ impl Solid {
             let most = match *self {
                 // The normals of half-spaces are unit vectors.
                 Self::Sphere { center, radius } => half_space.normal.dot(center) + radius,
-                Self::Triangle(_) | Self::Plane { .. } => self.reach(half_space.normal)[1],
+                Self::Triangle(_) | Self::Plane { .. } | Self::Disk { .. } => {
+                    self.reach(half_space.normal)[1]
+                }
             };
             most < half_space.offset - room * half_space.normal.abs().max_element()
         });
@@ -220,7 +253,7 @@ impl Solid {
     }
 
     /// Whether all rays pass by it, on the outer side of a plane through what all rays have in common and an edge of a
-    /// triangle, or a plane that is between the rays and a sphere.
+    /// triangle, or a plane that is between the rays and a sphere, or the one around a disk.
     pub(super) fn is_passed(&self, common: Common, corners: &[CornerRay], size: f64) -> bool {
         let room = (self.size() + size) * MARGIN;
         match *self {
@@ -228,7 +261,9 @@ impl Solid {
                 let edge = [0, 1, 2].map(|next| vertices[(edge + next) % 3]);
                 passes_edge(common, corners, edge, room)
             }),
-            Self::Sphere { center, radius } => passes_ball(common, corners, center, radius, room),
+            Self::Sphere { center, radius } | Self::Disk { center, radius, .. } => {
+                passes_ball(common, corners, center, radius, room)
+            }
             Self::Plane { .. } => false,
         }
     }
@@ -262,6 +297,11 @@ impl Solid {
                 enters_plane(corner, flat, room)
             }
             Self::Plane { point, normal } => enters_plane(corner, [point, normal], room),
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => enters_disk(corner, [center, normal], radius, room),
         }?;
         (corner.is_endless || at < 1.0).then_some(at)
     }
@@ -358,6 +398,22 @@ fn enters_plane(corner: &CornerRay, [point, normal]: [DVec3; 2], room: f64) -> O
     }
     let at = -height / speed;
     Some(at + (room / speed).abs() * (1.0 + at))
+}
+
+/// The plane is entered within the rim, clear of it.
+fn enters_disk(
+    corner: &CornerRay,
+    [center, normal]: [DVec3; 2],
+    radius: f64,
+    room: f64,
+) -> Option<f64> {
+    let latest = enters_plane(corner, [center, normal], room)?;
+    let from_center = corner.start - center;
+    let at = -normal.dot(from_center) / normal.dot(corner.way);
+    // The line may be beside where it is by the room, and come through the plane so much sooner or later.
+    let along = (latest - at) * corner.way.length();
+    let beside = (from_center + corner.way * at).length();
+    (beside + 2.0 * along + 4.0 * room < radius).then_some(latest)
 }
 
 /// Whether a corner's line passes between a triangle's edges, clear of all three.

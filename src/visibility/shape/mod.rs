@@ -1,5 +1,6 @@
 //! The shapes: how rays meet each, and how each is set up on a projection.
 
+pub(in crate::visibility) mod disk;
 pub(in crate::visibility) mod plane;
 mod sphere;
 pub(in crate::visibility) mod triangle;

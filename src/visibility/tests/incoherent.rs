@@ -8,7 +8,7 @@ use crate::visibility::primitive::Primitive;
 use crate::visibility::question::{End, NearestHit, SegmentEnds};
 use crate::visibility::rays::{ROUNDING, Rays, ShearedRays};
 use crate::visibility::shape::{
-    Block as _, Shape as _, Sphere, SphereBlock, Triangle, TrianglePerRay, plane,
+    Block as _, Shape as _, Sphere, SphereBlock, Triangle, TrianglePerRay, disk, plane,
 };
 use crate::visibility::shapes::SegmentStarts;
 
@@ -20,7 +20,9 @@ pub(super) fn world_of(writer: &Writer) -> World {
     let text = format!("{}{}", writer.text, writer.cameras[0]);
     let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
     lifted::add_meshes(&mut scene, &writer.meshes);
-    World::new(&scene).unwrap_or_else(|e| panic!("{e}")).0
+    let (mut world, _) = World::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    writer.add_disks(&mut world);
+    world
 }
 
 /// All shapes of a world in the order of their kinds.
@@ -45,12 +47,22 @@ impl<'w> Everything<'w> {
         }
     }
 
-    /// A point of some triangle or sphere, its error and its primitive.
-    fn on_surface(&self, index: u32) -> (DVec3, f64, u64) {
-        let count = self.spheres.len() + self.triangles.len();
+    /// A point of some triangle, sphere or disk, its error and its primitive.
+    pub(super) fn on_surface(&self, index: u32) -> (DVec3, f64, u64) {
+        let solid = self.spheres.len() + self.triangles.len();
+        let count = solid + self.world.disks().len();
         let which = (scattered(index, 40) * count as f64) as usize;
         let [u, v, w] = [41, 42, 43].map(|dimension| scattered(index, dimension));
-        let (position, size, primitive) = if which < self.spheres.len() {
+        let (position, size, primitive) = if which >= solid {
+            let disk = &self.world.disks()[which - solid];
+            let (a, b) = disk.normal.get().any_orthonormal_pair();
+            // Some on the rim.
+            let (sine, cosine) = (v * std::f64::consts::TAU).sin_cos();
+            let out = (u * 1.2).min(1.0).sqrt() * disk.radius;
+            let size = disk.center.0.abs().element_sum() + disk.radius;
+            let position = disk.center.0 + (a * cosine + b * sine) * out;
+            (position, size, Primitive::whole(disk.object))
+        } else if which < self.spheres.len() {
             let (center, radius) = self.spheres[which].center_and_radius();
             let out = DVec3::new(u - 0.5, v - 0.5, w - 0.5).normalize();
             let size = center.abs().element_sum() + radius;
@@ -98,6 +110,9 @@ impl Kernel for BruteForce<'_> {
             for plane in all.world.planes() {
                 plane::intersect(simd, plane, &packet.rays, &mut nearest);
             }
+            for disk in all.world.disks() {
+                disk::intersect(simd, disk, &packet.rays, &mut nearest);
+            }
             for sphere in &all.spheres {
                 sphere.intersect(simd, &packet, &mut nearest);
             }
@@ -129,7 +144,7 @@ pub(super) fn lanes_of<S: Simd>(simd: S, rays: &[Ray]) -> Rays<S> {
 }
 
 /// The same by the trees.
-struct Traced<'a>(&'a Visibility<'a>, &'a [Ray]);
+pub(super) struct Traced<'a>(pub(super) &'a Visibility<'a>, pub(super) &'a [Ray]);
 
 impl Kernel for Traced<'_> {
     type Output = Vec<(f64, u64)>;
@@ -154,7 +169,7 @@ impl Kernel for Traced<'_> {
 
 /// Rays without order in and around a world within `size` of the origin: from anywhere, from surfaces and from far
 /// away; anywhere, along axes, across them, and through edges and corners; with ways of all lengths.
-fn bundle(all: &Everything<'_>, size: f64, count: u32) -> Vec<Ray> {
+pub(super) fn bundle(all: &Everything<'_>, size: f64, count: u32) -> Vec<Ray> {
     let vector = |index, dimension: u32| {
         DVec3::from_array([0, 1, 2].map(|axis| scattered(index, dimension + axis) * 2.0 - 1.0))
     };
@@ -190,7 +205,7 @@ fn bundle(all: &Everything<'_>, size: f64, count: u32) -> Vec<Ray> {
 /// Traces a bundle on every instruction set and compares it with all shapes one by one, to the bit; the part of
 /// all rays that hit something.
 #[track_caller]
-fn agrees_with_brute_force(world: &World, size: f64, count: u32) -> f64 {
+pub(super) fn agrees_with_brute_force(world: &World, size: f64, count: u32) -> f64 {
     let visibility = Visibility::new(world, &Plan::new(world));
     agree_with_brute_force(&visibility, size, count)
 }
@@ -328,11 +343,11 @@ fn closed_meshes_do_not_leak() {
 }
 
 /// An end: where, its error, and what it is on.
-type SegmentEnd = (DVec3, f64, u64);
-type Segment = [SegmentEnd; 2];
+pub(super) type SegmentEnd = (DVec3, f64, u64);
+pub(super) type Segment = [SegmentEnd; 2];
 
 /// Which segments are free, by the trees.
-struct FreeSegments<'a>(&'a Visibility<'a>, &'a [Segment]);
+pub(super) struct FreeSegments<'a>(pub(super) &'a Visibility<'a>, pub(super) &'a [Segment]);
 
 impl Kernel for FreeSegments<'_> {
     type Output = Vec<bool>;
@@ -359,7 +374,7 @@ impl Kernel for FreeSegments<'_> {
 }
 
 /// Which segments are free, shape by shape.
-struct FreeByAll<'a>(&'a Everything<'a>, &'a [Segment]);
+pub(super) struct FreeByAll<'a>(pub(super) &'a Everything<'a>, pub(super) &'a [Segment]);
 
 impl Kernel for FreeByAll<'_> {
     type Output = Vec<bool>;
@@ -381,6 +396,9 @@ impl Kernel for FreeByAll<'_> {
             let mut hidden = Mask64x16::from_bits(simd, 0);
             for plane in all.world.planes() {
                 hidden = hidden | plane::is_between(simd, plane, start, end);
+            }
+            for disk in all.world.disks() {
+                hidden = hidden | disk::is_between(simd, disk, start, end);
             }
             for triangle in &all.triangles {
                 let per_ray = TrianglePerRay {
@@ -436,7 +454,7 @@ fn ends_of<S: Simd>(simd: S, segments: &[Segment], end: usize) -> SegmentEnds<S>
 
 /// Segments between points anywhere, on surfaces, and both. (Numbers of other dimensions than those of the
 /// shapes: some of the others are in line with corners.)
-fn segments(all: &Everything<'_>, size: f64, count: u32) -> Vec<Segment> {
+pub(super) fn segments(all: &Everything<'_>, size: f64, count: u32) -> Vec<Segment> {
     let anywhere = |index, dimension: u32| {
         let position = DVec3::from_array(
             [0, 1, 2].map(|axis| (scattered(index, dimension + axis) * 2.0 - 1.0) * size * 1.3),

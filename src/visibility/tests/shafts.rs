@@ -6,7 +6,7 @@ use crate::simd::ones;
 use crate::visibility::question::NearestHit;
 use crate::visibility::rays::ShearedRays;
 use crate::visibility::shaft::{Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace};
-use crate::visibility::shape::{Shape as _, plane};
+use crate::visibility::shape::{Shape as _, disk, plane};
 
 /// Rays of a shaft that are tried.
 const TRIED: u32 = 48;
@@ -41,6 +41,11 @@ impl Kernel for MeetAll<'_> {
             for plane in all.world.planes() {
                 let mut nearest = none;
                 plane::intersect(simd, plane, &packet.rays, &mut nearest);
+                take(&nearest);
+            }
+            for disk in all.world.disks() {
+                let mut nearest = none;
+                disk::intersect(simd, disk, &packet.rays, &mut nearest);
                 take(&nearest);
             }
             for sphere in &all.spheres {
@@ -181,16 +186,21 @@ fn shaft(index: u32, size: f64) -> (Shaft, Samples) {
 
 /// How often each answer was given.
 #[derive(Debug, Default)]
-struct Counts {
-    nothing: u32,
-    all: u32,
-    these: u32,
+pub(super) struct Counts {
+    pub(super) nothing: u32,
+    pub(super) all: u32,
+    pub(super) these: u32,
     too_many: u32,
 }
 
 /// Asks many shafts and tries their rays.
 #[track_caller]
-fn holds_for_every_ray(scene: &Writer, size: f64, count: u32, question: ShaftQuestion) -> Counts {
+pub(super) fn holds_for_every_ray(
+    scene: &Writer,
+    size: f64,
+    count: u32,
+    question: ShaftQuestion,
+) -> Counts {
     let world = world_of(scene);
     let all = Everything::new(&world);
     let visibility = Visibility::new(&world, &Plan::new(&world));

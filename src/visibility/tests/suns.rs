@@ -4,7 +4,7 @@ use super::*;
 
 impl Writer {
     /// Light along a direction.
-    fn sun(&mut self, direction: [f64; 3]) {
+    pub(super) fn sun(&mut self, direction: [f64; 3]) {
         self.objects += 1;
         let _ = write!(
             self.text,
@@ -14,7 +14,7 @@ impl Writer {
     }
 
     /// From all sides: along the axes and diagonals, and without order.
-    fn suns(&mut self) {
+    pub(super) fn suns(&mut self) {
         for direction in [
             [0.0, -1.0, 0.0],
             [1.0, 0.0, 0.0],

@@ -256,6 +256,7 @@ impl<'a> Builder<'a> {
             first_light_object: 0,
             spheres: Vec::new(),
             planes: Vec::new(),
+            disks: Vec::new(),
             triangles: self.kept.map_or_else(Arc::<Triangles>::default, |world| {
                 Arc::clone(&world.triangles)
             }),

@@ -6,7 +6,7 @@ use super::{Builder, Reported, as_written};
 use crate::math::Point;
 use crate::printable::printable;
 use crate::scene::{self, Object, Problem, Spanned};
-use crate::world::World;
+use crate::world::{Disk, World};
 
 /// How many times larger a sphere or a triangle may be than what is seen of it is far away: its surface is rounded
 /// by 1e-16 of its size, and the light that falls on it by some times as much.
@@ -104,6 +104,34 @@ impl Builder<'_> {
              64-bit floats do not tell where its surface is; use a plane instead"
         );
         self.out_of_range("radius", written.span, as_written(radius), &expected);
+        Err(Reported)
+    }
+
+    /// The same for a disk.
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "for lights that are disks, which are still to come"
+        )
+    )]
+    pub(super) fn check_disk(
+        &mut self,
+        disk: &Disk,
+        written: Spanned<f64>,
+    ) -> Result<(), Reported> {
+        let way = self.eye() - self.anchor - disk.center.0;
+        let beside = (way.length() - disk.radius).max(disk.normal.get().dot(way).abs());
+        let most = MOST_SIZES * (beside + self.view_length());
+        // What is wrong with the camera is said elsewhere.
+        if disk.radius <= most || most.is_nan() {
+            return Ok(());
+        }
+        let expected = format!(
+            "at most {most:.1e}, 1e10 times as much as `eye` is away from it and from `look_at`: of a larger one \
+             64-bit floats do not tell where it is"
+        );
+        self.out_of_range("radius", written.span, as_written(disk.radius), &expected);
         Err(Reported)
     }
 
