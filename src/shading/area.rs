@@ -395,6 +395,14 @@ impl Asked<'_, '_> {
                     normal: plane.normal.get(),
                 }
             }
+            Shape::Disk(index) => {
+                let disk = &world.disks()[index];
+                Occluder::Disk {
+                    center: disk.center.0,
+                    normal: disk.normal.get(),
+                    radius: disk.radius,
+                }
+            }
             Shape::Mesh(_) => Occluder::Triangle(world.triangles().vertices(triangle)),
         }
     }

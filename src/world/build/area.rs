@@ -77,7 +77,8 @@ impl Builder<'_> {
                 let normal = axis.get();
                 let up = (up - normal * up.dot(normal)).normalize();
                 let side = normal.cross(up);
-                let halves = [side * (0.5 * across), up * (0.5 * along)];
+                // Their cross product is the axis.
+                let halves = [up * (0.5 * along), side * (0.5 * across)];
                 Ok(Emitter::rectangle(place, halves, two_sided).expect("it has an area"))
             }
             AreaShape::Disk {
@@ -195,7 +196,16 @@ impl Builder<'_> {
                 self.check_triangles(world, first, "size", span)?;
                 Ok(Shape::Mesh(world.triangles.meshes.len() - 1))
             }
-            Surface::Disk { .. } => Err(Reported),
+            Surface::Disk { normal, radius } => {
+                self.reserve(&mut world.disks, 1)?;
+                world.disks.push(crate::world::geometry::Disk {
+                    center: emitter.center(),
+                    normal,
+                    radius,
+                    object,
+                });
+                Ok(Shape::Disk(world.disks.len() - 1))
+            }
             Surface::Sphere { radius } => {
                 self.reserve(&mut world.spheres, 1)?;
                 world.spheres.push(Sphere {
