@@ -27,6 +27,7 @@
 
 mod clip;
 mod conic;
+mod crossing;
 mod gauss;
 mod lambert;
 mod lobe;
@@ -36,6 +37,7 @@ mod pieces;
 pub(crate) mod polygon;
 mod power;
 mod received;
+mod seen;
 mod shadow;
 #[cfg(test)]
 mod tests;

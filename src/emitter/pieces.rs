@@ -32,6 +32,7 @@ pub(super) enum Split {
 }
 
 /// What a blocker does to a piece.
+#[derive(Clone, Copy)]
 pub(super) enum Effect {
     Nothing,
     /// It blocks all of it.
@@ -42,7 +43,11 @@ pub(super) enum Effect {
     Within(WholeCone),
     /// It blocks what is not.
     Without(WholeCone),
-    Unknown,
+    /// It blocks what is within a cone and not within another.
+    Ring {
+        cone: WholeCone,
+        hole: WholeCone,
+    },
 }
 
 impl Pieces {
@@ -178,11 +183,13 @@ pub(super) fn effect_of(blocker: &Blocker, corners: &[DVec3]) -> Effect {
     if let Some(&plane) = planes.iter().find(|plane| !are_below(-**plane, corners)) {
         return Effect::Cut(plane);
     }
-    match (within, hole, blocker.cone, blocker.hole) {
-        (Side::Inside, Side::Outside, ..) => Effect::All,
-        (Side::Across, Side::Outside, Some(cone), _) => Effect::Within(cone),
-        (Side::Inside, Side::Across, _, Some(hole)) => Effect::Without(hole),
-        _ => Effect::Unknown,
+    let cone = blocker.cone.filter(|_| within == Side::Across);
+    let hole = blocker.hole.filter(|_| hole == Side::Across);
+    match (cone, hole) {
+        (None, None) => Effect::All,
+        (Some(cone), None) => Effect::Within(cone),
+        (None, Some(hole)) => Effect::Without(hole),
+        (Some(cone), Some(hole)) => Effect::Ring { cone, hole },
     }
 }
 

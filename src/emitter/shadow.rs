@@ -15,6 +15,7 @@ use super::occluder::{Blocker, MOST_EDGES, Occluder, Plane, View};
 use super::outline::Outline;
 use super::pieces::{Effect, Pieces, Split, are_apart, effect_of, longest};
 use super::received::{Received, Receiver};
+use super::seen::{Light, MOST_EFFECTS};
 use super::{Emitter, Shape};
 use crate::math::{DVec3, Point};
 
@@ -81,13 +82,6 @@ struct Total {
     pieces: f64,
 }
 
-/// A disk or a sphere, or else all of every piece; and who receives it.
-#[derive(Clone, Copy)]
-struct Light<'a> {
-    cone: Option<WholeCone>,
-    receiver: &'a Receiver,
-}
-
 impl Emitter {
     /// What a point receives past occluders: a value of each integral, and a bound of its error. An occluder counts
     /// where it is between the point and what is seen of the emitter. A triangle, disk or plane whose plane is
@@ -135,9 +129,13 @@ impl Emitter {
         }
         space.seen.push(whole);
         let mut place = 0;
-        while place < space.straight.len() && space.seen.len() <= accuracy.most_cells {
+        while place < space.straight.len() && (1..=accuracy.most_cells).contains(&space.seen.len())
+        {
             space.subtract(place);
             place += 1;
+        }
+        if space.seen.is_empty() {
+            return Some(total.bounded(receiver));
         }
         // What there is no room for is decided cell by cell, as far as that goes.
         for straight in &space.straight[place..] {
@@ -190,24 +188,6 @@ impl Emitter {
             front,
             ball,
         }
-    }
-}
-
-impl Light<'_> {
-    /// What is received of a piece. `None` where a cone is cut by more edges than there is room for.
-    fn received(&self, corners: &[DVec3]) -> Option<Received> {
-        let Some(cone) = self.cone else {
-            return Some(self.receiver.of_polygon(corners));
-        };
-        self.within(&cone, corners)
-    }
-
-    fn within(&self, cone: &WholeCone, corners: &[DVec3]) -> Option<Received> {
-        Some(match cone.side_of(corners) {
-            Side::Inside => self.receiver.of_polygon(corners),
-            Side::Outside => Received::NOTHING,
-            Side::Across => self.receiver.of_conic(&cone.within(corners)?),
-        })
     }
 }
 
@@ -277,7 +257,7 @@ impl ShadowSpace {
         match effect_of(blocker, self.pieces.corners(whole)) {
             Effect::Nothing => {}
             Effect::All => return false,
-            Effect::Cut(_) | Effect::Within(_) | Effect::Without(_) | Effect::Unknown => {
+            Effect::Cut(_) | Effect::Within(_) | Effect::Without(_) | Effect::Ring { .. } => {
                 if blocker.is_straight() {
                     self.straight.push(Straight {
                         planes: blocker.planes,
@@ -405,14 +385,12 @@ impl ShadowSpace {
         total: &mut Total,
     ) -> Option<(Cell, Received)> {
         let corners = self.pieces.corners(&cell.corners);
-        let side = light
-            .cone
-            .map_or(Side::Inside, |cone| cone.side_of(corners));
-        if side == Side::Outside {
+        if light.side_of(corners) == Side::Outside {
             return None;
         }
         let start = self.candidates.len();
-        let (mut effect, mut cut) = (Effect::Nothing, None);
+        let mut effects = [Effect::Nothing; MOST_EFFECTS];
+        let mut cut = None;
         for place in cell.candidates {
             let candidate = self.candidates[place];
             match effect_of(&self.blockers[candidate], corners) {
@@ -422,24 +400,20 @@ impl ShadowSpace {
                     return None;
                 }
                 Effect::Cut(plane) => cut = Some(plane),
-                known @ (Effect::Within(_) | Effect::Without(_) | Effect::Unknown) => {
-                    effect = known;
+                effect @ (Effect::Within(_) | Effect::Without(_) | Effect::Ring { .. }) => {
+                    if let Some(place) = effects.get_mut(self.candidates.len() - start) {
+                        *place = effect;
+                    }
                 }
             }
             self.candidates.push(candidate);
         }
         let candidates = start..self.candidates.len();
-        let known = match (candidates.len(), cut, effect, side) {
-            (0, ..) => light.received(corners),
-            (1, None, Effect::Within(cone), Side::Inside) => {
-                let hidden = light.within(&cone, corners);
-                hidden.map(|hidden| light.receiver.of_polygon(corners) - hidden)
-            }
-            (1, None, Effect::Without(hole), Side::Inside) => light.within(&hole, corners),
-            _ => None,
-        };
-        if let Some(known) = known {
-            total.add(known.at_least_nothing());
+        if cut.is_none()
+            && let Some(effects) = effects.get(..candidates.len())
+            && let Some(seen) = light.seen(effects, &cell.corners, &mut self.pieces)
+        {
+            total.add(seen.at_least_nothing());
             return None;
         }
         let cell = Cell {
@@ -452,6 +426,7 @@ impl ShadowSpace {
             self.halve(&cell, plane);
             return None;
         }
+        let corners = self.pieces.corners(&cell.corners);
         let all = light.received(corners);
         let all = all.unwrap_or_else(|| light.receiver.of_polygon(corners));
         Some((cell, all))
