@@ -18,6 +18,29 @@ pub(super) struct Pieces {
     heights: Vec<f64>,
     /// The square of the area below which pieces are dropped.
     sliver: f64,
+    /// Two vectors along the plane of all pieces, and one across.
+    axes: [DVec3; 3],
+}
+
+/// A rectangle in the plane of all pieces, as wide and as high as something is that is seen in front of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    least: [f64; 2],
+    largest: [f64; 2],
+}
+
+impl Bounds {
+    const ALL: Self = Self {
+        least: [f64::NEG_INFINITY; 2],
+        largest: [f64::INFINITY; 2],
+    };
+
+    pub(super) fn are_apart(&self, other: &Self) -> bool {
+        self.least[0] >= other.largest[0]
+            || other.least[0] >= self.largest[0]
+            || self.least[1] >= other.largest[1]
+            || other.least[1] >= self.largest[1]
+    }
 }
 
 /// What a plane leaves of a piece.
@@ -61,10 +84,39 @@ impl Pieces {
         self.corners.extend_from_slice(corners);
         let area = area(&self.corners);
         self.sliver = area.length_squared() * (SLIVER * SLIVER);
-        if corners.first().is_some_and(|first| area.dot(*first) < 0.0) {
+        let is_backwards = corners.first().is_some_and(|first| area.dot(*first) < 0.0);
+        if is_backwards {
             self.corners.reverse();
         }
+        let across = if is_backwards { -area } else { area };
+        let along = corners.get(1).map_or(DVec3::ZERO, |to| to - corners[0]);
+        self.axes = [along, across.cross(along), across];
         0..self.corners.len()
+    }
+
+    /// Around what is seen of a convex polygon; all, where not all of it is in front of the point, or where there is
+    /// no polygon.
+    pub(super) fn bounds_of(&self, corners: &[DVec3]) -> Bounds {
+        let [x, y, z] = self.axes;
+        let mut bounds = Bounds {
+            least: [f64::INFINITY; 2],
+            largest: [f64::NEG_INFINITY; 2],
+        };
+        for &corner in corners {
+            let height = z.dot(corner);
+            if height <= 0.0 {
+                return Bounds::ALL;
+            }
+            let place = [x.dot(corner) / height, y.dot(corner) / height];
+            for (axis, &place) in place.iter().enumerate() {
+                bounds.least[axis] = bounds.least[axis].min(place);
+                bounds.largest[axis] = bounds.largest[axis].max(place);
+            }
+        }
+        if corners.is_empty() {
+            return Bounds::ALL;
+        }
+        bounds
     }
 
     pub(super) fn corners(&self, piece: &Range<usize>) -> &[DVec3] {
