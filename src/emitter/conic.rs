@@ -195,9 +195,29 @@ impl Conic {
         total.max(0.0)
     }
 
-    /// Its solid angle in sr, from 0 to 2π: that of [`lobe`](Self::lobe) where n is 0.
+    /// Its solid angle in sr, from 0 to 2π: that of [`lobe`](Self::lobe) where n is 0. Of a round cone it is in closed
+    /// form: triangles between the axis and edges, and 1 − a of each arc.
     pub(crate) fn solid_angle(&self) -> f64 {
-        self.lobe(self.frame[2], 0.0)
+        let [b, d, a] = self.radii;
+        if b != d {
+            return self.lobe(self.frame[2], 0.0);
+        }
+        let length = libm::hypot(a, b);
+        let mut total = 0.0;
+        self.for_each_piece(None, |piece| {
+            total += match piece {
+                Piece::Arc([from, to]) => (to - from) * (b * b / (length * (length + a))),
+                Piece::Edge([from, to]) => {
+                    let [from_length, to_length] = [from.length(), to.length()];
+                    let around = from_length * to_length
+                        + from.z * to_length
+                        + to.z * from_length
+                        + from.dot(to);
+                    2.0 * libm::atan2(across(from, to).z, around)
+                }
+            };
+        });
+        total.max(0.0)
     }
 
     /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), once the horizon has cut it; w of unit length, n from 0
