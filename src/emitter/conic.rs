@@ -195,9 +195,29 @@ impl Conic {
         total.max(0.0)
     }
 
-    /// Its solid angle in sr, from 0 to 2π: that of [`lobe`](Self::lobe) where n is 0.
+    /// Its solid angle in sr, from 0 to 2π: that of [`lobe`](Self::lobe) where n is 0. Of a round cone it is in closed
+    /// form: triangles between the axis and edges, and 1 − a of each arc.
     pub(crate) fn solid_angle(&self) -> f64 {
-        self.lobe(self.frame[2], 0.0)
+        let [b, d, a] = self.radii;
+        if b != d {
+            return self.lobe(self.frame[2], 0.0);
+        }
+        let length = libm::hypot(a, b);
+        let mut total = 0.0;
+        self.for_each_piece(None, |piece| {
+            total += match piece {
+                Piece::Arc([from, to]) => (to - from) * (b * b / (length * (length + a))),
+                Piece::Edge([from, to]) => {
+                    let [from_length, to_length] = [from.length(), to.length()];
+                    let around = from_length * to_length
+                        + from.z * to_length
+                        + to.z * from_length
+                        + from.dot(to);
+                    2.0 * libm::atan2(across(from, to).z, around)
+                }
+            };
+        });
+        total.max(0.0)
     }
 
     /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), once the horizon has cut it; w of unit length, n from 0
@@ -332,10 +352,33 @@ impl WholeCone {
         Conic::new(self.frame, self.radii)
     }
 
+    pub(super) fn axis(&self) -> DVec3 {
+        self.frame[2]
+    }
+
+    /// e₁ b, e₂ d and ê a of the outline.
+    pub(super) fn outline(&self) -> [DVec3; 3] {
+        let [b, d, a] = self.radii;
+        let [e1, e2, axis] = self.frame;
+        [e1 * b, e2 * d, axis * a]
+    }
+
+    /// A vector as it is where the cone is x² + y² = z², z > 0.
+    pub(super) fn round(&self, vector: DVec3) -> DVec3 {
+        let [b, d, a] = self.radii;
+        let [x, y, z] = self.frame.map(|axis| axis.dot(vector));
+        DVec3::new(x / b, y / d, z / a)
+    }
+
+    /// Whether a direction is inside.
+    pub(super) fn holds(&self, vector: DVec3) -> bool {
+        let q = self.round(vector);
+        q.z > 0.0 && q.x * q.x + q.y * q.y <= q.z * q.z
+    }
+
     /// Where a convex polygon is, which runs against the clock as it is seen from the origin.
     pub(super) fn side_of(&self, corners: &[DVec3]) -> Side {
         let [b, d, a] = self.radii;
-        // Here the cone is round, and its angle is 45°.
         let scale = DVec3::new(1.0 / b, 1.0 / d, 1.0 / a);
         let round = |corner: DVec3| {
             let [x, y, z] = self.frame.map(|axis| axis.dot(corner));
@@ -343,9 +386,11 @@ impl WholeCone {
         };
         let is_inside = |q: DVec3| q.z > 0.0 && q.x * q.x + q.y * q.y <= q.z * q.z;
         let (mut are_inside, mut nearest, mut ratio) = (true, DVec3::ZERO, f64::INFINITY);
+        let mut is_in_front = false;
         for &corner in corners {
             let q = round(corner);
             are_inside &= is_inside(q);
+            is_in_front |= q.z > 0.0;
             let square = q.x * q.x + q.y * q.y;
             if q.z > 0.0 && square < ratio * (q.z * q.z) {
                 (nearest, ratio) = (q, square / (q.z * q.z));
@@ -353,6 +398,9 @@ impl WholeCone {
         }
         if are_inside {
             return Side::Inside;
+        }
+        if !is_in_front {
+            return Side::Outside;
         }
         let is_beyond = |plane: DVec3| {
             let is_cone_outside = plane.z + libm::hypot(plane.x, plane.y) <= 0.0;

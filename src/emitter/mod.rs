@@ -1,4 +1,4 @@
-//! Luminaires with an area: the light that a point receives of them, in closed form where nothing stands between.
+//! Luminaires with an area: the light that a point receives of them, past what stands between.
 //!
 //! An emitter sends the same radiance L_e in all directions from all of its surface. A point p sees it as a set Ω
 //! of directions u, its [`Outline`]. With V = 1, L9 is an integral over Ω, of which L_e and the reflectances are
@@ -19,7 +19,9 @@
 //!
 //! All are integrals along the boundary of Ω: great circles where it is straight, arcs of ellipses where it is a
 //! disk or a sphere. Planes through p leave outlines of the same kinds, the horizon as well as those through an
-//! occluder's edges.
+//! occluder's edges. So what is received past triangles, planes, disks and balls is a sum of the same integrals over
+//! pieces, up to rounding; only where more than two cones cross in one place it has a bound of its error instead
+//! ([`Emitter::received_past`]).
 //!
 //! Lambert 1760, "Photometria". Baum, Rushmeier & Winget 1989, "Improving radiosity solutions through the use of
 //! analytically determined form-factors". Arvo 1995, "Applications of irradiance tensors to the simulation of
@@ -28,6 +30,7 @@
 mod beside;
 mod clip;
 mod conic;
+mod crossing;
 mod gauss;
 mod lambert;
 mod lobe;
@@ -38,6 +41,7 @@ mod places;
 pub(crate) mod polygon;
 mod power;
 mod received;
+mod seen;
 mod shadow;
 #[cfg(test)]
 mod tests;

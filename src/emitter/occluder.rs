@@ -66,6 +66,26 @@ pub(super) struct Blocker {
     pub(super) hole: Option<WholeCone>,
 }
 
+impl Occluder {
+    fn is_solid(&self) -> bool {
+        match self {
+            Self::Triangle(corners) => corners.iter().all(|corner| corner.is_finite()),
+            Self::Plane { point, normal } => point.is_finite() && normal.is_finite(),
+            Self::Ball { center, radius } => {
+                center.is_finite() && *radius > 0.0 && radius.is_finite()
+            }
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => {
+                let is_flat = center.is_finite() && normal.is_finite();
+                is_flat && *radius > 0.0 && radius.is_finite()
+            }
+        }
+    }
+}
+
 impl Plane {
     /// The plane through a place, its normal turned away from the point. `None` where it is closer than that.
     fn new(place: DVec3, normal: DVec3, least: f64) -> Option<Self> {
@@ -141,8 +161,11 @@ impl Blocker {
 }
 
 impl View {
-    /// Of an occluder, what it blocks: at most two sets of directions.
+    /// Of an occluder, what it blocks: at most two sets of directions. What has no size or no place blocks nothing.
     pub(super) fn blocked_by(&self, occluder: &Occluder) -> [Option<Blocker>; 2] {
+        if !occluder.is_solid() {
+            return [None, None];
+        }
         let from = |place: DVec3| place - self.point.0;
         match *occluder {
             Occluder::Triangle(corners) => [self.triangle(corners), None],

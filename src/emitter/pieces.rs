@@ -18,6 +18,29 @@ pub(super) struct Pieces {
     heights: Vec<f64>,
     /// The square of the area below which pieces are dropped.
     sliver: f64,
+    /// Two vectors along the plane of all pieces, and one across.
+    axes: [DVec3; 3],
+}
+
+/// A rectangle in the plane of all pieces, as wide and as high as something is that is seen in front of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    least: [f64; 2],
+    largest: [f64; 2],
+}
+
+impl Bounds {
+    const ALL: Self = Self {
+        least: [f64::NEG_INFINITY; 2],
+        largest: [f64::INFINITY; 2],
+    };
+
+    pub(super) fn are_apart(&self, other: &Self) -> bool {
+        self.least[0] >= other.largest[0]
+            || other.least[0] >= self.largest[0]
+            || self.least[1] >= other.largest[1]
+            || other.least[1] >= self.largest[1]
+    }
 }
 
 /// What a plane leaves of a piece.
@@ -32,6 +55,7 @@ pub(super) enum Split {
 }
 
 /// What a blocker does to a piece.
+#[derive(Clone, Copy)]
 pub(super) enum Effect {
     Nothing,
     /// It blocks all of it.
@@ -42,7 +66,11 @@ pub(super) enum Effect {
     Within(WholeCone),
     /// It blocks what is not.
     Without(WholeCone),
-    Unknown,
+    /// It blocks what is within a cone and not within another.
+    Ring {
+        cone: WholeCone,
+        hole: WholeCone,
+    },
 }
 
 impl Pieces {
@@ -56,10 +84,39 @@ impl Pieces {
         self.corners.extend_from_slice(corners);
         let area = area(&self.corners);
         self.sliver = area.length_squared() * (SLIVER * SLIVER);
-        if corners.first().is_some_and(|first| area.dot(*first) < 0.0) {
+        let is_backwards = corners.first().is_some_and(|first| area.dot(*first) < 0.0);
+        if is_backwards {
             self.corners.reverse();
         }
+        let across = if is_backwards { -area } else { area };
+        let along = corners.get(1).map_or(DVec3::ZERO, |to| to - corners[0]);
+        self.axes = [along, across.cross(along), across];
         0..self.corners.len()
+    }
+
+    /// Around what is seen of a convex polygon; all, where not all of it is in front of the point, or where there is
+    /// no polygon.
+    pub(super) fn bounds_of(&self, corners: &[DVec3]) -> Bounds {
+        let [x, y, z] = self.axes;
+        let mut bounds = Bounds {
+            least: [f64::INFINITY; 2],
+            largest: [f64::NEG_INFINITY; 2],
+        };
+        for &corner in corners {
+            let height = z.dot(corner);
+            if height <= 0.0 {
+                return Bounds::ALL;
+            }
+            let place = [x.dot(corner) / height, y.dot(corner) / height];
+            for (axis, &place) in place.iter().enumerate() {
+                bounds.least[axis] = bounds.least[axis].min(place);
+                bounds.largest[axis] = bounds.largest[axis].max(place);
+            }
+        }
+        if corners.is_empty() {
+            return Bounds::ALL;
+        }
+        bounds
     }
 
     pub(super) fn corners(&self, piece: &Range<usize>) -> &[DVec3] {
@@ -178,11 +235,13 @@ pub(super) fn effect_of(blocker: &Blocker, corners: &[DVec3]) -> Effect {
     if let Some(&plane) = planes.iter().find(|plane| !are_below(-**plane, corners)) {
         return Effect::Cut(plane);
     }
-    match (within, hole, blocker.cone, blocker.hole) {
-        (Side::Inside, Side::Outside, ..) => Effect::All,
-        (Side::Across, Side::Outside, Some(cone), _) => Effect::Within(cone),
-        (Side::Inside, Side::Across, _, Some(hole)) => Effect::Without(hole),
-        _ => Effect::Unknown,
+    let cone = blocker.cone.filter(|_| within == Side::Across);
+    let hole = blocker.hole.filter(|_| hole == Side::Across);
+    match (cone, hole) {
+        (None, None) => Effect::All,
+        (Some(cone), None) => Effect::Within(cone),
+        (None, Some(hole)) => Effect::Without(hole),
+        (Some(cone), Some(hole)) => Effect::Ring { cone, hole },
     }
 }
 

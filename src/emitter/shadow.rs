@@ -13,8 +13,9 @@ use std::ops::Range;
 use super::conic::{Side, WholeCone};
 use super::occluder::{Blocker, MOST_EDGES, Occluder, Plane, View};
 use super::outline::Outline;
-use super::pieces::{Effect, Pieces, Split, are_apart, effect_of, longest};
+use super::pieces::{Bounds, Effect, Pieces, Split, are_apart, effect_of, longest};
 use super::received::{Received, Receiver};
+use super::seen::{Light, MOST_EFFECTS};
 use super::{Emitter, Shape};
 use crate::math::{DVec3, Point};
 
@@ -43,9 +44,16 @@ pub(crate) struct ShadowSpace {
     /// Of cells, who may still block a part.
     candidates: Vec<usize>,
     /// What is left once what is straight has been subtracted.
-    seen: Vec<Range<usize>>,
+    seen: Vec<Piece>,
     cells: Vec<Cell>,
     undecided: BinaryHeap<Undecided>,
+}
+
+/// A part of the emitter that nothing straight blocks.
+#[derive(Clone, Debug)]
+struct Piece {
+    corners: Range<usize>,
+    bounds: Bounds,
 }
 
 /// A part of the emitter, and who may block a part of it.
@@ -72,20 +80,16 @@ struct Straight {
     corners: [DVec3; MOST_EDGES],
     plane_count: usize,
     corner_count: usize,
+    bounds: Bounds,
 }
 
 /// A sum over pieces.
 #[derive(Clone, Copy, Debug)]
 struct Total {
     value: Received,
+    /// What is not known.
+    error: Received,
     pieces: f64,
-}
-
-/// A disk or a sphere, or else all of every piece; and who receives it.
-#[derive(Clone, Copy)]
-struct Light<'a> {
-    cone: Option<WholeCone>,
-    receiver: &'a Receiver,
 }
 
 impl Emitter {
@@ -116,15 +120,12 @@ impl Emitter {
             }
         }
         let free = || self.received(point, receiver);
-        let mut total = Total {
-            value: Received::NOTHING,
-            pieces: 1.0,
-        };
+        let mut total = Total::NOTHING;
         if space.blockers.is_empty() && space.straight.len() <= 1 {
             total.value = free()?;
             let hidden = space.straight.first().copied();
             if let Some(part) = hidden.and_then(|straight| space.part(whole, &straight)) {
-                // What is left out has more corners than there is room for only where it has hardly any area.
+                // So few planes have cut it that there is room for all.
                 let hidden = light
                     .received(space.pieces.corners(&part))
                     .unwrap_or_default();
@@ -133,11 +134,15 @@ impl Emitter {
             }
             return Some(total.bounded(receiver));
         }
-        space.seen.push(whole);
+        space.keep(whole);
         let mut place = 0;
-        while place < space.straight.len() && space.seen.len() <= accuracy.most_cells {
+        while place < space.straight.len() && (1..=accuracy.most_cells).contains(&space.seen.len())
+        {
             space.subtract(place);
             place += 1;
+        }
+        if space.seen.is_empty() {
+            return Some(total.bounded(receiver));
         }
         // What there is no room for is decided cell by cell, as far as that goes.
         for straight in &space.straight[place..] {
@@ -146,7 +151,7 @@ impl Emitter {
         if space.blockers.is_empty() {
             let mut is_sum = true;
             for piece in &space.seen {
-                match light.received(space.pieces.corners(piece)) {
+                match light.received(space.pieces.corners(&piece.corners)) {
                     Some(part) => total.add(part),
                     None => is_sum = false,
                 }
@@ -154,17 +159,14 @@ impl Emitter {
             if is_sum {
                 return Some(total.bounded(receiver));
             }
-            total.value = Received::NOTHING;
-            total.pieces = 1.0;
+            total = Total::NOTHING;
         }
         let free = free()?;
         space.decide(&light, free, accuracy, &mut total);
-        let mut bounded = total.bounded(receiver);
         for undecided in &space.undecided {
-            bounded.value += undecided.all * 0.5;
-            bounded.error += undecided.all * 0.5 + receiver.rounding();
+            total.half_of(undecided.all);
         }
-        Some(bounded)
+        Some(total.bounded(receiver))
     }
 
     /// The emitter has to be seen from there.
@@ -193,34 +195,28 @@ impl Emitter {
     }
 }
 
-impl Light<'_> {
-    /// What is received of a piece. `None` where a cone is cut by more edges than there is room for.
-    fn received(&self, corners: &[DVec3]) -> Option<Received> {
-        let Some(cone) = self.cone else {
-            return Some(self.receiver.of_polygon(corners));
-        };
-        self.within(&cone, corners)
-    }
-
-    fn within(&self, cone: &WholeCone, corners: &[DVec3]) -> Option<Received> {
-        Some(match cone.side_of(corners) {
-            Side::Inside => self.receiver.of_polygon(corners),
-            Side::Outside => Received::NOTHING,
-            Side::Across => self.receiver.of_conic(&cone.within(corners)?),
-        })
-    }
-}
-
 impl Total {
+    const NOTHING: Self = Self {
+        value: Received::NOTHING,
+        error: Received::NOTHING,
+        pieces: 1.0,
+    };
+
     fn add(&mut self, part: Received) {
         self.value += part;
         self.pieces += 1.0;
     }
 
+    /// Of a piece of which nobody knows how much is blocked.
+    fn half_of(&mut self, all: Received) {
+        self.add(all * 0.5);
+        self.error += all * 0.5;
+    }
+
     fn bounded(&self, receiver: &Receiver) -> Bounded {
         Bounded {
             value: self.value,
-            error: receiver.rounding() * self.pieces,
+            error: self.error + receiver.rounding() * self.pieces,
         }
     }
 }
@@ -277,13 +273,16 @@ impl ShadowSpace {
         match effect_of(blocker, self.pieces.corners(whole)) {
             Effect::Nothing => {}
             Effect::All => return false,
-            Effect::Cut(_) | Effect::Within(_) | Effect::Without(_) | Effect::Unknown => {
+            Effect::Cut(_) | Effect::Within(_) | Effect::Without(_) | Effect::Ring { .. } => {
                 if blocker.is_straight() {
+                    let corners = blocker.corners.unwrap_or_default();
+                    let corner_count = blocker.corners.map_or(0, |_| blocker.count);
                     self.straight.push(Straight {
                         planes: blocker.planes,
-                        corners: blocker.corners.unwrap_or_default(),
+                        corners,
                         plane_count: blocker.count,
-                        corner_count: blocker.corners.map_or(0, |_| blocker.count),
+                        corner_count,
+                        bounds: self.pieces.bounds_of(&corners[..corner_count]),
                     });
                 } else {
                     self.blockers.push(*blocker);
@@ -291,6 +290,12 @@ impl ShadowSpace {
             }
         }
         true
+    }
+
+    /// What is left so far.
+    fn keep(&mut self, corners: Range<usize>) {
+        let bounds = self.pieces.bounds_of(self.pieces.corners(&corners));
+        self.seen.push(Piece { corners, bounds });
     }
 
     /// What of a piece is within all planes.
@@ -314,7 +319,11 @@ impl ShadowSpace {
         let mut piece = 0;
         let mut end = self.seen.len();
         while piece < end {
-            let mut rest = self.seen[piece].clone();
+            if self.seen[piece].bounds.are_apart(&straight.bounds) {
+                piece += 1;
+                continue;
+            }
+            let mut rest = self.seen[piece].corners.clone();
             let corners = self.pieces.corners(&rest);
             if are_apart(planes, &straight.corners[..straight.corner_count], corners) {
                 piece += 1;
@@ -328,12 +337,12 @@ impl ShadowSpace {
                 match self.pieces.split(&rest, plane) {
                     Split::Inside => {}
                     Split::Outside => {
-                        self.seen.push(rest);
+                        self.keep(rest);
                         break;
                     }
                     Split::Both { inside, outside } => {
                         if !outside.is_empty() {
-                            self.seen.push(outside);
+                            self.keep(outside);
                         }
                         if inside.is_empty() {
                             break;
@@ -348,7 +357,7 @@ impl ShadowSpace {
     /// Adds what is received of all pieces, and halves those that are undecided until they matter no more.
     fn decide(&mut self, light: &Light, free: Received, accuracy: &Accuracy, total: &mut Total) {
         self.candidates.extend(0..self.blockers.len());
-        for corners in self.seen.drain(..) {
+        for Piece { corners, .. } in self.seen.drain(..) {
             let candidates = 0..self.blockers.len();
             self.cells.push(Cell {
                 corners,
@@ -373,19 +382,22 @@ impl ShadowSpace {
             let Some(Undecided { cell, all, .. }) = self.undecided.pop() else {
                 return;
             };
-            bound -= all * 0.5;
             let plane = longest(self.pieces.corners(&cell.corners));
-            self.halve(&cell, plane);
+            if self.halve(&cell, plane) {
+                bound -= all * 0.5;
+            } else {
+                total.half_of(all);
+            }
         }
     }
 
-    /// Both sides of a plane through the point are cells to look at.
-    fn halve(&mut self, cell: &Cell, plane: DVec3) {
-        if let Split::Both { inside, outside } = self.pieces.split(&cell.corners, plane) {
-            for corners in [inside, outside] {
-                if corners.is_empty() {
-                    continue;
-                }
+    /// Both sides of a plane through the point are cells to look at. Whether there are two.
+    fn halve(&mut self, cell: &Cell, plane: DVec3) -> bool {
+        let Split::Both { inside, outside } = self.pieces.split(&cell.corners, plane) else {
+            return false;
+        };
+        for corners in [inside, outside] {
+            if !corners.is_empty() {
                 let candidates = cell.candidates.clone();
                 self.cells.push(Cell {
                     corners,
@@ -393,6 +405,7 @@ impl ShadowSpace {
                 });
             }
         }
+        true
     }
 
     /// Adds what is received of a cell if that is known, and cuts it where planes do. Else what is received of it at
@@ -405,14 +418,12 @@ impl ShadowSpace {
         total: &mut Total,
     ) -> Option<(Cell, Received)> {
         let corners = self.pieces.corners(&cell.corners);
-        let side = light
-            .cone
-            .map_or(Side::Inside, |cone| cone.side_of(corners));
-        if side == Side::Outside {
+        if light.side_of(corners) == Side::Outside {
             return None;
         }
         let start = self.candidates.len();
-        let (mut effect, mut cut) = (Effect::Nothing, None);
+        let mut effects = [Effect::Nothing; MOST_EFFECTS];
+        let mut cut = None;
         for place in cell.candidates {
             let candidate = self.candidates[place];
             match effect_of(&self.blockers[candidate], corners) {
@@ -422,24 +433,20 @@ impl ShadowSpace {
                     return None;
                 }
                 Effect::Cut(plane) => cut = Some(plane),
-                known @ (Effect::Within(_) | Effect::Without(_) | Effect::Unknown) => {
-                    effect = known;
+                effect @ (Effect::Within(_) | Effect::Without(_) | Effect::Ring { .. }) => {
+                    if let Some(place) = effects.get_mut(self.candidates.len() - start) {
+                        *place = effect;
+                    }
                 }
             }
             self.candidates.push(candidate);
         }
         let candidates = start..self.candidates.len();
-        let known = match (candidates.len(), cut, effect, side) {
-            (0, ..) => light.received(corners),
-            (1, None, Effect::Within(cone), Side::Inside) => {
-                let hidden = light.within(&cone, corners);
-                hidden.map(|hidden| light.receiver.of_polygon(corners) - hidden)
-            }
-            (1, None, Effect::Without(hole), Side::Inside) => light.within(&hole, corners),
-            _ => None,
-        };
-        if let Some(known) = known {
-            total.add(known.at_least_nothing());
+        if cut.is_none()
+            && let Some(effects) = effects.get(..candidates.len())
+            && let Some(seen) = light.seen(effects, &cell.corners, &mut self.pieces)
+        {
+            total.add(seen.at_least_nothing());
             return None;
         }
         let cell = Cell {
@@ -448,10 +455,11 @@ impl ShadowSpace {
         };
         if let Some(plane) = cut
             && !is_last
+            && self.halve(&cell, plane)
         {
-            self.halve(&cell, plane);
             return None;
         }
+        let corners = self.pieces.corners(&cell.corners);
         let all = light.received(corners);
         let all = all.unwrap_or_else(|| light.receiver.of_polygon(corners));
         Some((cell, all))

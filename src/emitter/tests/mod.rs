@@ -1,8 +1,10 @@
 //! The closed forms beside published numbers, brute force, and what symmetry demands.
 
+mod brute;
 mod cubature;
 mod fuzz;
 mod lobes;
+mod shadow_fuzz;
 mod shadows;
 mod symmetry;
 
