@@ -108,12 +108,9 @@ impl Builder<'_> {
     }
 
     /// The same for a disk.
-    #[cfg_attr(
-        not(test),
-        expect(
-            dead_code,
-            reason = "for lights that are disks, which are still to come"
-        )
+    #[expect(
+        dead_code,
+        reason = "for lights that are disks, which are still to come"
     )]
     pub(super) fn check_disk(
         &mut self,
