@@ -64,10 +64,10 @@ impl Provenance {
             shows_invalid,
             false_color,
             cube,
-            overlay: _,
+            drawn,
         } = settings;
         let view = match (view, false_color.measure()) {
-            (View::FalseColor, Measure::Luminance) => {
+            (View::FalseColor, Measure::Luminance | Measure::Illuminance) => {
                 let [least, most] = false_color.range();
                 format!("false-color={least}:{most}")
             }
@@ -91,6 +91,9 @@ impl Provenance {
             option("white-balance", &format!("{x},{y}"));
         }
         option("view", &view);
+        if settings.view == View::FalseColor && false_color.measure() == Measure::Illuminance {
+            option("unit", "lx");
+        }
         option("display", screen.name());
         if let Some(luminance) = white_luminance {
             option("white-nits", &luminance.to_string());
@@ -101,6 +104,9 @@ impl Provenance {
         option("dither", dither.name());
         if *shows_invalid {
             words.push("--show-invalid".to_owned());
+        }
+        if !drawn.options.is_empty() {
+            words.push(drawn.options.to_owned());
         }
         words.join(" ")
     }
