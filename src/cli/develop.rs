@@ -175,7 +175,8 @@ impl DevelopArguments {
 
     /// Whether another color than the screen's white is made white.
     pub(super) fn is_balanced(&self) -> bool {
-        self.white_balance.is_some_and(|white| white.chromaticity.is_some())
+        self.white_balance
+            .is_some_and(|white| white.chromaticity.is_some())
     }
 
     /// What is said here; the rest as it is by default.

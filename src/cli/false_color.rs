@@ -171,9 +171,13 @@ impl FalseColorArguments {
             (self.iso_lines.is_some(), "--iso-lines"),
             (self.legend.is_some(), "--legend"),
         ];
-        let given = given.into_iter().find_map(|(is_given, name)| is_given.then_some(name))?;
+        let given = given
+            .into_iter()
+            .find_map(|(is_given, name)| is_given.then_some(name))?;
         let Some(view) = view else {
-            return Some(format!("{given} is of false colors: add --view false-color"));
+            return Some(format!(
+                "{given} is of false colors: add --view false-color"
+            ));
         };
         let has_range = view.measure() == Measure::Luminance;
         if self.unit == Some(Measure::Stops) && has_range {
@@ -183,11 +187,14 @@ impl FalseColorArguments {
             );
         }
         if self.iso_lines.is_some() && self.measure(view) == Measure::Stops {
-            return Some("lines have values in cd/m² or lx: add --unit nits or --unit lx".to_owned());
+            return Some(
+                "lines have values in cd/m² or lx: add --unit nits or --unit lx".to_owned(),
+            );
         }
         let is_of_light = self.is_of_a_layer() || self.iso_lines.is_some();
         (is_of_light && is_balanced).then(|| {
-            "--white-balance changes luminances, and illuminances have no color: leave it away".to_owned()
+            "--white-balance changes luminances, and illuminances have no color: leave it away"
+                .to_owned()
         })
     }
 
@@ -356,11 +363,20 @@ mod tests {
         let range = FalseColor::luminance(1.0, 100.0).unwrap();
         let said = |line: &str, view: Option<&FalseColor>| parse(line).misuse(view, false);
         for line in ["--unit lx", "--iso-lines auto", "--legend none"] {
-            assert!(said(line, None).unwrap().ends_with("add --view false-color"));
+            assert!(
+                said(line, None)
+                    .unwrap()
+                    .ends_with("add --view false-color")
+            );
         }
         assert!(said("--unit stops", Some(&range)).is_some());
         assert!(said("--iso-lines 100", Some(&stops)).is_some());
-        for line in ["--unit lx --iso-lines 100", "--unit nits", "--unit cd/m²", "--legend over"] {
+        for line in [
+            "--unit lx --iso-lines 100",
+            "--unit nits",
+            "--unit cd/m²",
+            "--legend over",
+        ] {
             assert_eq!(said(line, Some(&stops)), None, "{line}");
         }
         for line in ["--iso-lines 10,20", "--unit lux", "--unit cd/m2"] {

@@ -10,7 +10,7 @@ use super::Failure;
 use super::drawing::{Anchor, CAP, Color, Drawing, Item, Xy, raster_on, width};
 use super::numbers::number;
 use labels::{Path, Place, Rules, places};
-use trace::{Line, trace};
+use trace::{Level, Line, trace};
 
 const LIGHT: Color = [244; 3];
 const DARK: Color = [12; 3];
@@ -22,8 +22,10 @@ const BRIGHT: f64 = 0.2;
 const LINE_WIDTH: f64 = 1.25;
 const TEXT_SIZE: f64 = 11.5;
 const PADDING: f64 = 4.0;
+/// Nearer lines are none.
+const CLOSEST: f64 = 3.0;
 /// Shorter lines are specks.
-const SHORTEST: f64 = 12.0;
+const SHORTEST: f64 = 24.0;
 /// Between labels of one value.
 const APART: f64 = 170.0;
 const ROWS: f64 = 480.0;
@@ -31,7 +33,11 @@ const ROWS: f64 = 480.0;
 /// The color of the line of a value: that value's false color is on both of its sides.
 pub(super) fn line_color(colors: &FalseColor, value: f64) -> Color {
     let part = colors.part(value);
-    let below = if part < 0.0 { [0; 3] } else { colors.color(part) };
+    let below = if part < 0.0 {
+        [0; 3]
+    } else {
+        colors.color(part)
+    };
     let under = if part > 1.0 { [255; 3] } else { below };
     let [r, g, b] = under.map(|code| candela::internal::srgb_decode(f64::from(code) / 255.0));
     let [of_red, of_green, of_blue] = candela::Primaries::REC709.luminance_weights();
@@ -50,7 +56,10 @@ pub(super) fn isolines(
     colors: &FalseColor,
 ) -> Result<Overlay, Failure> {
     // What the raster has, and what is made of it.
-    let pixels = resolution.iter().map(|&side| u64::from(side)).product::<u64>();
+    let pixels = resolution
+        .iter()
+        .map(|&side| u64::from(side))
+        .product::<u64>();
     let mut room: Vec<[u8; 8]> = Vec::new();
     room.try_reserve_exact(usize::try_from(pixels)?)?;
     drop(room);
@@ -68,16 +77,19 @@ pub(super) fn isolines(
 
 fn items(field: &Field, size: Xy, values: &[f64], colors: &FalseColor) -> Vec<Item> {
     let scale = (size[0].min(size[1]) / ROWS).clamp(0.75, 8.0);
-    let traced: Vec<Vec<Line>> = values
-        .par_iter()
-        .map(|&value| trace(field, value))
+    let levels = levels(values, CLOSEST * scale.sqrt());
+    let traced: Vec<Vec<Line>> = levels
+        .into_par_iter()
+        .map(|level| trace(field, level))
         .collect();
     let texts: Vec<String> = values.iter().map(|&value| number(value)).collect();
     let text_size = (TEXT_SIZE * scale).round();
     let mut paths: Vec<Path<'_>> = Vec::new();
     for (level, lines) in traced.iter().enumerate() {
         let room = width(&texts[level], text_size) + 2.0 * PADDING * scale;
-        let lines = lines.iter().map(|line| Path::new(&line.points, room, level));
+        let lines = lines
+            .iter()
+            .map(|line| Path::new(&line.points, room, level));
         paths.extend(lines.filter(|path| path.length() >= SHORTEST * scale));
     }
     let rules = Rules {
@@ -116,6 +128,23 @@ fn items(field: &Field, size: Xy, values: &[f64], colors: &FalseColor) -> Vec<It
     items
 }
 
+/// The levels of values in order, of which two lines are at least so far apart.
+fn levels(values: &[f64], apart: f64) -> Vec<Level> {
+    let level = |(place, &value): (usize, &f64)| {
+        let before = place.checked_sub(1).map(|place| value - values[place]);
+        let after = values.get(place + 1).map(|next| next - value);
+        let step = before
+            .into_iter()
+            .chain(after)
+            .fold(f64::INFINITY, f64::min);
+        Level {
+            value,
+            steepest: step / apart,
+        }
+    };
+    values.iter().enumerate().map(level).collect()
+}
+
 /// A line without its gaps.
 fn pieces<'p>(path: &Path<'_>, places: impl Iterator<Item = &'p Place>) -> Vec<Vec<Xy>> {
     let mut gaps: Vec<[f64; 2]> = places.map(|place| place.gap).collect();
@@ -150,7 +179,9 @@ mod tests {
         let mut unbroken = 0;
         for row in overlay.pixels.chunks(400) {
             let covered = || row.iter().zip(0..).filter(|(pixel, _)| pixel[3] > 0);
-            let coverage: f64 = covered().map(|(pixel, _)| f64::from(pixel[3]) / 255.0).sum();
+            let coverage: f64 = covered()
+                .map(|(pixel, _)| f64::from(pixel[3]) / 255.0)
+                .sum();
             if covered().count() > 2 {
                 // A label.
                 continue;

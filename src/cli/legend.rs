@@ -39,11 +39,7 @@ pub(super) struct Mark {
 }
 
 /// The legend at the right edge of a picture, in the middle, if there is room for it.
-pub(super) fn legend(
-    resolution: [u32; 2],
-    colors: &FalseColor,
-    marks: &[Mark],
-) -> Option<Overlay> {
+pub(super) fn legend(resolution: [u32; 2], colors: &FalseColor, marks: &[Mark]) -> Option<Overlay> {
     let [columns, rows] = resolution.map(f64::from);
     let panel = Panel::new(colors, marks, [columns, rows], LONGEST_BAR)?;
     let [width, height] = panel.size;
@@ -65,11 +61,7 @@ pub(super) fn legend(
 }
 
 /// The legend at the right of a picture, as high as it is, if that is high enough.
-pub(super) fn beside(
-    resolution: [u32; 2],
-    colors: &FalseColor,
-    marks: &[Mark],
-) -> Option<Overlay> {
+pub(super) fn beside(resolution: [u32; 2], colors: &FalseColor, marks: &[Mark]) -> Option<Overlay> {
     let [columns, rows] = resolution.map(f64::from);
     let mut panel = Panel::new(colors, marks, [columns, rows], f64::INFINITY)?;
     // What is over and under the panel where it is in the picture.
@@ -107,12 +99,7 @@ struct Panel {
 
 impl Panel {
     /// `None` where there is no room.
-    fn new(
-        colors: &FalseColor,
-        marks: &[Mark],
-        [columns, rows]: Xy,
-        longest: f64,
-    ) -> Option<Self> {
+    fn new(colors: &FalseColor, marks: &[Mark], [columns, rows]: Xy, longest: f64) -> Option<Self> {
         let scale = (rows.min(columns) / ROWS).clamp(0.75, 8.0);
         let pixels = |units: f64| (units * scale).round();
         let title = match colors.measure() {
@@ -138,7 +125,9 @@ impl Panel {
         } else {
             marked(colors, marks, room)
         };
-        let marks = marks.iter().map(|mark| (colors.part(mark.value), mark.color));
+        let marks = marks
+            .iter()
+            .map(|mark| (colors.part(mark.value), mark.color));
         let marks = marks.filter(|(part, _)| (0.0..=1.0).contains(part));
         let size = pixels(TEXT_SIZE);
         let numbers = ticks.iter().map(|(_, number)| number).chain(&ends);
@@ -321,6 +310,30 @@ mod tests {
         assert_eq!(numbers(&three, 5.0), "1 10");
         let wide = FalseColor::luminance(1e-6, 1e6).unwrap();
         assert_eq!(numbers(&wide, 7.0), "0.0001 0.01 1 100 10000");
+    }
+
+    /// A tick's number is the value that is there on the bar, whatever chose it.
+    #[test]
+    fn ticks_carry_their_values() {
+        let colors = FalseColor::illuminance(5.0, 2000.0).unwrap();
+        let marks = [10.0, 75.0, 300.0, 310.0, 1000.0].map(|value| Mark {
+            value,
+            color: [255; 3],
+        });
+        for ticks in [ticks(&colors, 20.0), marked(&colors, &marks, 20.0)] {
+            assert!(ticks.len() >= 4);
+            for (part, text) in ticks {
+                let value: f64 = text.parse().unwrap();
+                let there = 5.0 * (2000.0_f64 / 5.0).powf(part);
+                assert!((there / value - 1.0).abs() < 1e-12, "{there}, {text}");
+            }
+        }
+        // Numbers that would overlap: the larger one stays.
+        let numbers: Vec<String> = marked(&colors, &marks, 20.0)
+            .into_iter()
+            .map(|(_, number)| number)
+            .collect();
+        assert_eq!(numbers, ["1000", "310", "75", "10"]);
     }
 
     /// The panel is where the pixels differ, the bar's colors are those of the map, and the rest is as it was.

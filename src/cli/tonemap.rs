@@ -154,7 +154,8 @@ impl Arguments {
             return Some(display::DisplayError::NoFloats.to_string());
         }
         let view = self.development.false_color();
-        self.false_color.misuse(view, self.development.is_balanced())
+        self.false_color
+            .misuse(view, self.development.is_balanced())
     }
 }
 
@@ -194,7 +195,9 @@ fn convert(
 ) -> Result<String, Failure> {
     super::refuse_terminal(output)?;
     // What is no picture is told first: another name would not help there.
-    let reader = arguments.false_color.open(input, arguments.layer.as_deref())?;
+    let reader = arguments
+        .false_color
+        .open(input, arguments.layer.as_deref())?;
     super::refuse_same_files(&[input], &[output])?;
     let mut lines = Vec::new();
     if let Some(address) = &arguments.display_server {
@@ -202,7 +205,11 @@ fn convert(
     }
     let look = arguments.development.look(reader.resolution())?;
     let shown = match arguments.development.false_color() {
-        Some(view) => Some(arguments.false_color.of(view, &reader, arguments.input_space)?),
+        Some(view) => Some(
+            arguments
+                .false_color
+                .of(view, &reader, arguments.input_space)?,
+        ),
         None => None,
     };
     let developed = arguments.development.settings(&look);
@@ -212,7 +219,9 @@ fn convert(
         frame: Frame::Display,
         input: arguments.input_space,
         shows_invalid: arguments.show_invalid,
-        false_color: shown.as_ref().map_or(developed.false_color, |shown| shown.colors),
+        false_color: shown
+            .as_ref()
+            .map_or(developed.false_color, |shown| shown.colors),
         drawn: shown.as_ref().map_or(developed.drawn, Shown::drawn),
         ..developed
     };

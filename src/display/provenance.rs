@@ -68,7 +68,8 @@ impl Provenance {
         } = settings;
         let view = match (view, false_color.measure()) {
             (View::FalseColor, Measure::Luminance | Measure::Illuminance) => {
-                let [least, most] = false_color.range();
+                // Of the logarithms that it has, a rounding is left.
+                let [least, most] = false_color.range().map(rounded);
                 format!("false-color={least}:{most}")
             }
             (View::Cube, _) => {
@@ -110,6 +111,11 @@ impl Provenance {
         }
         words.join(" ")
     }
+}
+
+/// To twelve digits.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.11e}").parse().unwrap_or(number)
 }
 
 #[cfg(test)]

@@ -19,7 +19,8 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 /// The speed of a sensor. Lines of equal light are looked for under that name, too.
 pub(super) fn speed(text: &str) -> Result<f64, String> {
     positive(text).map_err(|_| {
-        "expected the speed of a sensor, such as 100; lines of equal light are --iso-lines".to_owned()
+        "expected the speed of a sensor, such as 100; lines of equal light are --iso-lines"
+            .to_owned()
     })
 }
 

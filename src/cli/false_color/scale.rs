@@ -13,7 +13,12 @@ const WIDEST: f64 = 200.0;
 const ENDS: [f64; 3] = [1.0, 2.0, 5.0];
 
 /// The steps of illuminances in EN 12464-1, in each decade; then fewer.
-const STEPS: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 5.0, 7.5], &[1.0, 2.0, 5.0], &[1.0]];
+const STEPS: [&[f64]; 4] = [
+    &[1.0, 1.5, 2.0, 3.0, 5.0, 7.5],
+    &[1.0, 2.0, 3.0, 5.0],
+    &[1.0, 3.0],
+    &[1.0],
+];
 
 /// More lines than this are too many.
 const LINES: usize = 12;
@@ -32,7 +37,9 @@ pub(super) fn range(field: Option<&Field>) -> [f64; 2] {
     let numbers = round(&ENDS, least.max(most / WIDEST) / 10.0, most * 10.0);
     let least = least.max(most / WIDEST) * (1.0 + 1e-3);
     let below = numbers.iter().rev().find(|&&number| number <= least);
-    let above = numbers.iter().find(|&&number| number >= most * (1.0 - 1e-3));
+    let above = numbers
+        .iter()
+        .find(|&&number| number >= most * (1.0 - 1e-3));
     match (below, above) {
         (Some(&below), Some(&above)) if below < above => [below, above],
         (Some(&below), _) => [below, below * 10.0],
@@ -92,10 +99,17 @@ mod tests {
         let office = values([40.0, 2000.0]);
         assert_eq!(
             office,
-            [50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 500.0, 750.0, 1000.0, 1500.0]
+            [
+                50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 500.0, 750.0, 1000.0, 1500.0
+            ]
         );
         let wide = values([1.0, 1000.0]);
-        assert_eq!(wide, [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0]);
+        assert_eq!(
+            wide,
+            [
+                2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0, 200.0, 300.0, 500.0
+            ]
+        );
         assert_eq!(values([1e-3, 1e3]), [0.01, 0.1, 1.0, 10.0, 100.0]);
     }
 }

@@ -130,7 +130,8 @@ fn candidates(number: usize, path: &Path<'_>, rules: &Rules) -> Vec<(f64, Place)
         let [start, end] = gap.map(|along| path.at(along));
         let straight = distance(start, end) / path.width;
         let at = [0, 1].map(|axis| (start[axis] + end[axis]) / 2.0);
-        let is_inside = (edge..columns - edge).contains(&at[0]) && (edge..rows - edge).contains(&at[1]);
+        let is_inside =
+            (edge..columns - edge).contains(&at[0]) && (edge..rows - edge).contains(&at[1]);
         if straight < STRAIGHT || !is_inside {
             return None;
         }

@@ -26,12 +26,22 @@ const VISIBLE: f64 = 0.04;
 /// No second end.
 const NONE: usize = usize::MAX;
 
-/// All lines where the numbers are `level`, in the order of the picture's rows.
+/// A value that has lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Level {
+    pub(super) value: f64,
+    /// The steepest that the numbers may be, per pixel: where they are steeper, this line and those of other values would
+    /// run into each other.
+    pub(super) steepest: f64,
+}
+
+/// All lines of a level, in the order of the picture's rows.
 ///
-/// There is none through pixels without a surface, and none between pixels whose numbers jump, as at the edges of objects and
-/// of hard shadows: all levels between the two would run there, on top of each other.
-pub(super) fn trace(field: &Field, level: f64) -> Vec<Line> {
+/// There is none through pixels without a surface, and none between pixels whose numbers jump, as at the edges of
+/// objects and of hard shadows: all levels between the two would run there, on top of each other.
+pub(super) fn trace(field: &Field, level: Level) -> Vec<Line> {
     let segments = segments(field, level);
+    let level = level.value;
     // Each point is the end of one segment or two.
     let mut beside: HashMap<usize, [usize; 2]> = HashMap::new();
     for &[a, b] in &segments {
@@ -55,7 +65,10 @@ pub(super) fn trace(field: &Field, level: f64) -> Vec<Line> {
         }
         if sides.len() > 1 {
             lines.push(Line {
-                points: sides.iter().map(|&side| point(field, side, level)).collect(),
+                points: sides
+                    .iter()
+                    .map(|&side| point(field, side, level))
+                    .collect(),
                 is_closed: at == start,
             });
         }
@@ -92,16 +105,20 @@ fn take_back(beside: &mut HashMap<usize, [usize; 2]>, at: usize, from: usize) {
 
 /// Pieces of lines, from a side of a square of four pixels to another. A side is twice the number of its first pixel, plus 1
 /// where it goes down.
-fn segments(field: &Field, level: f64) -> Vec<[usize; 2]> {
+fn segments(field: &Field, Level { value, steepest }: Level) -> Vec<[usize; 2]> {
     let [width, height] = field.size();
     let mut segments = Vec::new();
-    let is_above = |value: f32| f64::from(value) >= level;
+    let is_above = |number: f32| f64::from(number) >= value;
     for y in 0..height.saturating_sub(1) {
         for x in 0..width.saturating_sub(1) {
             let corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)];
-            let values = corners.map(|(x, y)| field.at(x, y));
-            let [a, b, c, d] = values.map(is_above);
-            if a == b && b == c && c == d || values.iter().any(|value| !value.is_finite()) {
+            let numbers = corners.map(|(x, y)| field.at(x, y));
+            let [a, b, c, d] = numbers.map(is_above);
+            if a == b && b == c && c == d || numbers.iter().any(|number| !number.is_finite()) {
+                continue;
+            }
+            let numbers = numbers.map(f64::from);
+            if slope(numbers) > steepest {
                 continue;
             }
             let first = y * width + x;
@@ -127,8 +144,8 @@ fn segments(field: &Field, level: f64) -> Vec<[usize; 2]> {
                 (Some(one), Some(other), None) => segments.push([one, other]),
                 // A saddle: what is in the middle says which corners belong together.
                 (Some(_), Some(_), Some(_)) => {
-                    let middle = values.map(f64::from).iter().sum::<f64>() / 4.0;
-                    if (middle >= level) == a {
+                    let middle = numbers.iter().sum::<f64>() / 4.0;
+                    if (middle >= value) == a {
                         segments.extend([[top, right], [bottom, left]]);
                     } else {
                         segments.extend([[top, left], [bottom, right]]);
@@ -139,6 +156,11 @@ fn segments(field: &Field, level: f64) -> Vec<[usize; 2]> {
         }
     }
     segments
+}
+
+/// How much the numbers change from a pixel to the next at most, by those at the corners of a square, clockwise.
+fn slope([a, b, c, d]: [f64; 4]) -> f64 {
+    libm::hypot((b + c - a - d) / 2.0, (d + c - a - b) / 2.0)
 }
 
 /// The pixels at the ends of a side.
@@ -197,6 +219,11 @@ fn point(field: &Field, side: usize, level: f64) -> Xy {
 mod tests {
     use super::*;
     use candela::image::Window;
+
+    fn trace(field: &Field, value: f64) -> Vec<Line> {
+        let steepest = f64::INFINITY;
+        super::trace(field, Level { value, steepest })
+    }
 
     fn field(width: u32, height: u32, value: impl Fn(f64, f64) -> f64) -> Field {
         let values = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -259,13 +286,19 @@ mod tests {
             panic!("{lines:?}")
         };
         assert_eq!(line.points.len(), 20);
-        assert!(line.points.iter().all(|[x, y]| *x <= 19.5 && (y - 10.0).abs() < 1e-5));
+        assert!(
+            line.points
+                .iter()
+                .all(|[x, y]| *x <= 19.5 && (y - 10.0).abs() < 1e-5)
+        );
     }
 
     /// A shadow that is soft over four pixels is no jump.
     #[test]
     fn soft_shadows_have_lines() {
-        let soft = field(40, 20, |x, _| (800.0 - 200.0 * (x - 20.0)).clamp(0.0, 800.0));
+        let soft = field(40, 20, |x, _| {
+            (800.0 - 200.0 * (x - 20.0)).clamp(0.0, 800.0)
+        });
         let lines = trace(&soft, 500.0);
         assert_eq!(lines.len(), 1);
         assert!(lines[0].points.iter().all(|[x, _]| (x - 21.5).abs() < 1e-5));
@@ -276,6 +309,22 @@ mod tests {
         let part = field(40, 20, |x, _| if x < 15.0 { f64::NAN } else { 10.0 * x });
         assert_eq!(trace(&part, 120.0), []);
         assert_eq!(trace(&part, 200.0).len(), 1);
+    }
+
+    #[test]
+    fn steep_places_have_no_line() {
+        let ramp = field(40, 30, |x, _| 10.0 * x);
+        let of = |steepest| {
+            super::trace(
+                &ramp,
+                Level {
+                    value: 205.0,
+                    steepest,
+                },
+            )
+            .len()
+        };
+        assert_eq!([of(9.9), of(10.1)], [0, 1]);
     }
 
     #[test]
