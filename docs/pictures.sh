@@ -6,8 +6,8 @@
 # CANDELA names another binary. The pictures of `lecture` and `first` are what the README's commands make,
 # without a size or an option of their own; the others are
 # 480 pixels wide, or 320 where there is so much detail that a larger file would be too large. The charts
-# of docs/rgb-or-spectral.md, the contact sheet and the pictures of docs/layers.md and docs/shadow-terminator.md are
-# made each time; the latter two need oiiotool, which tests/setup.sh installs.
+# of docs/rgb-or-spectral.md, the contact sheet, the illuminances and the pictures of docs/layers.md and
+# docs/shadow-terminator.md are made each time; the latter two need oiiotool, which tests/setup.sh installs.
 set -eu
 cd "$(dirname "$0")/.."
 candela=${CANDELA:-target/release/candela}
@@ -51,6 +51,10 @@ done
 
 "$candela" render scenes/lecture.toml --samples 64 -o "$work/lecture.exr" --quiet
 "$candela" contact-sheet "$work/lecture.exr" --exposure 1 --width 300 -o docs/pictures/contact-sheet.png
+
+"$candela" render scenes/wall-washer.toml --samples 64 --layers irradiance -o "$work/illuminance.exr" --quiet
+"$candela" tonemap "$work/illuminance.exr" --view false-color --unit lx --iso-lines auto --alpha opaque --dither none \
+    -o docs/pictures/illuminance.png
 
 "$candela" render scenes/moving.toml --set image.resolution=[480,270] --frames 1-24 --samples 64 -o "$work/moving.####.exr" --quiet
 "$candela" contact-sheet "$work/moving.####.exr" --width 180 -o docs/pictures/sequence.png

@@ -5,7 +5,7 @@ mod quantities;
 use std::path::PathBuf;
 
 use candela::display::{
-    Cube, Dither, Exposure, FalseColor, Gamut, Overlay, Screen, Settings, View,
+    Cube, Dither, Drawn, Exposure, FalseColor, Gamut, Overlay, Screen, Settings, View,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -123,7 +123,7 @@ pub(super) struct ExposureArguments {
     #[arg(
         long,
         value_name = "S",
-        value_parser = quantities::positive,
+        value_parser = quantities::speed,
         requires_all = ["shutter", "aperture"],
         conflicts_with = "auto_exposure"
     )]
@@ -155,7 +155,7 @@ impl DevelopArguments {
         Ok(match &self.view {
             Choice::Named(_) => Look::default(),
             Choice::FalseColor(colors) => Look {
-                overlay: legend(resolution, colors),
+                overlays: legend(resolution, colors, &[]).into_iter().collect(),
                 ..Look::default()
             },
             Choice::Cube(path) => Look {
@@ -163,6 +163,20 @@ impl DevelopArguments {
                 ..Look::default()
             },
         })
+    }
+
+    /// The false colors of the view, if it has them.
+    pub(super) const fn false_color(&self) -> Option<&FalseColor> {
+        match &self.view {
+            Choice::FalseColor(colors) => Some(colors),
+            Choice::Named(_) | Choice::Cube(_) => None,
+        }
+    }
+
+    /// Whether another color than the screen's white is made white.
+    pub(super) fn is_balanced(&self) -> bool {
+        self.white_balance
+            .is_some_and(|white| white.chromaticity.is_some())
     }
 
     /// What is said here; the rest as it is by default.
@@ -181,7 +195,10 @@ impl DevelopArguments {
                 Choice::Named(_) | Choice::Cube(_) => default.false_color,
             },
             cube: look.cube.as_ref(),
-            overlay: look.overlay.as_ref(),
+            drawn: Drawn {
+                overlays: &look.overlays,
+                ..Drawn::NOTHING
+            },
             ..default
         }
     }
@@ -191,7 +208,7 @@ impl DevelopArguments {
 #[derive(Debug, Default)]
 pub(super) struct Look {
     cube: Option<Cube>,
-    overlay: Option<Overlay>,
+    overlays: Vec<Overlay>,
 }
 
 /// A view as it is chosen.

@@ -17,6 +17,9 @@ const GLYPHS: &str = include_str!("drawing/glyphs.txt");
 /// Units of the outlines in the font size.
 pub(super) const UNITS: f64 = 2048.0;
 
+/// How high digits and capitals are in the font size: 1493 of 2048 units in DejaVu Sans.
+pub(super) const CAP: f64 = 0.729;
+
 /// What is drawn for a character that there is no outline of.
 const UNKNOWN: char = '□';
 
@@ -60,8 +63,8 @@ pub(super) enum Item {
         size: f64,
         color: Color,
         anchor: Anchor,
-        /// Whether it runs upwards.
-        is_upright: bool,
+        /// By how many degrees it is turned clockwise around its place; −90 runs upwards.
+        turn: f64,
     },
 }
 
@@ -74,7 +77,7 @@ impl Item {
             size,
             color,
             anchor,
-            is_upright: false,
+            turn: 0.0,
         }
     }
 }

@@ -1,8 +1,8 @@
-//! The legend of false colors, as a panel in the picture itself.
+//! The legend of false colors, as a panel in the picture itself or beside it.
 
 use candela::display::{FalseColor, Measure, Overlay};
 
-use super::drawing::{Anchor, Color, Drawing, Item, Xy, raster_on, width};
+use super::drawing::{Anchor, CAP, Color, Drawing, Item, Xy, raster_on, width};
 use super::numbers::number;
 
 /// The panel: dark, and the picture shows through a little.
@@ -30,11 +30,22 @@ const TO_NUMBERS: f64 = 9.0;
 /// Between two numbers, at least.
 const APART: f64 = 19.0;
 
+/// A value that is marked, such as that of a line in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mark {
+    pub(super) value: f64,
+    /// Of its line.
+    pub(super) color: Color,
+}
+
 /// The legend at the right edge of a picture, in the middle, if there is room for it.
-pub(super) fn legend(resolution: [u32; 2], colors: &FalseColor) -> Option<Overlay> {
+pub(super) fn legend(resolution: [u32; 2], colors: &FalseColor, marks: &[Mark]) -> Option<Overlay> {
     let [columns, rows] = resolution.map(f64::from);
-    let panel = Panel::new(colors, [columns, rows])?;
+    let panel = Panel::new(colors, marks, [columns, rows], LONGEST_BAR)?;
     let [width, height] = panel.size;
+    if width + 2.0 * panel.pixels(MARGIN) > columns {
+        return None;
+    }
     let drawing = Drawing {
         size: panel.size,
         items: panel.items(colors),
@@ -44,6 +55,26 @@ pub(super) fn legend(resolution: [u32; 2], colors: &FalseColor) -> Option<Overla
     let top = ((rows - height) / 2.0).floor();
     Some(Overlay {
         corner: [left, top].map(|place| place as u32),
+        width: size[0],
+        pixels,
+    })
+}
+
+/// The legend at the right of a picture, as high as it is, if that is high enough.
+pub(super) fn beside(resolution: [u32; 2], colors: &FalseColor, marks: &[Mark]) -> Option<Overlay> {
+    let [columns, rows] = resolution.map(f64::from);
+    let mut panel = Panel::new(colors, marks, [columns, rows], f64::INFINITY)?;
+    // What is over and under the panel where it is in the picture.
+    panel.top += ((rows - panel.size[1]) / 2.0).floor();
+    panel.size[1] = rows;
+    let [r, g, b, _] = GROUND;
+    let drawing = Drawing {
+        size: panel.size,
+        items: panel.items(colors),
+    };
+    let (size, pixels) = raster_on(&drawing, 1.0, [r, g, b, 255])?;
+    Some(Overlay {
+        corner: [resolution[0], 0],
         width: size[0],
         pixels,
     })
@@ -60,23 +91,26 @@ struct Panel {
     title: &'static str,
     /// Where on the bar, from 0 below to 1, and the number.
     ticks: Vec<(f64, String)>,
+    /// Lines across the bar, and their colors.
+    marks: Vec<(f64, Color)>,
     /// What is written beside the fields below and above the range.
     ends: [String; 2],
 }
 
 impl Panel {
     /// `None` where there is no room.
-    fn new(colors: &FalseColor, [columns, rows]: Xy) -> Option<Self> {
+    fn new(colors: &FalseColor, marks: &[Mark], [columns, rows]: Xy, longest: f64) -> Option<Self> {
         let scale = (rows.min(columns) / ROWS).clamp(0.75, 8.0);
         let pixels = |units: f64| (units * scale).round();
         let title = match colors.measure() {
             Measure::Stops => "EV",
             Measure::Luminance => "cd/m²",
+            Measure::Illuminance => "lx",
         };
         let field = pixels(FIELD) + pixels(FIELD_GAP);
         let head = pixels(PADDING) + pixels(TEXT_SIZE + 8.0);
         let around = head + 2.0 * field + pixels(PADDING);
-        let length = (rows - 2.0 * pixels(MARGIN) - around).min(pixels(LONGEST_BAR));
+        let length = (rows - 2.0 * pixels(MARGIN) - around).min(pixels(longest));
         if length < pixels(SHORTEST_BAR) {
             return None;
         }
@@ -85,7 +119,16 @@ impl Panel {
             format!("< {}", written(least)),
             format!("> {}", written(most)),
         ];
-        let ticks = ticks(colors, length / pixels(APART));
+        let room = length / pixels(APART);
+        let ticks = if marks.is_empty() {
+            ticks(colors, room)
+        } else {
+            marked(colors, marks, room)
+        };
+        let marks = marks
+            .iter()
+            .map(|mark| (colors.part(mark.value), mark.color));
+        let marks = marks.filter(|(part, _)| (0.0..=1.0).contains(part));
         let size = pixels(TEXT_SIZE);
         let numbers = ticks.iter().map(|(_, number)| number).chain(&ends);
         let widest = numbers
@@ -93,16 +136,16 @@ impl Panel {
             .fold(0.0, f64::max);
         let to_numbers = pixels(BAR_WIDTH) + pixels(TO_NUMBERS);
         let inside = (to_numbers + widest).max(width(title, size)).ceil();
-        let panel = Self {
+        Some(Self {
             scale,
             size: [inside + 2.0 * pixels(PADDING), length + around],
             top: head + field,
             length,
             title,
             ticks,
+            marks: marks.collect(),
             ends,
-        };
-        (panel.size[0] + 2.0 * pixels(MARGIN) <= columns).then_some(panel)
+        })
     }
 
     fn pixels(&self, units: f64) -> f64 {
@@ -115,7 +158,8 @@ impl Panel {
         let field = self.pixels(FIELD);
         let gap = self.pixels(FIELD_GAP);
         let bottom = self.top + self.length;
-        let mut items = vec![self.text([left, self.pixels(PADDING) + self.cap()], self.title)];
+        let title = self.top - gap - field - self.pixels(TEXT_SIZE + 8.0) + self.cap();
+        let mut items = vec![self.text([left, title], self.title)];
         let mut fill = |y: f64, height: f64, color: Color| {
             items.push(Item::Fill {
                 at: [left, y],
@@ -131,6 +175,15 @@ impl Panel {
             fill(self.top + f64::from(row), 1.0, colors.color(part));
         }
         let right = left + bar;
+        for &(part, color) in &self.marks {
+            let y = bottom - part * self.length;
+            items.push(Item::Line {
+                points: vec![[left, y], [right, y]],
+                color,
+                width: self.scale,
+                is_dashed: false,
+            });
+        }
         let numbers = right + self.pixels(TO_NUMBERS);
         let middle = self.cap() / 2.0;
         for (part, number) in &self.ticks {
@@ -152,9 +205,9 @@ impl Panel {
         items
     }
 
-    /// How high digits and capitals are: 1493 of 2048 units in DejaVu Sans.
+    /// How high digits and capitals are.
     fn cap(&self) -> f64 {
-        self.pixels(TEXT_SIZE) * 0.729
+        self.pixels(TEXT_SIZE) * CAP
     }
 
     fn text(&self, at: Xy, text: &str) -> Item {
@@ -164,9 +217,24 @@ impl Panel {
             size: self.pixels(TEXT_SIZE),
             color: TEXT,
             anchor: Anchor::Start,
-            is_upright: false,
+            turn: 0.0,
         }
     }
+}
+
+/// The values that are marked, of which numbers have room: from the largest on.
+fn marked(colors: &FalseColor, marks: &[Mark], most: f64) -> Vec<(f64, String)> {
+    let free = 0.4 / most;
+    let mut last = f64::INFINITY;
+    let mut ticks = Vec::new();
+    for mark in marks.iter().rev() {
+        let part = colors.part(mark.value);
+        if (free..=1.0 - free).contains(&part) && last - part >= 0.8 / most {
+            ticks.push((part, written(mark.value)));
+            last = part;
+        }
+    }
+    ticks
 }
 
 /// Where marks go, and their numbers, at most about so many; none at the ends, which have their own.
@@ -180,7 +248,7 @@ fn ticks(colors: &FalseColor, most: f64) -> Vec<(f64, String)> {
             let numbers = (first / step).ceil() as i32..=(last / step).floor() as i32;
             numbers.map(|number| f64::from(number) * step).collect()
         }
-        Measure::Luminance => {
+        Measure::Luminance | Measure::Illuminance => {
             let decades = libm::log10(last / first);
             // From the most marks of a decade to those of every fourth one.
             let within: &[f64] = if decades * 3.0 <= most {
@@ -244,6 +312,30 @@ mod tests {
         assert_eq!(numbers(&wide, 7.0), "0.0001 0.01 1 100 10000");
     }
 
+    /// A tick's number is the value that is there on the bar, whatever chose it.
+    #[test]
+    fn ticks_carry_their_values() {
+        let colors = FalseColor::illuminance(5.0, 2000.0).unwrap();
+        let marks = [10.0, 75.0, 300.0, 310.0, 1000.0].map(|value| Mark {
+            value,
+            color: [255; 3],
+        });
+        for ticks in [ticks(&colors, 20.0), marked(&colors, &marks, 20.0)] {
+            assert!(ticks.len() >= 4);
+            for (part, text) in ticks {
+                let value: f64 = text.parse().unwrap();
+                let there = 5.0 * (2000.0_f64 / 5.0).powf(part);
+                assert!((there / value - 1.0).abs() < 1e-12, "{there}, {text}");
+            }
+        }
+        // Numbers that would overlap: the larger one stays.
+        let numbers: Vec<String> = marked(&colors, &marks, 20.0)
+            .into_iter()
+            .map(|(_, number)| number)
+            .collect();
+        assert_eq!(numbers, ["1000", "310", "75", "10"]);
+    }
+
     /// The panel is where the pixels differ, the bar's colors are those of the map, and the rest is as it was.
     #[test]
     fn the_bar_shows_the_map() {
@@ -251,8 +343,8 @@ mod tests {
         let gray = vec![[100; 3]; 640 * 480];
         let mut image = Image::opaque(SIZE, gray);
         let colors = FalseColor::default();
-        image.lay(&legend(SIZE, &colors).unwrap());
-        let panel = Panel::new(&colors, SIZE.map(f64::from)).unwrap();
+        image.lay(&legend(SIZE, &colors, &[]).unwrap());
+        let panel = Panel::new(&colors, &[], SIZE.map(f64::from), LONGEST_BAR).unwrap();
         let pixels = image.samples().as_chunks::<3>().0;
         let at = |x: f64, y: f64| pixels[y as usize * 640 + x as usize];
         let left = 640.0 - panel.size[0] - panel.pixels(MARGIN);
@@ -273,6 +365,7 @@ mod tests {
 
     #[test]
     fn small_pictures_have_none() {
-        assert_eq!(legend([60, 40], &FalseColor::default()), None);
+        assert_eq!(legend([60, 40], &FalseColor::default(), &[]), None);
+        assert_eq!(beside([60, 40], &FalseColor::default(), &[]), None);
     }
 }

@@ -10,6 +10,7 @@ use super::Failure;
 use super::develop::DevelopArguments;
 use super::display_server::DisplayServer;
 use super::failure::Misuse;
+use super::false_color::{FalseColorArguments, Shown};
 use super::sequence::{Conversion, conversions, input_name};
 use candela::Primaries;
 use candela::display::{self, Alpha, Bits, Frame, Input, OutputFormat, Settings};
@@ -48,6 +49,8 @@ Examples:
       A TIFF of floats: code values that neither clip nor are rounded
   candela tonemap studio.hdr --exposure 1 -o studio.png
       A picture of another format
+  candela tonemap scene.exr --view false-color --unit lx --iso-lines auto
+      Illuminance in lux, of a file with the layer irradiance
   candela tonemap scene.exr --watch
       Again whenever the file changes
   candela render scene.toml -o - | candela tonemap - -o scene.png
@@ -73,6 +76,9 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     development: DevelopArguments,
+
+    #[command(flatten)]
+    false_color: FalseColorArguments,
 
     /// The linear color space of the file's numbers, whatever the file says [default: what the file says, else
     /// rec709]
@@ -144,8 +150,12 @@ impl Arguments {
     /// What is wrong with the options as they stand together.
     pub(crate) fn misuse(&self) -> Option<String> {
         let output = self.output.as_deref().unwrap_or(Path::new("-"));
-        let holds = OutputFormat::of(output).holds(self.bits());
-        (!holds).then(|| display::DisplayError::NoFloats.to_string())
+        if !OutputFormat::of(output).holds(self.bits()) {
+            return Some(display::DisplayError::NoFloats.to_string());
+        }
+        let view = self.development.false_color();
+        self.false_color
+            .misuse(view, self.development.is_balanced())
     }
 }
 
@@ -185,20 +195,35 @@ fn convert(
 ) -> Result<String, Failure> {
     super::refuse_terminal(output)?;
     // What is no picture is told first: another name would not help there.
-    let reader = Input::open(input, arguments.layer.as_deref())?;
+    let reader = arguments
+        .false_color
+        .open(input, arguments.layer.as_deref())?;
     super::refuse_same_files(&[input], &[output])?;
     let mut lines = Vec::new();
     if let Some(address) = &arguments.display_server {
         lines.extend(show(address, &reader, input)?);
     }
     let look = arguments.development.look(reader.resolution())?;
+    let shown = match arguments.development.false_color() {
+        Some(view) => Some(
+            arguments
+                .false_color
+                .of(view, &reader, arguments.input_space)?,
+        ),
+        None => None,
+    };
+    let developed = arguments.development.settings(&look);
     let settings = Settings {
         bits: arguments.bits(),
         alpha: arguments.alpha,
         frame: Frame::Display,
         input: arguments.input_space,
         shows_invalid: arguments.show_invalid,
-        ..arguments.development.settings(&look)
+        false_color: shown
+            .as_ref()
+            .map_or(developed.false_color, |shown| shown.colors),
+        drawn: shown.as_ref().map_or(developed.drawn, Shown::drawn),
+        ..developed
     };
     let report = display::convert_input(&reader, output, &settings, unfinished)?;
 
@@ -213,13 +238,16 @@ fn convert(
     lines.extend(warnings.map(|warning| format!("warning: {name}: {warning}\n")));
     let notes = report.notes.iter();
     lines.extend(notes.map(|note| format!("note: {name}: {note}\n")));
+    let of = if arguments.inputs.len() == 1 && !arguments.stands_for_many() {
+        String::new()
+    } else {
+        format!("{name}: ")
+    };
     if settings.exposure.is_auto() {
-        let of = if arguments.inputs.len() == 1 && !arguments.stands_for_many() {
-            String::new()
-        } else {
-            format!("{name}: ")
-        };
         lines.push(format!("{of}exposure: {}\n", report.exposure()));
+    }
+    if let Some(range) = shown.as_ref().and_then(Shown::chosen) {
+        lines.push(format!("{of}{range}\n"));
     }
     Ok(lines.concat())
 }

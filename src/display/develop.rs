@@ -39,7 +39,7 @@ pub(super) struct Develop<'a> {
     view: Rendering<'a>,
     transfer: Transfer,
     shows_invalid: bool,
-    overlay: Option<&'a Overlay>,
+    overlays: &'a [Overlay],
     bits: Bits,
     dither: Dither,
     has_alpha: bool,
@@ -122,7 +122,7 @@ impl<'a> Develop<'a> {
                 screen.transfer(white)
             },
             shows_invalid: settings.shows_invalid,
-            overlay: settings.overlay,
+            overlays: settings.drawn.overlays,
             bits: settings.bits,
             dither: settings.dither,
             has_alpha,
@@ -175,7 +175,7 @@ impl<'a> Develop<'a> {
             }
             self.quantize([x, y], pixels, &planes, samples);
         }
-        if let Some(overlay) = self.overlay {
+        for overlay in self.overlays {
             overlay.lay_on_row(y, row, self.bits, self.has_alpha);
         }
         seen

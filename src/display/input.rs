@@ -108,6 +108,20 @@ impl Input {
         }
     }
 
+    /// As [`Input::open`], of a layer of numbers: where it has no A of its own, it has that of its part's picture.
+    ///
+    /// # Errors
+    /// If it cannot be read, is not OpenEXR, or has no such layer.
+    pub fn open_covered(path: &Path, layer: &str) -> Result<Self, DisplayError> {
+        match Begun::open(path)? {
+            Begun::ExrFile => Ok(ExrReader::open_covered(path, layer)?.into()),
+            Begun::ExrStream(mut stream) => {
+                Ok(ExrReader::covered_from_stream(path, &mut stream, layer)?.into())
+            }
+            Begun::Image(format, ..) => Err(no_layers(path, format, "--unit lx")),
+        }
+    }
+
     /// The layers of a file, a pipe or a device; `-` is standard input.
     ///
     /// # Errors

@@ -20,6 +20,7 @@ mod develop;
 mod dither;
 #[doc(hidden)]
 pub mod exposure;
+mod field;
 mod format;
 mod gamut;
 mod input;
@@ -43,11 +44,13 @@ use develop::Develop;
 pub use dither::Dither;
 pub use exposure::Exposure;
 #[doc(hidden)]
+pub use field::Field;
+#[doc(hidden)]
 pub use format::OutputFormat;
 pub use gamut::Gamut;
 #[doc(hidden)]
 pub use input::Input;
-pub use overlay::Overlay;
+pub use overlay::{Drawn, Overlay};
 #[doc(hidden)]
 pub use picture::Picture;
 pub use report::Report;
@@ -103,8 +106,8 @@ pub struct Settings<'a> {
     pub false_color: FalseColor,
     /// The table of [`View::Cube`], which shows the picture as it is where there is none.
     pub cube: Option<&'a Cube>,
-    /// What is laid over the picture.
-    pub overlay: Option<&'a Overlay>,
+    /// What is drawn over and beside the picture.
+    pub drawn: Drawn<'a>,
 }
 
 impl Settings<'_> {
@@ -125,7 +128,7 @@ impl Settings<'_> {
             shows_invalid: false,
             false_color: FalseColor::STOPS,
             cube: None,
-            overlay: None,
+            drawn: Drawn::NOTHING,
         }
     }
 }

@@ -2,6 +2,33 @@
 
 use super::{Bits, code_of_8, code_of_16};
 
+/// What is drawn over a picture, and how much room it has beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Drawn<'a> {
+    /// The first is below the others.
+    pub overlays: &'a [Overlay],
+    /// So many columns are added at the right of the picture, for overlays that are there.
+    pub columns: u32,
+    /// The options that it comes from, such as `--iso-lines 100,300`, for the text of a PNG that says how it is made
+    /// again.
+    pub options: &'a str,
+}
+
+impl Drawn<'_> {
+    /// The picture as it is.
+    pub const NOTHING: Self = Self {
+        overlays: &[],
+        columns: 0,
+        options: "",
+    };
+}
+
+impl Default for Drawn<'_> {
+    fn default() -> Self {
+        Self::NOTHING
+    }
+}
+
 /// Coded pixels that are laid over a picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Overlay {
@@ -26,7 +53,10 @@ impl Overlay {
         let bytes = bits.bytes();
         let samples = row.chunks_exact_mut((3 + usize::from(has_alpha)) * bytes);
         for (samples, over) in samples.skip(self.corner[0] as usize).zip(over) {
-            lay(samples, over, bits);
+            // Most of an overlay of lines is nothing.
+            if over[3] > 0 {
+                lay(samples, over, bits);
+            }
         }
     }
 }

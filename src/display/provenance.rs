@@ -64,11 +64,12 @@ impl Provenance {
             shows_invalid,
             false_color,
             cube,
-            overlay: _,
+            drawn,
         } = settings;
         let view = match (view, false_color.measure()) {
-            (View::FalseColor, Measure::Luminance) => {
-                let [least, most] = false_color.range();
+            (View::FalseColor, Measure::Luminance | Measure::Illuminance) => {
+                // Of the logarithms that it has, a rounding is left.
+                let [least, most] = false_color.range().map(rounded);
                 format!("false-color={least}:{most}")
             }
             (View::Cube, _) => {
@@ -91,6 +92,9 @@ impl Provenance {
             option("white-balance", &format!("{x},{y}"));
         }
         option("view", &view);
+        if settings.view == View::FalseColor && false_color.measure() == Measure::Illuminance {
+            option("unit", "lx");
+        }
         option("display", screen.name());
         if let Some(luminance) = white_luminance {
             option("white-nits", &luminance.to_string());
@@ -102,8 +106,16 @@ impl Provenance {
         if *shows_invalid {
             words.push("--show-invalid".to_owned());
         }
+        if !drawn.options.is_empty() {
+            words.push(drawn.options.to_owned());
+        }
         words.join(" ")
     }
+}
+
+/// To twelve digits.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.11e}").parse().unwrap_or(number)
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ fn convert_source(
         Err(ev) => (ev, false),
         Ok(meter) => measured(exr, Prepare::from(&primaries, false), &meter)?,
     };
-    let shown = Shown::new(exr, settings.frame);
+    let shown = Shown::new(exr, settings.frame).and_beside(settings.drawn.columns);
     let tags = Tags {
         screen: settings.screen,
         text: provenance.texts(settings, ev),
@@ -277,6 +277,15 @@ impl Shown {
                 window: Some(Window::whole([window.width, window.height])),
                 origin: [window.x, window.y],
             },
+        }
+    }
+
+    /// With so many more columns at the right, in which there is no data.
+    fn and_beside(self, columns: u32) -> Self {
+        let [width, height] = self.resolution;
+        Self {
+            resolution: [width.saturating_add(columns), height],
+            ..self
         }
     }
 }

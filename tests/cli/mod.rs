@@ -4,6 +4,7 @@ mod accuracy;
 mod contact_sheet;
 mod diff;
 mod exit_codes;
+mod false_color;
 mod files;
 mod frames;
 mod help;

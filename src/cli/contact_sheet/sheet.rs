@@ -206,7 +206,7 @@ impl Line {
                 size,
                 color,
                 anchor,
-                is_upright: false,
+                turn: 0.0,
             });
         };
         let room = self.right - self.left;

@@ -16,6 +16,14 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected a number above 0".to_owned())
 }
 
+/// The speed of a sensor. Lines of equal light are looked for under that name, too.
+pub(super) fn speed(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|_| {
+        "expected the speed of a sensor, such as 100; lines of equal light are --iso-lines"
+            .to_owned()
+    })
+}
+
 /// A luminance of a screen.
 pub(super) fn luminance(text: &str) -> Result<f64, String> {
     finite(text)

@@ -98,12 +98,12 @@ fn draw(pixels: &mut Pixmap, item: &Item, whole: Transform) {
             size,
             color,
             anchor,
-            is_upright,
+            turn,
         } => {
             let (characters, width) = placed(text);
             let scale = (size / UNITS) as f32;
             let place = Transform::from_translate(*x as f32, *y as f32);
-            let turn = Transform::from_rotate(if *is_upright { -90.0 } else { 0.0 });
+            let turn = Transform::from_rotate(*turn as f32);
             let place = whole
                 .pre_concat(place)
                 .pre_concat(turn)

@@ -113,10 +113,14 @@ fn write(svg: &mut String, item: &Item) {
             size,
             color,
             anchor,
-            is_upright,
+            turn,
         } => {
             let (characters, width) = placed(text);
-            let turn = if *is_upright { " rotate(-90)" } else { "" };
+            let turn = if *turn == 0.0 {
+                String::new()
+            } else {
+                format!(" rotate({turn})")
+            };
             let first = -width * anchor.part();
             let mut uses = String::new();
             for (at, character) in characters.iter().filter(|(_, character)| *character != ' ') {

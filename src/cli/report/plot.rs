@@ -223,7 +223,7 @@ impl Axes {
             size: 13.0,
             color: INK,
             anchor: Anchor::Middle,
-            is_upright: true,
+            turn: -90.0,
         });
     }
 

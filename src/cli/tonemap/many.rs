@@ -37,6 +37,14 @@ pub(super) fn run(
     if let Some(warning) = arguments.development.of_frames().filter(|_| are_frames) {
         let _ = writeln!(messages, "warning: {warning}");
     }
+    let view = arguments.development.false_color();
+    if are_frames && arguments.false_color.chooses(view) {
+        let _ = writeln!(
+            messages,
+            "warning: each frame has a range of false colors of its own; give all of them one, such as --view \
+             false-color=10:1000"
+        );
+    }
     let messages = Mutex::new(messages);
     let is_transient = AtomicBool::new(true);
     let failed = conversions.par_iter().filter(|conversion| {

@@ -1,4 +1,4 @@
-//! Luminance as colors, to read exposure from a picture.
+//! Luminance or illuminance as colors, to read exposure or light levels from a picture.
 //!
 //! The luminance Y of the exposed radiance, by the weights of Rec.709, goes to a place on the map viridis by its
 //! logarithm: equal ratios of light look equally far apart. Below the range a color is black, above it white; neither is
@@ -35,12 +35,14 @@ pub enum Measure {
     Stops,
     /// Luminance in cd/m² as the file has it, whatever the exposure.
     Luminance,
+    /// Illuminance in lx as a layer of the file has it, whatever the exposure.
+    Illuminance,
 }
 
 /// A range that false colors cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "false colors go from a luminance above 0 to a larger one, both from 1e-30 to 1e30, such as 0.1 to 1000; found \
+    "false colors go from a number above 0 to a larger one, both from 1e-30 to 1e30, such as 0.1 to 1000; found \
      {least} to {most}"
 )]
 pub struct BadRange {
@@ -72,10 +74,22 @@ impl FalseColor {
     /// # Errors
     /// If `least` is not below `most`, or one of them is not from 1e-30 to 1e30.
     pub fn luminance(least: f64, most: f64) -> Result<Self, BadRange> {
+        Self::of(Measure::Luminance, least, most)
+    }
+
+    /// Illuminances in lx, by their logarithm.
+    ///
+    /// # Errors
+    /// If `least` is not below `most`, or one of them is not from 1e-30 to 1e30.
+    pub fn illuminance(least: f64, most: f64) -> Result<Self, BadRange> {
+        Self::of(Measure::Illuminance, least, most)
+    }
+
+    fn of(measure: Measure, least: f64, most: f64) -> Result<Self, BadRange> {
         let is_legal = |end: &f64| (1e-30..=1e30).contains(end);
         if least < most && is_legal(&least) && is_legal(&most) {
             Ok(Self {
-                measure: Measure::Luminance,
+                measure,
                 ends: [least.log2(), most.log2()],
             })
         } else {
@@ -88,12 +102,12 @@ impl FalseColor {
         self.measure
     }
 
-    /// The ends of the range: in stops, or in cd/m².
+    /// The ends of the range: in stops, in cd/m², or in lx.
     pub fn range(&self) -> [f64; 2] {
         let [least, most] = self.ends;
         match self.measure {
             Measure::Stops => [least - LOG2_KEY, most - LOG2_KEY],
-            Measure::Luminance => [least.exp2(), most.exp2()],
+            Measure::Luminance | Measure::Illuminance => [least.exp2(), most.exp2()],
         }
     }
 
@@ -102,7 +116,7 @@ impl FalseColor {
         let [least, most] = self.ends;
         let logarithm = match self.measure {
             Measure::Stops => number + LOG2_KEY,
-            Measure::Luminance => libm::log2(number),
+            Measure::Luminance | Measure::Illuminance => libm::log2(number),
         };
         (logarithm - least) / (most - least)
     }
@@ -124,7 +138,7 @@ impl FalseColor {
         let [least, most] = self.ends;
         let (least, marked) = match self.measure {
             Measure::Stops => (least, MARKED),
-            Measure::Luminance => (least + scale(ev).log2(), -1.0),
+            Measure::Luminance | Measure::Illuminance => (least + scale(ev).log2(), -1.0),
         };
         Map {
             weights: Primaries::REC709.luminance_weights(),

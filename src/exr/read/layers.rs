@@ -183,6 +183,15 @@ pub(super) fn named(headers: &Headers, wanted: &str) -> Result<Shown, ExrProblem
     })
 }
 
+/// The coverage of a part's own color, outside of layers: that of its layers as well, where they have none.
+pub(super) fn coverage(part: &Part) -> Option<usize> {
+    let mut channels = part.channels.iter();
+    channels.position(|channel| {
+        let name = channel.name.as_slice();
+        name.eq_ignore_ascii_case(b"A") || name.eq_ignore_ascii_case(b"alpha")
+    })
+}
+
 /// A channel by its whole name.
 fn channel(part: &Part, wanted: &[u8]) -> Option<Together> {
     let mut names = part.channels.iter().map(|channel| channel.name.as_slice());

@@ -229,7 +229,16 @@ impl ExrReader {
     /// # Errors
     /// See [`ExrProblem`].
     pub fn open(path: &Path, layer: Option<&str>) -> Result<Self, ExrError> {
-        Self::of_source(path, Source::open(path), layer)
+        Self::of_source(path, Source::open(path), layer, false)
+    }
+
+    /// As [`ExrReader::open`]; a layer without an A of its own has that of its part's picture. Its numbers are taken
+    /// for multiplied by it, as those of candela's layers are.
+    ///
+    /// # Errors
+    /// See [`ExrProblem`].
+    pub fn open_covered(path: &Path, layer: &str) -> Result<Self, ExrError> {
+        Self::of_source(path, Source::open(path), Some(layer), true)
     }
 
     /// As [`ExrReader::open`], for a file that comes through a stream; `path` names it in messages.
@@ -241,20 +250,36 @@ impl ExrReader {
         stream: &mut dyn Read,
         layer: Option<&str>,
     ) -> Result<Self, ExrError> {
-        Self::of_source(path, Source::of_stream(stream), layer)
+        Self::of_source(path, Source::of_stream(stream), layer, false)
+    }
+
+    /// As [`ExrReader::open_covered`], for a file that comes through a stream; `path` names it in messages.
+    ///
+    /// # Errors
+    /// See [`ExrProblem`].
+    pub fn covered_from_stream(
+        path: &Path,
+        stream: &mut dyn Read,
+        layer: &str,
+    ) -> Result<Self, ExrError> {
+        Self::of_source(path, Source::of_stream(stream), Some(layer), true)
     }
 
     fn of_source(
         path: &Path,
         source: Result<Source, ExrProblem>,
         layer: Option<&str>,
+        has_coverage: bool,
     ) -> Result<Self, ExrError> {
         let opened = source.and_then(|source| {
             let headers = Headers::read(&source)?;
-            let shown = match layer {
+            let mut shown = match layer {
                 None => layers::unnamed(&headers)?,
                 Some(layer) => layers::named(&headers, layer)?,
             };
+            if has_coverage && shown.alpha.is_none() {
+                shown.alpha = layers::coverage(&headers.parts[shown.part]);
+            }
             let reader = Self::new(path, Arc::new(source), &headers, shown)?;
             Ok(Self {
                 layer: layer.map(str::to_owned),
