@@ -126,14 +126,6 @@ mod color;
 #[doc(hidden)]
 pub mod compare;
 pub mod display;
-#[cfg_attr(
-    not(test),
-    expect(
-        dead_code,
-        unused_imports,
-        reason = "no scene has a light with an area yet"
-    )
-)]
 mod emitter;
 pub mod exr;
 #[doc(hidden)]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use candela::image::Film;
 use candela::oracle::Oracle;
 use candela::scene::{
-    Aim, Camera, Light, Material, Mixture, Object, Scene, Spanned, Transport, Value,
+    Aim, AreaShape, Camera, Light, Material, Mixture, Object, Scene, Spanned, Transport, Value,
 };
 use candela::spectrum::{Curve, Lines};
 use candela::world::plan::Acceleration;
@@ -125,6 +125,21 @@ impl Same {
     }
 }
 
+/// The `up` of a light: what is not written is y, or −z along that, and turns with the rest.
+fn written_up(position: Vector, aim: &Aim, up: Option<&Spanned<Vector>>) -> Vector {
+    let way = match aim {
+        Aim::LookAt(look_at) => [0, 1, 2].map(|i| look_at.value[i] - position[i]),
+        Aim::Direction(direction) => direction.value,
+    };
+    let is_upright = way[0].hypot(way[2]) <= 1e-6 * way[1].abs();
+    let default = if is_upright {
+        [0.0, 0.0, -1.0]
+    } else {
+        [0.0, 1.0, 0.0]
+    };
+    up.map_or(default, |up| up.value)
+}
+
 /// Changes the place of everything: positions by `place`, directions by `turn`, lengths by
 /// `scale`. Meshes can be scaled and moved alone.
 fn moved(
@@ -156,20 +171,8 @@ fn moved(
             Light::Ies {
                 position, aim, up, ..
             } => {
-                let way = match aim {
-                    Aim::LookAt(look_at) => [0, 1, 2].map(|i| look_at.value[i] - position.value[i]),
-                    Aim::Direction(direction) => direction.value,
-                };
-                // What is not written is y, or −z along that, and turns with the rest.
-                let is_upright = way[0].hypot(way[2]) <= 1e-6 * way[1].abs();
-                let default = if is_upright {
-                    [0.0, 0.0, -1.0]
-                } else {
-                    [0.0, 1.0, 0.0]
-                };
-                let written = up.as_ref().map_or(default, |up| up.value);
                 *up = Some(Spanned {
-                    value: turn(written),
+                    value: turn(written_up(position.value, aim, up.as_ref())),
                     span: position.span,
                 });
                 put(position);
@@ -177,6 +180,47 @@ fn moved(
                     Aim::LookAt(look_at) => put(look_at),
                     Aim::Direction(direction) => direction.value = turn(direction.value),
                 }
+            }
+            Light::Area { shape, .. } => {
+                match shape {
+                    AreaShape::Rectangle {
+                        center,
+                        aim,
+                        up,
+                        size,
+                        ..
+                    } => {
+                        *up = Some(Spanned {
+                            value: turn(written_up(center.value, aim, up.as_ref())),
+                            span: center.span,
+                        });
+                        put(center);
+                        size.value = size.value.map(|side| side * scale);
+                        match aim {
+                            Aim::LookAt(look_at) => put(look_at),
+                            Aim::Direction(direction) => direction.value = turn(direction.value),
+                        }
+                    }
+                    AreaShape::Disk {
+                        center,
+                        aim,
+                        radius,
+                        ..
+                    } => {
+                        put(center);
+                        radius.value *= scale;
+                        match aim {
+                            Aim::LookAt(look_at) => put(look_at),
+                            Aim::Direction(direction) => direction.value = turn(direction.value),
+                        }
+                    }
+                    AreaShape::Sphere { center, radius } => {
+                        put(center);
+                        radius.value *= scale;
+                    }
+                }
+                // Its luminance is the same at any scale.
+                continue;
             }
             Light::Sun { direction, .. } => {
                 direction.value = turn(direction.value);

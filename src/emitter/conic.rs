@@ -9,7 +9,6 @@ use super::clip::{SLACK, across, l1};
 use super::gauss;
 use super::lambert::{half_arc, half_edge};
 use super::lobe::{Integrand, is_small, power};
-use super::polygon::COSINE_ERROR;
 use crate::math::DVec3;
 
 /// So many planes may cut a cone: two horizons, and the sides of a cell of its outline.
@@ -172,12 +171,6 @@ impl Conic {
     fn reach(&self) -> f64 {
         let [b, d, a] = self.radii;
         2.0 * b.max(d) / a
-    }
-
-    /// A cone around it: its axis of unit length, and the cosine of the angle around it, rounded down.
-    pub(crate) fn bounding_cone(&self) -> (DVec3, f64) {
-        let [b, d, a] = self.radii;
-        (self.frame[2], a / libm::hypot(b.max(d), a) - COSINE_ERROR)
     }
 
     /// Φ(n) = ∫ max(0, n·u) dω in sr, from 0 to π, n of unit length: ½ ∮ n · (u × du), in closed form. Above the

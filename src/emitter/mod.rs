@@ -49,14 +49,13 @@ mod tests;
 use std::f64::consts::PI;
 
 use crate::math::{DVec3, Normal, Point};
-pub(crate) use beside::Sight;
-pub(crate) use clip::{MOST_CORNERS, Polygon};
+use clip::Polygon;
 pub(crate) use conic::Conic;
 pub(crate) use occluder::Occluder;
-pub(crate) use outline::{Cone, Outline};
+use outline::Outline;
 pub(crate) use places::{Surface, SurfacePoint};
 pub(crate) use received::{Gloss, Received, Receiver};
-pub(crate) use shadow::{Accuracy, Bounded, ShadowSpace};
+pub(crate) use shadow::{Accuracy, ShadowSpace};
 
 /// A luminaire with an area, of the same luminance everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -179,16 +178,6 @@ impl Emitter {
             Shape::Rectangle { .. } | Shape::Disk { .. } => self.area(),
             Shape::Sphere { radius } => PI * radius * radius,
         }
-    }
-
-    /// The luminance in cd/m² of one that sends out so many lumens in all.
-    pub(crate) fn luminance_of_flux(&self, lumens: f64) -> f64 {
-        lumens / self.flux()
-    }
-
-    /// The luminance in cd/m² of one that has so many candela along its normal.
-    pub(crate) fn luminance_of_intensity(&self, candela: f64) -> f64 {
-        candela / self.intensity()
     }
 }
 

@@ -3,21 +3,15 @@
 use super::clip::Polygon;
 use super::conic::Conic;
 use super::polygon;
-use crate::math::{DVec3, Direction, Normal};
+#[cfg(test)]
+use crate::math::Direction;
+use crate::math::Normal;
 
 /// A part of an emitter, seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Outline {
     Polygon(Polygon),
     Conic(Conic),
-}
-
-/// All directions at most so far from an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cone {
-    pub(crate) axis: Direction,
-    /// Of the angle, rounded down.
-    pub(crate) cosine: f64,
 }
 
 impl Outline {
@@ -40,6 +34,7 @@ impl Outline {
 
     /// τⁿ(w) = ∫ max(0, w·u)ⁿ dω in sr, from 0 to 2π/(n+1), n from 0 to 1e9, w the mirrored direction to the
     /// viewer. The horizon has to have cut it.
+    #[cfg(test)]
     pub(crate) fn lobe(&self, w: Direction, shininess: f64) -> f64 {
         match self {
             Self::Polygon(polygon) => polygon::lobe(polygon.corners(), w.get(), shininess),
@@ -49,6 +44,7 @@ impl Outline {
 
     /// ∫ max(0, w·u)ⁿ v·u dω in sr, from 0 to 2π/(n+2), as [`lobe`](Self::lobe). The horizon of v has to have cut
     /// it.
+    #[cfg(test)]
     pub(crate) fn cosine_lobe(&self, w: Direction, v: Normal, shininess: f64) -> f64 {
         let [w, v] = [w.get(), v.get()];
         match self {
@@ -58,20 +54,11 @@ impl Outline {
     }
 
     /// In sr, from 0 to 2π.
+    #[cfg(test)]
     pub(crate) fn solid_angle(&self) -> f64 {
         match self {
             Self::Polygon(polygon) => polygon::solid_angle(polygon.corners()),
             Self::Conic(conic) => conic.solid_angle(),
         }
-    }
-
-    /// A cone around it. `None` around nothing.
-    pub(crate) fn bounding_cone(&self) -> Option<Cone> {
-        let (axis, cosine): (DVec3, f64) = match self {
-            Self::Polygon(polygon) => polygon::bounding_cone(polygon.corners()),
-            Self::Conic(conic) => conic.bounding_cone(),
-        };
-        let axis = Direction::new(axis)?;
-        Some(Cone { axis, cosine })
     }
 }

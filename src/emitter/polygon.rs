@@ -12,9 +12,6 @@ use crate::math::DVec3;
 /// then exact to the last digits.
 const SMALL: f64 = 1e-2;
 
-/// More than the rounding of a cosine.
-pub(super) const COSINE_ERROR: f64 = 1e-15;
-
 /// Φ(n) = ∫ max(0, n·u) dω in sr, from 0 to π: the irradiance per unit of radiance (Lambert 1760; Baum, Rushmeier &
 /// Winget 1989): ½ Σ Θᵢ n·mᵢ over the edges of what is above the horizon, Θᵢ the angle of an edge, mᵢ the unit
 /// normal of the plane through it and the point. `normal` is of unit length.
@@ -61,32 +58,6 @@ fn boundary(corners: &[DVec3], w: DVec3, integrand: &Integrand) -> f64 {
     let mut total = 0.0;
     for_each_edge(corners, w, |from, to| total += integrand.edge(from, to));
     total.abs()
-}
-
-/// A cone around a polygon: its axis of unit length, and the cosine of the angle around it, rounded down.
-pub(crate) fn bounding_cone(corners: &[DVec3]) -> (DVec3, f64) {
-    let mut sum = DVec3::ZERO;
-    for corner in corners {
-        sum += *corner / corner.length();
-    }
-    let axis = sum / sum.length();
-    let cosines = corners
-        .iter()
-        .map(|corner| axis.dot(*corner) / corner.length());
-    let cosine = cosines.fold(1.0, f64::min) - COSINE_ERROR;
-    if cosine > 0.0 {
-        return (axis, cosine);
-    }
-    // No plane is seen over more than half of all directions.
-    let mut normal = DVec3::ZERO;
-    for_each_triangle(corners, |[first, b, c]| {
-        normal += (b - first).cross(c - first);
-    });
-    let normal = normal / normal.length();
-    let is_towards = corners
-        .first()
-        .is_some_and(|corner| normal.dot(*corner) > 0.0);
-    (if is_towards { normal } else { -normal }, -COSINE_ERROR)
 }
 
 /// The solid angle of a polygon, in sr, from 0 to 2π: the sum of those of the triangles around a corner (van

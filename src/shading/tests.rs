@@ -119,6 +119,7 @@ impl Kernel for Sum<'_> {
                 origin: entry.value.position(),
                 points: lit,
                 factors: self.transmitted.map(|part| Box::new(Column([part; BATCH]))),
+                area: None,
             });
         }
         let hit = points.hit[0];

@@ -256,7 +256,7 @@ impl AreaLight {
     /// Of a rectangle its sides, else the radius, in m.
     pub fn lengths(&self) -> impl Iterator<Item = f64> {
         let lengths = match self.emitter.surface() {
-            Surface::Rectangle([a, b, c, _]) => [Some((b - a).length()), Some((c - b).length())],
+            Surface::Rectangle([a, b, c, _]) => [Some((c - b).length()), Some((b - a).length())],
             Surface::Disk { radius, .. } | Surface::Sphere { radius } => [Some(radius), None],
         };
         lengths.into_iter().flatten()

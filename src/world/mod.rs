@@ -395,6 +395,7 @@ impl World {
             name: format!("disk{}", self.disks.len()),
             material: 0,
             shape: Shape::Disk(self.disks.len() - 1),
+            emits: None,
         });
     }
 

@@ -1,7 +1,8 @@
 //! Emitters and occluders at random: beside brute force, beside themselves in more cells and at other scales, and
 //! with numbers of any size.
 
-use super::super::{Accuracy, Bounded, Gloss, Occluder, Received, Receiver, ShadowSpace};
+use super::super::shadow::Bounded;
+use super::super::{Accuracy, Gloss, Occluder, Received, Receiver, ShadowSpace};
 use super::brute::{Brute, TestEmitter};
 use super::cubature::axes_across;
 use super::fuzz::Random;

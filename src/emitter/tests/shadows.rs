@@ -1,6 +1,7 @@
 //! What is received past occluders, beside numbers computed apart and sums of parts.
 
-use super::super::{Accuracy, Bounded, Emitter, Occluder, Receiver, ShadowSpace};
+use super::super::shadow::Bounded;
+use super::super::{Accuracy, Emitter, Occluder, Receiver, ShadowSpace};
 use super::fuzz::Random;
 use super::{is_near, normal, v};
 use crate::math::{DVec3, Point};

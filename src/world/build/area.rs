@@ -12,7 +12,7 @@ use crate::printable::printable;
 use crate::scene::{self, AreaShape, LIGHT_SAMPLES, MAX_LIGHT_SAMPLES, Problem, Spanned};
 use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Rgb};
-use crate::world::geometry::Sphere;
+use crate::world::geometry::{Disk, Sphere};
 use crate::world::light::{AreaLight, Light};
 use crate::world::{Object, Shape, World};
 
@@ -197,13 +197,15 @@ impl Builder<'_> {
                 Ok(Shape::Mesh(world.triangles.meshes.len() - 1))
             }
             Surface::Disk { normal, radius } => {
-                self.reserve(&mut world.disks, 1)?;
-                world.disks.push(crate::world::geometry::Disk {
+                let disk = Disk {
                     center: emitter.center(),
                     normal,
                     radius,
                     object,
-                });
+                };
+                self.check_disk(&disk, Spanned::new(radius, span))?;
+                self.reserve(&mut world.disks, 1)?;
+                world.disks.push(disk);
                 Ok(Shape::Disk(world.disks.len() - 1))
             }
             Surface::Sphere { radius } => {

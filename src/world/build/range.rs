@@ -108,10 +108,6 @@ impl Builder<'_> {
     }
 
     /// The same for a disk.
-    #[expect(
-        dead_code,
-        reason = "for lights that are disks, which are still to come"
-    )]
     pub(super) fn check_disk(
         &mut self,
         disk: &Disk,
