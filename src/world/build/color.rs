@@ -438,6 +438,7 @@ impl Builder<'_> {
                         self.colorimetry.luminous(&spectrum)
                     }
                     Unit::WattsPerSteradian | Unit::Watts => spectrum.total(),
+                    Unit::Nits => todo!(),
                 };
                 let size = self.share(written, per_steradian, whole)?;
                 Ok(self.spectral_light(spectrum.scaled(size)))
@@ -539,6 +540,7 @@ impl Spread {
         match unit {
             Unit::Candela | Unit::WattsPerSteradian | Unit::Lux => amount,
             Unit::Lumens | Unit::Watts => amount / self.0,
+            Unit::Nits => todo!(),
         }
     }
 }

@@ -92,6 +92,7 @@ impl Builder<'_> {
                 );
                 (Light::Ies(light.expect("`up` is across")), spectrum)
             }
+            scene::Light::Area { .. } => todo!(),
             scene::Light::Sun {
                 direction,
                 illuminance,

@@ -178,6 +178,7 @@ impl Builder<'_> {
                     | scene::Light::Ies { position, .. } => position,
                     // It has no place.
                     scene::Light::Sun { .. } => continue,
+                    scene::Light::Area { .. } => todo!(),
                 };
                 let light = DVec3::from_array(position.value);
                 let reach = (light - point).length();
