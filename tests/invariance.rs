@@ -178,6 +178,8 @@ fn moved(
                     Aim::Direction(direction) => direction.value = turn(direction.value),
                 }
             }
+            // None of these scenes has one.
+            Light::Area { .. } => unreachable!("a light with an area"),
             Light::Sun { direction, .. } => {
                 direction.value = turn(direction.value);
                 // It is as strong at any distance.
