@@ -102,7 +102,7 @@ fn error(actual: [f32; 4], expected: &Sample, floor: f64) -> f64 {
     let scale = brightest(expected.radiance).max(floor);
     let difference = |channel: usize| f64::from(actual[channel]) - expected.radiance[channel];
     (0..3)
-        .map(|i| difference(i).abs() / scale)
+        .map(|i| (difference(i).abs() - expected.error[i]).max(0.0) / scale)
         .fold(0.0, f64::max)
 }
 
@@ -161,7 +161,12 @@ pub(crate) fn is_flip(
         let coverage = if shown.hit.is_some() { 1.0 } else { 0.0 };
         if shown.hit.is_none() {
             let radiance = shown.radiance;
-            return error(rendered.pixel, &Sample { radiance, coverage }, floor) <= TOLERANCE;
+            let background = Sample {
+                radiance,
+                coverage,
+                error: [0.0; 3],
+            };
+            return error(rendered.pixel, &background, floor) <= TOLERANCE;
         }
         let scale = brightest(shown.radiance).max(floor);
         let mut lights = shown.lights.iter().enumerate();

@@ -36,7 +36,8 @@ const MOST: u64 = 10_000_000;
 ///
 /// Renders the scene with one sample a pixel, its center, and computes the same pixels by the oracle: in f64, by brute
 /// force, straight from the equations L1 to L9, by code that shares nothing with the renderer. Says how far both
-/// are apart; of each pixel that is off, which edge it lies on.
+/// are apart; of each pixel that is off, which edge it lies on. What the oracle may itself be off by in the penumbra of
+/// lights with an area, as it states, counts for the renderer.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -218,16 +219,17 @@ fn median_lit(samples: &[Sample]) -> Result<f64, Failure> {
     Ok(*lit.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The largest difference of R, G, B over the largest of the oracle's; infinite where one of both sees a surface and the
-/// other does not.
+/// The largest difference of R, G, B, beyond what the oracle itself may be off by, over the largest of the oracle's;
+/// infinite where one of both sees a surface and the other does not.
 fn error(rendered: [f32; 4], expected: &Sample, floor: f64) -> f64 {
     if f64::from(rendered[3]) != expected.coverage {
         return f64::INFINITY;
     }
     let scale = brightest(expected.radiance).max(floor);
-    let differences = rendered.iter().zip(expected.radiance);
-    let differences = differences.map(|(&r, o)| (f64::from(r) - o).abs());
-    differences.fold(0.0, f64::max) / scale
+    let both = rendered.iter().zip(expected.radiance);
+    let differences = both.map(|(&r, o)| (f64::from(r) - o).abs());
+    let beyond = differences.zip(expected.error).map(|(d, own)| d - own);
+    beyond.fold(0.0, f64::max) / scale
 }
 
 /// The oracle's picture, with all that the header says of the film but what made it.

@@ -152,6 +152,21 @@ impl Colorimetry {
         apply(&self.rgb_from_xyz, self.xyz(spectrum))
     }
 
+    /// How far the RGB of a spectrum may be off that may be off by this at each wavelength, to either side.
+    pub(super) fn light_error(&self, error: &Components) -> Vector {
+        self.rgb_from_xyz.map(|row| {
+            let of_wavelength = |place: usize, error: &f64| {
+                let matching = (0..3).map(|i: usize| row[i] * self.matching[i].0[place]);
+                (error * matching.sum::<f64>()).abs()
+            };
+            let places = error.0.iter().enumerate();
+            let sum: f64 = places
+                .map(|(place, error)| of_wavelength(place, error))
+                .sum();
+            self.efficacy * sum
+        })
+    }
+
     /// The RGB of a reflectance: what becomes of white light of 1 cd.
     pub(super) fn reflectance(&self, reflectance: &Components) -> Vector {
         self.light(&self.white.times(reflectance))

@@ -1,12 +1,14 @@
 //! What the equations say about one point of the image, term by term.
 
+use std::f64::consts::PI;
+
 use serde::Serialize;
 
 use super::hit::Hit;
 use super::lighting::Model;
 use super::vector::{add, narrowed, widened};
 use super::wide::{ROUNDING, Real};
-use super::{Lamp, Oracle};
+use super::{Lamp, Oracle, Shine};
 
 /// L9 at one point of the image with all its terms, as `candela probe --json` writes it.
 ///
@@ -39,14 +41,17 @@ pub enum TransportUsed {
 /// The nearest surface along the primary ray.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HitTerms {
-    /// The object's name.
+    /// The object's name, or that of a light.
     pub object: String,
     /// The name of the mesh's group, where the file has groups.
     pub group: Option<String>,
     /// The triangle's index in the mesh file, where the object is a mesh.
     pub triangle: Option<usize>,
-    /// The material's name.
+    /// The material's name; of a light its own.
     pub material: String,
+    /// What it sends to the viewer, where it is a light, which reflects nothing; `None` for objects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emission: Option<EmissionTerms>,
     /// What the material says.
     pub reflectance: MaterialTerms,
     /// p
@@ -65,6 +70,15 @@ pub struct HitTerms {
     /// How far p is from the eye, or from the plane through it, along the view axis: `Z` of
     /// `--layers depth`.
     pub depth: f64,
+}
+
+/// What a light that is hit sends to the viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EmissionTerms {
+    /// L_e in cd/m².
+    pub luminance: [f64; 3],
+    /// Whether it shines to this side; if not it is black.
+    pub shines: bool,
 }
 
 /// The constants of L5 and L7.
@@ -86,35 +100,39 @@ pub struct MaterialTerms {
 pub struct LightTerms {
     /// The light's name.
     pub name: String,
-    /// I in candela; of a sun E in lux.
+    /// I in candela; of a sun E in lux, of an area L in cd/m².
     pub intensity: [f64; 3],
-    /// d; infinite for a sun, in JSON `null`.
+    /// d; infinite for a sun, in JSON `null`; of an area to its middle.
     pub distance: f64,
     /// Of a spot, where in its cone p is; `None` for other lights, and where d is 0.
     pub spot: Option<SpotTerms>,
     /// Of a luminaire, what it sends towards p; `None` for other lights, and where d is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luminaire: Option<LuminaireTerms>,
-    /// L3: I / d² in lux, of a spot I f(θ) / d², of a sun E; 0 where d is 0.
+    /// Of an area, how large it is as seen from p, and how much of it is seen; `None` for other lights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area: Option<AreaTerms>,
+    /// L3: I / d² in lux, of a spot I f(θ) / d², of a sun E, of an area L Ω; 0 where d is 0.
     pub incident: [f64; 3],
-    /// ω_i, the unit direction from p to the light; 0 where d is 0.
+    /// ω_i, the unit direction from p to the light; 0 where d is 0. Of an area to its middle.
     pub to_light: [f64; 3],
-    /// cos(n, ω_i), below 0 counted as 0.
+    /// cos(n, ω_i), below 0 counted as 0. Of an area the mean over what is above the surface.
     pub cos_incident: f64,
     /// L6: ω_r; 0 where d is 0.
     pub reflected: [f64; 3],
-    /// cos(ω_o, ω_r), below 0 counted as 0.
+    /// cos(ω_o, ω_r), below 0 counted as 0. Of an area, where there is a lobe, the largest.
     pub cos_lobe: f64,
-    /// L5: r_d in sr⁻¹, cosine included; 0 where the light is below the surface.
+    /// L5: r_d in sr⁻¹, cosine included; 0 where the light is below the surface. Of an area the mean over what is above.
     pub diffuse: [f64; 3],
-    /// L7: r_s in sr⁻¹, with all factors of the model; 0 where the light is below the surface.
+    /// L7: r_s in sr⁻¹, with all factors of the model; 0 where the light is below the surface. Of an area the mean
+    /// over what is above.
     pub specular: [f64; 3],
     /// What becomes of this light here.
     pub outcome: Outcome,
-    /// L4: whether V is 1.
+    /// L4: whether V is 1, of an area for all of it that is above the surface.
     pub visible: bool,
     /// The name of the object that stands between (from p′ on, where shadow rays are lifted), the nearest to p;
-    /// `None` where V is 1.
+    /// `None` where V is 1. Of an area the first of those that hide a part of it.
     pub occluder: Option<String>,
     /// L_i r in cd/m²: what the light's share would be with V = 1; 0 where the light is below the
     /// surface.
@@ -141,18 +159,36 @@ pub struct LuminaireTerms {
     pub factor: f64,
 }
 
+/// How a light with an area is seen from a point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AreaTerms {
+    /// Ω: how large it is above the surface, in sr.
+    pub solid_angle: f64,
+    /// The part of the light that leaves p, if it reflects to all sides alike, that would reach it: ∫ cos(n, ω_i) dω / π.
+    pub form_factor: f64,
+    /// How much of its light that would arrive without anything in the way does: a part from 0 to 1.
+    pub seen: f64,
+    /// The names of what hides a part of it, in the order of the file.
+    pub occluders: Vec<String>,
+    /// How far `radiance` may be off, in cd/m², by the integral's own estimate.
+    pub error: [f64; 3],
+}
+
 /// What becomes of one light at one point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// It adds its term to L9.
     Lit,
+    /// It has an area, of which something stands before a part.
+    Partial,
     /// It is above the surface, but something stands between: V = 0.
     Occluded,
     /// It is below the surface, n·ω_i ≤ 0 for the geometric normal, or for n where shadow rays are lifted: it
     /// adds nothing.
     Below,
-    /// It is a spot and the point is outside of its cone, or a luminaire that sends nothing there: it adds nothing.
+    /// It is a spot and the point is outside of its cone, or a luminaire that sends nothing there, or an area that does not
+    /// shine to its side: it adds nothing.
     Outside,
     /// It is at the point itself, d = 0: it adds nothing.
     AtPoint,
@@ -168,6 +204,10 @@ impl Oracle {
             group: triangle.and_then(|triangle| object.group(triangle)),
             triangle,
             material: object.material_name.clone(),
+            emission: self.emitted(hit).map(|emitted| EmissionTerms {
+                luminance: self.palette.seen(&emitted),
+                shines: self.shines(hit),
+            }),
             reflectance: MaterialTerms {
                 model: match object.material.model {
                     Model::Phong => "phong",
@@ -203,9 +243,12 @@ impl Oracle {
     /// L3 to L8 for one light, for reading.
     pub(super) fn light_terms(&self, hit: &Hit, light: &Lamp) -> LightTerms {
         let term = self.term(hit, light);
-        let occluder = match term.outcome {
-            Outcome::Lit | Outcome::AtPoint => None,
-            Outcome::Occluded | Outcome::Below | Outcome::Outside => self.occluder(hit, light),
+        let occluder = match (&term.shine, term.outcome) {
+            (Some(shine), _) => shine.occluders.first().copied(),
+            (None, Outcome::Lit | Outcome::Partial | Outcome::AtPoint) => None,
+            (None, Outcome::Occluded | Outcome::Below | Outcome::Outside) => {
+                self.occluder(hit, light)
+            }
         };
         LightTerms {
             name: light.name.clone(),
@@ -213,6 +256,7 @@ impl Oracle {
             distance: term.distance,
             spot: term.spot,
             luminaire: term.luminaire,
+            area: term.shine.map(|shine| self.area_terms(&shine)),
             incident: self.palette.seen(&term.incident),
             to_light: term.to_light,
             cos_incident: term.cos_incident,
@@ -225,6 +269,23 @@ impl Oracle {
             occluder: occluder.map(|surface| self.object(surface).name.clone()),
             unoccluded: self.palette.seen(&term.unoccluded),
             radiance: self.palette.seen(&term.radiance),
+        }
+    }
+    fn area_terms(&self, shine: &Shine) -> AreaTerms {
+        let mut occluders: Vec<String> = Vec::new();
+        // Surfaces of one object follow each other.
+        for &surface in &shine.occluders {
+            let name = &self.object(surface).name;
+            if occluders.last() != Some(name) {
+                occluders.push(name.clone());
+            }
+        }
+        AreaTerms {
+            solid_angle: shine.solid_angle,
+            form_factor: shine.projected / PI,
+            seen: shine.seen,
+            occluders,
+            error: self.palette.seen_error(&shine.error),
         }
     }
 }

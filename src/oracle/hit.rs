@@ -21,6 +21,8 @@ pub(super) struct Hit {
     pub(super) normal: WideVector,
     /// Whether the vertex normals are on the far side of the geometric normal, so that n is turned over.
     pub(super) is_behind: bool,
+    /// Whether the viewer is where the normal of the surface as written points: of a sphere outside.
+    pub(super) is_in_front: bool,
     /// ω_o
     pub(super) to_viewer: WideVector,
     /// Where the mesh says so, how shadow rays start elsewhere than at p.
@@ -42,13 +44,17 @@ impl Hit {
         let to_viewer = negate(ray.direction);
         let on_ray = ray.at(distance);
         let (position, outward) = match shape {
-            Shape::Plane { normal, .. } | Shape::Triangle { normal, .. } => (on_ray, *normal),
+            Shape::Plane { normal, .. }
+            | Shape::Rectangle { normal, .. }
+            | Shape::Disk { normal, .. }
+            | Shape::Triangle { normal, .. } => (on_ray, *normal),
             Shape::Sphere { center, .. } => {
                 let normal = unit(subtract(on_ray, *center)).unwrap_or(to_viewer);
                 (on_ray, normal)
             }
         };
         let geometric_normal = turned_towards(outward, to_viewer);
+        let is_in_front = dot(outward, to_viewer) >= Wide::from(0.0);
         let interpolated = interpolated_normal(shape, ray);
         let is_behind =
             interpolated.is_some_and(|normal| dot(normal, geometric_normal) < Wide::from(0.0));
@@ -67,6 +73,7 @@ impl Hit {
                 turned_towards(normal, geometric_normal)
             }),
             is_behind,
+            is_in_front,
             to_viewer,
             lift,
         }
@@ -99,6 +106,8 @@ fn interpolated_normal(shape: &Shape, ray: &Ray) -> Option<WideVector> {
             ..
         }
         | Shape::Sphere { .. }
+        | Shape::Rectangle { .. }
+        | Shape::Disk { .. }
         | Shape::Plane { .. } => None,
     }
 }

@@ -1,9 +1,10 @@
 //! Lights as the oracle has them: from what was written.
 
+use super::area::Area;
 use super::components::Components;
 use super::luminaire::Luminaire;
 use super::spot::Cone;
-use super::value::Palette;
+use super::value::{Extent, Palette};
 use super::vector::{Vector, WideVector, subtract, unit, widened};
 use crate::scene::Light;
 
@@ -12,12 +13,15 @@ use crate::scene::Light;
 pub(super) struct Lamp {
     pub(super) name: String,
     pub(super) place: Place,
-    /// I in candela, or in W·sr⁻¹·nm⁻¹; of a spot on its axis. Of a sun E in lux, or in W·m⁻²·nm⁻¹.
+    /// I in candela, or in W·sr⁻¹·nm⁻¹; of a spot on its axis. Of a sun E in lux, or in W·m⁻²·nm⁻¹;
+    /// of an area L in cd/m², or in W·m⁻²·sr⁻¹·nm⁻¹.
     pub(super) intensity: Components,
     /// What a spot shines into; `None` is all directions.
     pub(super) cone: Option<Cone>,
     /// What a luminaire sends where.
     pub(super) luminaire: Option<Luminaire>,
+    /// What has an area, around its place.
+    pub(super) area: Option<Area>,
 }
 
 /// Where light comes from.
@@ -45,6 +49,7 @@ impl Lamp {
                 intensity: palette.light(&intensity.value),
                 cone: None,
                 luminaire: None,
+                area: None,
             },
             Light::Spot {
                 position,
@@ -63,6 +68,7 @@ impl Lamp {
                     intensity: palette.light_into(&intensity.value, cone.flux()),
                     cone: Some(cone),
                     luminaire: None,
+                    area: None,
                 }
             }
             Light::Ies {
@@ -85,9 +91,32 @@ impl Lamp {
                         .scaled(scale.value),
                     cone: None,
                     luminaire: Some(luminaire),
+                    area: None,
                 }
             }
-            Light::Area { .. } => todo!(),
+            Light::Area {
+                shape,
+                luminance,
+                visible,
+                samples: _,
+                group: _,
+            } => {
+                let area = Area::new(shape, *visible, reference);
+                // Without a direction there is nothing of it.
+                let nothing = || Extent {
+                    intensity: f64::INFINITY,
+                    flux: f64::INFINITY,
+                };
+                let extent = area.as_ref().map_or_else(nothing, Area::extent);
+                Self {
+                    name: name.to_owned(),
+                    place: Place::At(subtract(widened(shape.center().value), widened(reference))),
+                    intensity: palette.sized(&luminance.value, extent),
+                    cone: None,
+                    luminaire: None,
+                    area,
+                }
+            }
             Light::Sun {
                 direction,
                 illuminance,
@@ -100,6 +129,7 @@ impl Lamp {
                 intensity: palette.light(&illuminance.value),
                 cone: None,
                 luminaire: None,
+                area: None,
             },
         }
     }

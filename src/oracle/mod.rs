@@ -17,6 +17,7 @@
 //! | L7 | r_s = k_s cosⁿ(ω_o, ω_r) | `lighting`: `specular_reflectance` |
 //! | L8 | r = r_d + r_s | `lighting`: `phong`, `normalized_phong` |
 //! | L9 | L_o = Σ L_i r V | [`Oracle::radiance`] |
+//! | | ∫ L_e r V dω, over a light with an area | `quadrature` |
 //!
 //! L3 and L5 to L9 hold component by component, however many a color has: three where light is
 //! carried as RGB, 471 where it is carried spectrally. Only what comes out is made RGB of the
@@ -38,6 +39,7 @@
 //! no panic: a material that is not there is black, a camera without a direction sees the
 //! background.
 
+mod area;
 mod camera;
 mod colorimetry;
 mod components;
@@ -48,6 +50,8 @@ mod lighting;
 mod luminaire;
 mod occlusion;
 mod pixel;
+mod quadrature;
+mod shine;
 mod spectrum;
 mod spot;
 mod surface;
@@ -57,6 +61,7 @@ mod tests;
 mod upsampling;
 mod value;
 mod vector;
+mod way;
 mod wide;
 
 use std::collections::HashMap;
@@ -67,19 +72,17 @@ use crate::scene::{Object, Scene};
 
 use camera::{Camera, Ray};
 use components::Components;
-pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
 #[doc(hidden)]
-pub use explanation::{LuminaireTerms, SpotTerms, TransportUsed};
-use hit::{Hit, starts_inwards};
-use lamp::{BEYOND_ALL, Lamp, Place};
+pub use explanation::{AreaTerms, EmissionTerms, LuminaireTerms, SpotTerms, TransportUsed};
+pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms, Outcome};
+use hit::Hit;
+use lamp::{Lamp, Place};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
-use occlusion::{OwnSphere, Segment, Side, plane_between, sphere_between, triangle_between};
 pub use pixel::{PixelMean, PixelQuadrature};
-use surface::{Shape, Surface};
+use shine::Shine;
+use surface::Surface;
 use value::Palette;
-use vector::{
-    Vector, WideVector, ZERO, add, dot, length, narrowed, scale, subtract, unit, widened,
-};
+use vector::{Vector, ZERO, length, narrowed, subtract, unit};
 use wide::{Real, Wide};
 
 /// A scene, ready for the equations.
@@ -92,12 +95,14 @@ pub struct Oracle {
     palette: Palette,
     /// Radiance where nothing is hit.
     background: Components,
-    /// In the order of the file, each mesh triangle by triangle.
+    /// In the order of the file, each mesh triangle by triangle; lights that are seen come last.
     surfaces: Vec<Surface>,
-    /// In the order of the file.
+    /// In the order of the file, and after them the lights that are seen.
     objects: Vec<NamedObject>,
     /// In the order of the file.
     lights: Vec<Lamp>,
+    /// How often at most it is asked of a light with an area at a point whether a surface hides a part of it.
+    effort: usize,
 }
 
 /// What the surfaces of one object have in common.
@@ -118,13 +123,16 @@ pub struct Sample {
     pub radiance: [f64; 3],
     /// 1 where something is hit, else 0.
     pub coverage: f64,
+    /// How far R, G and B may be off, by its own estimate: integrals over lights with an area have an end. 0 where there
+    /// are none.
+    pub error: [f64; 3],
 }
 
 /// Which surface a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[doc(hidden)]
 pub struct HitId {
-    /// The object's index in the scene.
+    /// The object's index in the scene; lights that are seen come after all objects, in the order of the file.
     pub object: usize,
     /// For a mesh, the triangle's index in the mesh file.
     pub triangle: Option<usize>,
@@ -137,7 +145,8 @@ pub struct HitId {
 pub struct Decisions {
     /// What the primary ray hits.
     pub hit: Option<HitId>,
-    /// What becomes of each light, in the order of the file; empty where nothing is hit.
+    /// What becomes of each light, in the order of the file; empty where nothing is hit, or a light. What is seen of a
+    /// light with an area changes without a jump: it is [`Outcome::Partial`] wherever it shines to.
     pub lights: Vec<Outcome>,
 }
 
@@ -148,6 +157,8 @@ struct Term {
     spot: Option<SpotTerms>,
     /// Of a luminaire: the angles, and what is sent there.
     luminaire: Option<LuminaireTerms>,
+    /// Of a light with an area: what of it is above the horizon, and what is seen.
+    shine: Option<Box<Shine>>,
     incident: Components,
     to_light: Vector,
     cos_incident: f64,
@@ -155,9 +166,9 @@ struct Term {
     cos_lobe: f64,
     reflectance: Reflectance,
     outcome: Outcome,
-    /// L_i r
+    /// L_i r; of an area ∫ L_e r dω
     unoccluded: Components,
-    /// L_i r V
+    /// L_i r V; of an area ∫ L_e r V dω
     radiance: Components,
 }
 
@@ -176,29 +187,49 @@ impl Oracle {
             })
             .collect();
         let black = Arc::new(Material::black(&palette));
+        let lights: Vec<Lamp> = scene
+            .lights
+            .iter()
+            .map(|light| Lamp::new(&light.name, &light.value, &palette, reference))
+            .collect();
+        let mut objects: Vec<NamedObject> = scene
+            .objects
+            .iter()
+            .map(|object| {
+                let material = materials.get(object.value.material().value.as_str());
+                NamedObject::new(&object.name, &object.value, material.unwrap_or(&black))
+            })
+            .collect();
+        let mut surfaces: Vec<Surface> = surfaces
+            .flat_map(|(index, object)| Surface::all_of(index, &object.value, reference))
+            .collect();
+        for (index, light) in lights.iter().enumerate() {
+            if let Some(area) = light.area.as_ref().filter(|area| area.is_visible) {
+                surfaces.push(area.surface(index, objects.len()));
+                objects.push(NamedObject::of_light(&light.name, &black));
+            }
+        }
         Self {
             resolution,
             reference,
             camera: Camera::new(&scene.camera.value, resolution),
             background: palette.light(&scene.image.background.value),
-            surfaces: surfaces
-                .flat_map(|(index, object)| Surface::all_of(index, &object.value, reference))
-                .collect(),
-            objects: scene
-                .objects
-                .iter()
-                .map(|object| {
-                    let material = materials.get(object.value.material().value.as_str());
-                    NamedObject::new(&object.name, &object.value, material.unwrap_or(&black))
-                })
-                .collect(),
-            lights: scene
-                .lights
-                .iter()
-                .map(|light| Lamp::new(&light.name, &light.value, &palette, reference))
-                .collect(),
+            surfaces,
+            objects,
+            lights,
+            effort: Self::EFFORT,
             palette,
         }
+    }
+
+    /// How often at most it is asked of a light with an area at a point whether a surface hides a part of one of its
+    /// lines, unless it is [told otherwise](Self::with_effort).
+    pub const EFFORT: usize = 200_000;
+
+    /// With so many questions at most; with more of them the penumbra of complex things has smaller errors.
+    #[must_use]
+    pub fn with_effort(self, effort: usize) -> Self {
+        Self { effort, ..self }
     }
 
     /// Width and height of the image in pixels.
@@ -216,11 +247,16 @@ impl Oracle {
             None => Sample {
                 radiance: self.palette.seen(&self.background),
                 coverage: 0.0,
+                error: [0.0; 3],
             },
-            Some(hit) => Sample {
-                radiance: self.palette.seen(&self.sum_over_lights(&hit)),
-                coverage: 1.0,
-            },
+            Some(hit) => {
+                let (radiance, error) = self.sum_over_lights(&hit);
+                Sample {
+                    radiance: self.palette.seen(&radiance),
+                    coverage: 1.0,
+                    error: self.palette.seen_error(&error),
+                }
+            }
         }
     }
 
@@ -233,7 +269,7 @@ impl Oracle {
         }
         let Components(radiance) = match self.nearest(&self.camera.primary_ray(px, py)) {
             None => self.background.clone(),
-            Some(hit) => self.sum_over_lights(&hit),
+            Some(hit) => self.sum_over_lights(&hit).0,
         };
         Some(radiance)
     }
@@ -244,15 +280,20 @@ impl Oracle {
         Some(self.id(&hit))
     }
 
+    /// The name of what is hit: of an object, or of a light.
+    #[doc(hidden)]
+    pub fn name_of(&self, hit: HitId) -> &str {
+        &self.objects[hit.object].name
+    }
+
     /// What is decided on the way to the radiance; coordinates as in [`Oracle::radiance`].
     pub fn decisions(&self, px: f64, py: f64) -> Decisions {
         let hit = self.nearest(&self.camera.primary_ray(px, py));
-        let outcome = |hit, light| self.term(hit, light).outcome;
+        let outcome = |hit, light: &Lamp| self.term(hit, light).decided(light);
         Decisions {
             hit: hit.as_ref().map(|hit| self.id(hit)),
             lights: hit.as_ref().map_or_else(Vec::new, |hit| {
-                self.lights
-                    .iter()
+                self.lights_of(hit)
                     .map(|light| outcome(hit, light))
                     .collect()
             }),
@@ -277,11 +318,10 @@ impl Oracle {
                 transport,
                 hit: Some(self.hit_terms(&hit)),
                 lights: self
-                    .lights
-                    .iter()
+                    .lights_of(&hit)
                     .map(|light| self.light_terms(&hit, light))
                     .collect(),
-                radiance: self.palette.seen(&self.sum_over_lights(&hit)),
+                radiance: self.palette.seen(&self.sum_over_lights(&hit).0),
             },
         }
     }
@@ -305,12 +345,26 @@ impl Oracle {
         Some(Hit::new(surface, &self.surfaces[surface], ray, distance))
     }
 
-    /// L9: the sum over all lights.
-    fn sum_over_lights(&self, hit: &Hit) -> Components {
-        self.lights
-            .iter()
-            .map(|light| self.term(hit, light).radiance)
-            .fold(self.background.zero(), |sum, radiance| sum.plus(&radiance))
+    /// L9: the sum over all lights, and how far it may be off; what a light sends out, where one is hit.
+    fn sum_over_lights(&self, hit: &Hit) -> (Components, Components) {
+        let zero = self.background.zero();
+        if let Some(emitted) = self.emitted(hit) {
+            return (emitted, zero);
+        }
+        let terms = self.lights.iter().map(|light| self.term(hit, light));
+        terms.fold((zero.clone(), zero), |(sum, error), term| {
+            let sum = sum.plus(&term.radiance);
+            match term.shine {
+                Some(shine) => (sum, error.plus(&shine.error)),
+                None => (sum, error),
+            }
+        })
+    }
+
+    /// The lights that have a term where a ray has hit: a light reflects nothing.
+    fn lights_of(&self, hit: &Hit) -> impl Iterator<Item = &Lamp> {
+        let is_light = self.surfaces[hit.surface].light.is_some();
+        self.lights.iter().filter(move |_| !is_light)
     }
 
     /// L3 to L8: one light's term of L9.
@@ -335,6 +389,9 @@ impl Oracle {
         material: &Material,
         occluders: impl Iterator<Item = usize>,
     ) -> Term {
+        if let Some(area) = &light.area {
+            return self.area_term(hit, (light, area), intensity, material, occluders);
+        }
         let segment = self.segment(hit, light);
         let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {
             return Term::nothing(material);
@@ -378,18 +435,25 @@ impl Oracle {
             Outcome::Lit
         };
         let reflectance = match outcome {
-            Outcome::Lit | Outcome::Occluded => material.reflectance(cos_incident, cos_lobe),
+            Outcome::Lit | Outcome::Partial | Outcome::Occluded => {
+                material.reflectance(cos_incident, cos_lobe)
+            }
             Outcome::Below | Outcome::Outside | Outcome::AtPoint => material.nothing(),
         };
         let visibility = match outcome {
             Outcome::Lit => 1.0,
-            Outcome::Occluded | Outcome::Below | Outcome::Outside | Outcome::AtPoint => 0.0,
+            Outcome::Partial
+            | Outcome::Occluded
+            | Outcome::Below
+            | Outcome::Outside
+            | Outcome::AtPoint => 0.0,
         };
         let unoccluded = incident.times(&reflectance.sum());
         Term {
             distance,
             spot,
             luminaire,
+            shine: None,
             incident,
             to_light: narrowed(to_light),
             cos_incident: cos_incident.narrow(),
@@ -399,99 +463,6 @@ impl Oracle {
             outcome,
             radiance: unoccluded.scaled(visibility),
             unoccluded,
-        }
-    }
-
-    /// Whether n·ω_i > 0 for the geometric normal; for the interpolated one, where shadow rays are lifted. For
-    /// what is flat, the light itself tells, without the rounding of p: one in the plane of a floor is not
-    /// above it.
-    fn light_is_above(&self, hit: &Hit, segment: &Segment, to_light: WideVector) -> bool {
-        if hit.lift.is_some() {
-            let (_, light) = segment.sides_of_plane(hit.position, hit.normal, 0.0);
-            return light == Side::Above;
-        }
-        match &self.surfaces[hit.surface].shape {
-            Shape::Sphere { .. } => dot(hit.geometric_normal, to_light) > Wide::from(0.0),
-            Shape::Plane { point, .. }
-            | Shape::Triangle {
-                vertices: [point, ..],
-                ..
-            } => {
-                let (_, light) = segment.sides_of_plane(*point, hit.geometric_normal, 0.0);
-                light == Side::Above
-            }
-        }
-    }
-
-    /// L4: V = 0 where there is one; the surface that stands strictly between p, or p′ where shadow rays are
-    /// lifted, and p_L, of several the nearest to p.
-    fn occluder(&self, hit: &Hit, light: &Lamp) -> Option<usize> {
-        self.occluder_of(hit, light, 0..self.surfaces.len())
-    }
-
-    /// The same among some surfaces.
-    fn occluder_of(
-        &self,
-        hit: &Hit,
-        light: &Lamp,
-        among: impl Iterator<Item = usize>,
-    ) -> Option<usize> {
-        let segment = &self.shadow_segment(hit, light);
-        let mut nearest: Option<(usize, f64)> = None;
-        for index in among {
-            let surface = &self.surfaces[index];
-            let own = index == hit.surface;
-            if !segment.may_meet(surface) {
-                continue;
-            }
-            let magnitude = surface.shape.magnitude();
-            let part = match &surface.shape {
-                // A flat surface never stands before its own points.
-                Shape::Plane { .. } | Shape::Triangle { .. } if own => None,
-                Shape::Plane { point, normal } => {
-                    plane_between(segment, *point, *normal, magnitude)
-                }
-                Shape::Triangle {
-                    vertices, normal, ..
-                } => triangle_between(segment, vertices, *normal, magnitude),
-                Shape::Sphere { center, radius } => {
-                    let own = own.then(|| OwnSphere {
-                        starts_inwards: starts_inwards(hit, *center, segment.vector()),
-                    });
-                    sphere_between(segment, *center, *radius, magnitude, own)
-                }
-            };
-            if let Some(part) = part
-                && nearest.is_none_or(|(_, smallest)| part < smallest)
-            {
-                nearest = Some((index, part));
-            }
-        }
-        nearest.map(|(index, _)| index)
-    }
-
-    fn segment(&self, hit: &Hit, light: &Lamp) -> Segment {
-        Segment {
-            from: hit.position,
-            to: match light.place {
-                Place::At(position) => position,
-                Place::Toward(way) => add(hit.position, scale(way, Wide::from(BEYOND_ALL))),
-            },
-            magnitude: length(hit.position).narrow() + self.surfaces[hit.surface].shape.magnitude(),
-            reference: widened(self.reference),
-        }
-    }
-
-    /// The segment on which something may stand: from p, or from p′.
-    fn shadow_segment(&self, hit: &Hit, light: &Lamp) -> Segment {
-        let segment = self.segment(hit, light);
-        match hit.lift {
-            None => segment,
-            Some(lift) => Segment {
-                from: add(hit.position, lift.way),
-                magnitude: segment.magnitude + lift.magnitude,
-                ..segment
-            },
         }
     }
 
@@ -527,6 +498,16 @@ impl NamedObject {
         }
     }
 
+    /// A light that is seen: it reflects nothing.
+    fn of_light(name: &str, black: &Arc<Material>) -> Self {
+        Self {
+            name: name.to_owned(),
+            groups: Vec::new(),
+            material_name: name.to_owned(),
+            material: Arc::clone(black),
+        }
+    }
+
     /// The name of the group that a triangle of the mesh belongs to.
     fn group(&self, triangle: usize) -> Option<String> {
         let triangle = u32::try_from(triangle).ok()?;
@@ -538,6 +519,16 @@ impl NamedObject {
 }
 
 impl Term {
+    /// The outcome, by which values jump.
+    fn decided(&self, light: &Lamp) -> Outcome {
+        match self.outcome {
+            Outcome::Lit | Outcome::Occluded | Outcome::Below if light.area.is_some() => {
+                Outcome::Partial
+            }
+            outcome => outcome,
+        }
+    }
+
     /// d = 0, the model's singularity: the light adds nothing.
     fn nothing(material: &Material) -> Self {
         let reflectance = material.nothing();
@@ -546,6 +537,7 @@ impl Term {
             distance: 0.0,
             spot: None,
             luminaire: None,
+            shine: None,
             incident: dark.clone(),
             to_light: ZERO,
             cos_incident: 0.0,

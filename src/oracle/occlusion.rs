@@ -10,7 +10,7 @@
 //! not larger than what the rounding of what was written alone can make it, see [`ROUNDING`].
 
 use super::camera::Ray;
-use super::surface::{Surface, barycentric};
+use super::surface::{Surface, barycentric, is_in_rectangle};
 use super::vector::{Vector, WideVector, add, dot, length, narrowed, scale, subtract, unit};
 use super::wide::{Real, Wide};
 
@@ -109,7 +109,12 @@ impl Segment {
     }
 
     /// The sides of a sphere on which p and p_L are.
-    fn sides_of_sphere(&self, center: WideVector, radius: Wide, magnitude: f64) -> (Side, Side) {
+    pub(super) fn sides_of_sphere(
+        &self,
+        center: WideVector,
+        radius: Wide,
+        magnitude: f64,
+    ) -> (Side, Side) {
         let distance = |end| length(subtract(end, center)) - radius;
         let outwards = unit(subtract(self.to, center)).map_or([0.0; 3], narrowed);
         (
@@ -164,6 +169,36 @@ pub(super) fn triangle_between(
     let part = plane_between(segment, vertices[0], normal, magnitude)?;
     barycentric(segment.from, segment.vector(), vertices)?;
     Some(part)
+}
+
+/// L4, rectangle: its plane stands between, and the segment passes inside its sides.
+pub(super) fn rectangle_between(
+    segment: &Segment,
+    center: WideVector,
+    normal: WideVector,
+    halves: &[WideVector; 2],
+    magnitude: f64,
+) -> Option<f64> {
+    let part = plane_between(segment, center, normal, magnitude)?;
+    is_in_rectangle(from_center(segment, center, normal), halves).then_some(part)
+}
+
+/// L4, disk: its plane stands between, and the segment passes within its radius.
+pub(super) fn disk_between(
+    segment: &Segment,
+    center: WideVector,
+    normal: WideVector,
+    radius: Wide,
+    magnitude: f64,
+) -> Option<f64> {
+    let part = plane_between(segment, center, normal, magnitude)?;
+    (length(from_center(segment, center, normal)) <= radius).then_some(part)
+}
+
+/// Where the line of a segment meets a plane, seen from a point of that.
+fn from_center(segment: &Segment, center: WideVector, normal: WideVector) -> WideVector {
+    let (from, way) = (subtract(segment.from, center), segment.vector());
+    subtract(from, scale(way, dot(normal, from) / dot(normal, way)))
 }
 
 /// L4, sphere: the part of the way from p to p_L at which the sphere first stands between, if it

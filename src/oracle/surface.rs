@@ -1,4 +1,6 @@
 //! The scene's surfaces as plain geometry, and L2: where a ray meets them.
+//!
+//! Rectangles and disks are those of lights; objects are made of the other shapes.
 
 use super::camera::Ray;
 use super::vector::{
@@ -7,11 +9,13 @@ use super::vector::{
 use super::wide::{Real, Wide};
 use crate::scene::{MeshFile, Object, ShadowTerminator};
 
-/// A sphere, a plane or one triangle, in the oracle's coordinates.
+/// A sphere, a plane, one triangle, or what a light is made of, in the oracle's coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
-    /// The index of its object in the scene.
+    /// The index of its object in the scene; those of lights that are seen come after all others.
     pub(super) object: usize,
+    /// The index of the light that it is.
+    pub(super) light: Option<usize>,
     /// For a triangle of a mesh, its index in the mesh file.
     pub(super) triangle: Option<usize>,
     /// Where its shadow rays start, if it has vertex normals.
@@ -34,6 +38,19 @@ pub(super) enum Shape {
         /// Of unit length.
         normal: WideVector,
     },
+    Rectangle {
+        center: WideVector,
+        /// Of unit length.
+        normal: WideVector,
+        /// From the center to the middles of two sides, square to each other.
+        halves: [WideVector; 2],
+    },
+    Disk {
+        center: WideVector,
+        /// Of unit length.
+        normal: WideVector,
+        radius: Wide,
+    },
     Triangle {
         /// In an order of their own: see [`Shape::triangle`].
         vertices: [WideVector; 3],
@@ -51,6 +68,7 @@ impl Surface {
     pub(super) fn all_of(index: usize, object: &Object, reference: Vector) -> Vec<Self> {
         let surface = |triangle, shape| Self {
             object: index,
+            light: None,
             triangle,
             shadow_terminator: ShadowTerminator::Geometric,
             shape,
@@ -116,6 +134,18 @@ impl Surface {
         match &self.shape {
             Shape::Sphere { center, radius } => ray_sphere(ray, *center, *radius),
             Shape::Plane { point, normal } => ray_plane(ray, *point, *normal),
+            Shape::Rectangle {
+                center,
+                normal,
+                halves,
+            } => ray_plane(ray, *center, *normal)
+                .filter(|&t| is_in_rectangle(subtract(ray.at(t), *center), halves)),
+            Shape::Disk {
+                center,
+                normal,
+                radius,
+            } => ray_plane(ray, *center, *normal)
+                .filter(|&t| length(subtract(ray.at(t), *center)) <= *radius),
             Shape::Triangle {
                 vertices, normal, ..
             } => ray_triangle(ray, vertices, *normal),
@@ -127,7 +157,8 @@ impl Surface {
     pub(super) fn may_meet(&self, ray: &Ray) -> bool {
         let (origin, direction) = (narrowed(ray.origin), narrowed(ray.direction));
         match &self.shape {
-            Shape::Plane { .. } => true,
+            // There are few of lights.
+            Shape::Plane { .. } | Shape::Rectangle { .. } | Shape::Disk { .. } => true,
             Shape::Sphere { center, radius } => {
                 let m = subtract(narrowed(*center), origin);
                 let along = dot(m, direction) / dot(direction, direction);
@@ -192,6 +223,7 @@ impl Shape {
         match self {
             Self::Sphere { center, radius } => (length(*center) - *radius).narrow().abs(),
             Self::Plane { point, normal } => dot(*point, *normal).narrow().abs(),
+            Self::Rectangle { center, .. } | Self::Disk { center, .. } => length(*center).narrow(),
             Self::Triangle {
                 vertices: [point, ..],
                 ..
@@ -289,6 +321,15 @@ fn ray_sphere(ray: &Ray, center: WideVector, radius: Wide) -> Option<Wide> {
 fn ray_plane(ray: &Ray, point: WideVector, normal: WideVector) -> Option<Wide> {
     let t = plane_parameter(ray, point, normal);
     counts(t).then_some(t)
+}
+
+/// Whether a point of the plane of a rectangle, seen from its center, is between its sides.
+pub(super) fn is_in_rectangle(from_center: WideVector, halves: &[WideVector; 2]) -> bool {
+    halves.iter().all(|&half| {
+        let along = dot(from_center, half);
+        let most = dot(half, half);
+        -most <= along && along <= most
+    })
 }
 
 /// n·(a − o) / n·ω, infinite or NaN where the ray is parallel to the plane.

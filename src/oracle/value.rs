@@ -13,6 +13,15 @@ use crate::scene::{ColorSpace, Image, Light, Material, Mixture, Scene, Transport
 /// after the other until there is one: light has no upper limit, reflectances have.
 const DIMMED: [f64; 5] = [0.5, 0.125, 0.031_25, 0.007_812_5, 0.001_953_125];
 
+/// What a light of size 1 sends out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// In cd: of an area along its normal.
+    pub(super) intensity: f64,
+    /// In lm.
+    pub(super) flux: f64,
+}
+
 /// How colors become components, and components what is seen.
 #[derive(Clone, Debug)]
 pub(super) struct Palette {
@@ -56,13 +65,20 @@ impl Palette {
 
     /// The intensity of a light whose flux goes into so many sr.
     pub(super) fn light_into(&self, value: &Value, directions: f64) -> Components {
+        let intensity = 1.0;
+        let flux = directions;
+        self.sized(value, Extent { intensity, flux })
+    }
+
+    /// The size of a light of this extent.
+    pub(super) fn sized(&self, value: &Value, extent: Extent) -> Components {
         match value {
             Value::Sized {
                 unit,
                 amount,
                 color,
-            } => self.sized_light(*unit, *amount, color, directions),
-            Value::Mixed(mixture) => sum(mixture, |part| self.light_into(part, directions)),
+            } => self.sized_light(*unit, *amount, color, extent),
+            Value::Mixed(mixture) => sum(mixture, |part| self.sized(part, extent)),
             color => match self.working_rgb(color) {
                 Some(rgb) => self.colored_light(rgb),
                 None => self.light_of_spectrum(spectrum(color)),
@@ -96,6 +112,15 @@ impl Palette {
         match self.weights {
             Some(_) => self.colorimetry.light(light),
             None => triple(light),
+        }
+    }
+
+    /// How far the RGB of light may be off whose components may be off by this: of spectra, whose signs are not known,
+    /// by the sum of all wavelengths.
+    pub(super) fn seen_error(&self, error: &Components) -> [f64; 3] {
+        match self.weights {
+            Some(_) => self.colorimetry.light_error(error),
+            None => triple(error),
         }
     }
 
@@ -133,10 +158,11 @@ impl Palette {
     }
 
     /// A light of this color, as strong as is said.
-    fn sized_light(&self, unit: Unit, amount: f64, color: &Value, directions: f64) -> Components {
+    fn sized_light(&self, unit: Unit, amount: f64, color: &Value, extent: Extent) -> Components {
         let intensity = match unit {
-            Unit::Candela | Unit::WattsPerSteradian | Unit::Lux | Unit::Nits => amount,
-            Unit::Lumens | Unit::Watts => amount / directions,
+            Unit::Lux | Unit::Nits => amount,
+            Unit::Candela | Unit::WattsPerSteradian => amount / extent.intensity,
+            Unit::Lumens | Unit::Watts => amount / extent.flux,
         };
         // Nothing of a black color is nothing.
         let share = |whole: f64| {

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use candela::internal::printable;
 use candela::oracle::{
-    Explanation, HitTerms, LightTerms, LuminaireTerms, MaterialTerms, Outcome, SpotTerms,
-    TransportUsed,
+    AreaTerms, Explanation, HitTerms, LightTerms, LuminaireTerms, MaterialTerms, Outcome,
+    SpotTerms, TransportUsed,
 };
 
 use super::{Report, SpectralRadiance};
@@ -50,11 +50,20 @@ pub(super) fn line(report: &Report) -> String {
         number(off),
         printable(&hit.object)
     );
+    if let Some(emission) = &hit.emission {
+        line.push_str(if emission.shines {
+            ", a light"
+        } else {
+            ", a light from behind"
+        });
+    }
     for light in &explanation.lights {
         let outcome = match light.outcome {
             Outcome::Lit => "lit by",
+            Outcome::Partial => "in the penumbra of",
             Outcome::Occluded => "in the shadow of",
             Outcome::Below => "turned away from",
+            Outcome::Outside if light.area.is_some() => "behind",
             Outcome::Outside => "outside of the cone of",
             Outcome::AtPoint => "at",
         };
@@ -84,6 +93,18 @@ pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
             table.gap();
             table.header(["R", "G", "B"]);
             table.row("background", explanation.radiance, "cd/m²");
+        }
+        Some(hit) if let Some(emission) = &hit.emission => {
+            table.text(format!("{place_in_image}: {}", place(hit)));
+            table.text(if emission.shines {
+                "L_o = L, which it emits; it reflects nothing"
+            } else {
+                "L_o = 0: it does not shine to this side, and reflects nothing"
+            });
+            table.hit(hit);
+            table.gap();
+            table.header(["R", "G", "B"]);
+            table.row("L9  L_o", explanation.radiance, "cd/m²");
         }
         Some(hit) => {
             table.text(format!("{place_in_image}: {}", place(hit)));
@@ -120,6 +141,10 @@ pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
 
 /// What is hit: object `ball`, material `clay`, t = 5.8 m
 fn place(hit: &HitTerms) -> String {
+    let distance = number(hit.distance);
+    if hit.emission.is_some() {
+        return format!("light `{}`, t = {distance} m", printable(&hit.object));
+    }
     let mut text = format!("object `{}`", printable(&hit.object));
     if let Some(group) = &hit.group {
         let _ = write!(text, ", group `{}`", printable(group));
@@ -127,7 +152,6 @@ fn place(hit: &HitTerms) -> String {
     if let Some(triangle) = hit.triangle {
         let _ = write!(text, ", triangle {triangle}");
     }
-    let distance = number(hit.distance);
     let material = printable(&hit.material);
     let _ = write!(text, ", material `{material}`, t = {distance} m");
     text
@@ -159,17 +183,39 @@ fn model(material: &MaterialTerms) -> &'static str {
 fn obstacle(light: &LightTerms) -> Option<String> {
     match light.outcome {
         Outcome::Lit => None,
-        Outcome::Occluded => Some(stands_between(light)),
+        Outcome::Partial | Outcome::Occluded => Some(stands_between(light)),
         Outcome::Below => Some("below the surface".to_owned()),
+        Outcome::Outside if light.area.is_some() => Some("does not shine to p".to_owned()),
         Outcome::Outside => Some("outside of the cone".to_owned()),
         Outcome::AtPoint => Some("at p itself, d = 0".to_owned()),
     }
 }
 
+/// So many names of what hides parts of a light are listed.
+const NAMED: usize = 3;
+
 fn stands_between(light: &LightTerms) -> String {
+    if let Some(AreaTerms { occluders, .. }) = &light.area {
+        return between_of(occluders);
+    }
     match &light.occluder {
         Some(occluder) => format!("`{}` stands between", printable(occluder)),
         None => "nothing stands between".to_owned(),
+    }
+}
+
+/// What hides parts of a light: `wall`, `ball` and 3 more stand between
+fn between_of(occluders: &[String]) -> String {
+    let names: Vec<String> = occluders
+        .iter()
+        .take(NAMED)
+        .map(|name| format!("`{}`", printable(name)))
+        .collect();
+    match (&names[..], occluders.len() - names.len()) {
+        ([], _) => "nothing stands between".to_owned(),
+        ([one], 0) => format!("{one} stands between"),
+        ([others @ .., last], 0) => format!("{} and {last} stand between", others.join(", ")),
+        (names, more) => format!("{} and {more} more stand between", names.join(", ")),
     }
 }
 
@@ -261,16 +307,22 @@ impl Table {
                 self.text(format!(
                     "Light `{}`, {place}, {}: it adds nothing",
                     printable(&light.name),
-                    if light.luminaire.is_some() {
+                    if light.area.is_some() {
+                        "does not shine to p"
+                    } else if light.luminaire.is_some() {
                         "sends nothing to p"
                     } else {
                         "has p outside of its cone"
                     }
                 ));
             }
-            Outcome::Lit | Outcome::Occluded => {
+            Outcome::Lit | Outcome::Partial | Outcome::Occluded => {
                 self.text(format!("Light `{}`, {place}", printable(&light.name)));
             }
+        }
+        if let Some(area) = &light.area {
+            self.area(material, light, area);
+            return;
         }
         let (to_light, reflected) = (vector(light.to_light), vector(light.reflected));
         let width = to_light.chars().count().max(reflected.chars().count());
@@ -345,6 +397,41 @@ impl Table {
         let visibility = if light.visible { 1.0 } else { 0.0 };
         self.row("L4  V", [visibility; 3], stands_between(light));
         self.row("    L_i · r · V", light.radiance, "cd/m²");
+    }
+
+    /// The same for a light with an area, L3 to L8 over all of it that is above the surface.
+    fn area(&mut self, material: &MaterialTerms, light: &LightTerms, area: &AreaTerms) {
+        self.text(format!(
+            "    ω_i = {}, to its middle",
+            vector(light.to_light)
+        ));
+        if matches!(light.outcome, Outcome::Below | Outcome::Outside) {
+            return;
+        }
+        self.text(format!(
+            "    Ω = {} sr above the surface    form factor = {}",
+            number(area.solid_angle),
+            number(area.form_factor)
+        ));
+        let [diffuse, specular] = constants(material);
+        let cos_incident = number(light.cos_incident);
+        let over_pi = if is_normalized(material) { "/π" } else { "" };
+        let diffuse = format!("L5  r_d = {diffuse}{over_pi} · {cos_incident}");
+        let specular = format!("L7  r_s, of {specular}");
+        self.row("    L", light.intensity, "cd/m²");
+        self.row("L3  L_i = L Ω", light.incident, "lx");
+        self.row(diffuse, light.diffuse, "1/sr, the mean");
+        self.row(specular, light.specular, "1/sr, the mean");
+        let reflectance = std::array::from_fn(|i| light.diffuse[i] + light.specular[i]);
+        self.row("L8  r   = r_d + r_s", reflectance, "1/sr");
+        self.row("    ∫ L r dω", light.unoccluded, "cd/m²");
+        self.row(
+            "L4  V, the part seen",
+            [area.seen; 3],
+            between_of(&area.occluders),
+        );
+        self.row("    ∫ L r V dω", light.radiance, "cd/m²");
+        self.row("    which may be off by", area.error, "cd/m²");
     }
 
     /// L9: what the lights add up to.

@@ -98,7 +98,7 @@ impl<'s> Edges<'s> {
     fn between(&self, here: &Decisions, there: &Decisions, points: [[f64; 2]; 2]) -> Option<Edge> {
         let object = |hit: Option<HitId>| hit.map(|hit| hit.object);
         if object(here.hit) != object(there.hit) {
-            let name = |hit| object(hit).map(|object| self.scene.objects[object].name.clone());
+            let name = |hit: Option<HitId>| hit.map(|hit| self.oracle.name_of(hit).to_owned());
             return Some(Edge::Silhouette {
                 between: [name(here.hit), name(there.hit)],
             });
@@ -122,9 +122,9 @@ impl<'s> Edges<'s> {
                 },
             );
         }
-        let object = here.hit.filter(|_| here.hit != there.hit)?.object;
+        let hit = here.hit.filter(|_| here.hit != there.hit)?;
         Some(Edge::Triangles {
-            object: self.scene.objects[object].name.clone(),
+            object: self.oracle.name_of(hit).to_owned(),
         })
     }
 }

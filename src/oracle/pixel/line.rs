@@ -291,8 +291,8 @@ impl Points<'_> {
         let share = (LEAST_SHARE / width).max(1.0);
         let is_near = apart
             .iter()
-            .zip(allowed)
-            .all(|(apart, allowed)| *apart <= allowed * share);
+            .zip(allowed.iter().zip(self.noise))
+            .all(|(apart, (allowed, noise))| *apart <= allowed * share + noise);
         if (is_near && !hides) || depth == 0 || !self.may_go_on() {
             let spread = self.spread();
             let error = if is_one_piece { apart } else { spread };

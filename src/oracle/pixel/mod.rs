@@ -38,8 +38,8 @@ pub struct PixelMean {
     pub radiance: [f64; 3],
     /// The part of the square where something is hit.
     pub coverage: f64,
-    /// How far R, G, B and the coverage may be off: the differences of rules of two orders, and the sizes of what was
-    /// not looked at any closer times the spread of values.
+    /// How far R, G, B and the coverage may be off: the differences of rules of two orders, the sizes of what was not
+    /// looked at any closer times the spread of values, and the largest error of integrals over lights with an area.
     pub error: [f64; 4],
     /// Whether the pieces of the pixel were told apart. If not, the points ran out before, and the error is large.
     pub is_resolved: bool,
@@ -56,6 +56,8 @@ pub struct PixelQuadrature<'o> {
     /// Turns one line's points into another pixel's.
     seed: u64,
     background: [f64; 3],
+    /// What each light sends out, as the observer sees it.
+    luminances: Vec<[f64; 3]>,
     /// For each light and object the material with I k, as the observer sees it, in the place of k.
     products: Vec<Vec<Arc<Material>>>,
     /// Around each surface, where it has an end.
@@ -118,6 +120,11 @@ impl<'o> PixelQuadrature<'o> {
             budget: Self::BUDGET,
             seed: 0,
             background: oracle.palette.seen(&oracle.background),
+            luminances: oracle
+                .lights
+                .iter()
+                .map(|light| oracle.palette.seen(&light.intensity))
+                .collect(),
             products: products.collect(),
             balls: oracle.surfaces.iter().map(Ball::around).collect(),
         }
@@ -154,6 +161,7 @@ impl<'o> PixelQuadrature<'o> {
         let sum = strips.integral(lines);
         let is_resolved = strips.is_resolved;
         let spread = points.spread();
+        let noise = points.noise;
         // What is outside of the lines and their ends.
         let over = 1.0 / (1.0 - 2.0 * INSET).powi(2);
         let [r, g, b, coverage] = sum.value.map(|value| value * over);
@@ -162,7 +170,8 @@ impl<'o> PixelQuadrature<'o> {
             coverage,
             error: std::array::from_fn(|channel| {
                 let rounding = ROUNDING * sum.value[channel].abs();
-                sum.error[channel] * over + 4.0 * INSET * spread[channel] + rounding
+                let unseen = 4.0 * INSET * spread[channel];
+                sum.error[channel] * over + unseen + rounding + noise[channel]
             }),
             is_resolved,
             points: points.count,

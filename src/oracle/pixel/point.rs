@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::super::area::Area;
 use super::super::components::Components;
 use super::super::hit::Hit;
-use super::super::lighting::Material;
+use super::super::lighting::{Material, ideal_reflection};
 use super::super::vector::{Vector, length, narrowed, scale, subtract};
 use super::super::{Outcome, Term};
 use super::PixelQuadrature;
@@ -76,6 +77,8 @@ pub(super) struct Points<'q> {
     between: HashMap<[usize; 2], Rc<[usize]>>,
     signatures: HashMap<Decided, Signature>,
     pub(super) count: usize,
+    /// The largest error of integrals over lights with an area: R, G, B, and 0.
+    pub(super) noise: [f64; 4],
     /// The least and the largest R, G, B, A, and the sum of their sizes.
     range: [[f64; 4]; 2],
     total: [f64; 4],
@@ -91,6 +94,7 @@ impl<'q> Points<'q> {
             between: HashMap::new(),
             signatures: HashMap::new(),
             count: 0,
+            noise: [0.0; 4],
             range: [[f64::INFINITY; 4], [f64::NEG_INFINITY; 4]],
             total: [0.0; 4],
         }
@@ -133,6 +137,16 @@ impl<'q> Points<'q> {
     /// L9 where a ray has hit.
     fn shade(&mut self, hit: &Hit) -> (Decided, [f64; 3], f64, Vec<Pace>) {
         let oracle = self.quadrature.oracle;
+        if let Some(light) = oracle.surfaces[hit.surface].light {
+            let decided = Decided {
+                surface: Some(hit.surface),
+                is_behind: !hit.is_in_front,
+                lights: Vec::new(),
+            };
+            let luminance = self.quadrature.luminances[light];
+            let radiance = luminance.map(|c| if oracle.shines(hit) { c } else { 0.0 });
+            return (decided, radiance, 1.0, Vec::new());
+        }
         let count = oracle.lights.len();
         let mut decided = Decided {
             surface: Some(hit.surface),
@@ -152,14 +166,20 @@ impl<'q> Points<'q> {
             for (sum, share) in radiance.iter_mut().zip(&term.radiance.0) {
                 *sum += share;
             }
+            if let Some(shine) = &term.shine {
+                for (noise, error) in self.noise.iter_mut().zip(&shine.error.0) {
+                    *noise = noise.max(*error);
+                }
+            }
             let inner = light.cone.map(|cone| cone.inner_angle().to_degrees());
             decided.lights.push(LightDecided {
-                outcome: term.outcome,
+                outcome: term.decided(light),
                 is_in_core: term
                     .spot
                     .zip(inner)
                     .is_some_and(|(spot, inner)| spot.angle <= inner),
-                is_towards: [term.cos_incident > 0.0, term.cos_lobe > 0.0],
+                is_towards: [term.cos_incident > 0.0, term.cos_lobe > 0.0]
+                    .map(|is_towards| is_towards || light.area.is_some()),
             });
             paces.push(pace(hit, &term, material));
         }
@@ -172,8 +192,9 @@ impl<'q> Points<'q> {
             let oracle = quadrature.oracle;
             let own = &oracle.surfaces[surface];
             let part = beam.part_of(own, quadrature.balls[surface].as_ref());
-            let place = oracle.lights[light].place;
-            scope::between(&quadrature.balls, own, part, place).into()
+            let light = &oracle.lights[light];
+            let reach = light.area.as_ref().map_or(0.0, Area::reach);
+            scope::between(&quadrature.balls, own, part, light.place, reach).into()
         };
         Rc::clone(self.between.entry([surface, light]).or_insert_with(found))
     }
@@ -198,10 +219,24 @@ impl<'q> Points<'q> {
 }
 
 fn pace(hit: &Hit, term: &Term, material: &Material) -> Pace {
-    if term.outcome != Outcome::Lit {
+    if !matches!(term.outcome, Outcome::Lit | Outcome::Partial) {
         return Pace {
             lobe: None,
             way: None,
+        };
+    }
+    if let Some(shine) = &term.shine {
+        // Of a light with an area the direction that is nearest to the lobe's.
+        let from_peak = |peak| {
+            let mirrored = ideal_reflection(narrowed(hit.normal), peak);
+            subtract(mirrored, narrowed(hit.to_viewer))
+        };
+        return Pace {
+            lobe: shine
+                .peak
+                .zip(material.shininess)
+                .map(|(peak, shininess)| scale(from_peak(peak), shininess.sqrt())),
+            way: Some(shine.nearest),
         };
     }
     let has_lobe = material

@@ -26,6 +26,17 @@ impl Ball {
                 let radius = radius.narrow() * (1.0 + ROOM);
                 Some(Self { center, radius })
             }
+            Shape::Disk { center, radius, .. } => {
+                let center = narrowed(*center);
+                let radius = radius.narrow() * (1.0 + ROOM);
+                Some(Self { center, radius })
+            }
+            Shape::Rectangle { center, halves, .. } => {
+                let center = narrowed(*center);
+                let [a, b] = halves.map(|half| length(narrowed(half)));
+                let radius = a.hypot(b) * (1.0 + ROOM);
+                Some(Self { center, radius })
+            }
             Shape::Plane { .. } => None,
             Shape::Triangle { vertices, .. } => Some(Self::around_points(&vertices.map(narrowed))),
         }
@@ -99,6 +110,8 @@ impl Beam {
     pub(super) fn part_of(&self, surface: &Surface, ball: Option<&Ball>) -> Option<Ball> {
         let on_plane = match &surface.shape {
             Shape::Sphere { .. } => None,
+            // A light reflects nothing: no shadow rays start there.
+            Shape::Rectangle { .. } | Shape::Disk { .. } => None,
             Shape::Plane { point, normal } => self.on_plane(narrowed(*point), narrowed(*normal)),
             Shape::Triangle {
                 vertices, normal, ..
@@ -142,12 +155,14 @@ pub(super) fn met(balls: &[Option<Ball>], beam: &Beam) -> Vec<usize> {
         .collect()
 }
 
-/// The surfaces that may be between a part of one, where shadow rays start, and a light.
+/// The surfaces that may be between a part of one, where shadow rays start, and a light, whose points are as far as
+/// `reach` from its middle.
 pub(super) fn between(
     balls: &[Option<Ball>],
     surface: &Surface,
     part: Option<Ball>,
     light: Place,
+    reach: f64,
 ) -> Vec<usize> {
     let Some(part) = part else {
         return (0..balls.len()).collect();
@@ -177,7 +192,7 @@ pub(super) fn between(
             0.0
         };
         let across = length(subtract(to_ball, scale(way, along)));
-        across <= part.radius + lifted + ball.radius + ROOM * (size + ball.magnitude())
+        across <= part.radius + lifted + reach + ball.radius + ROOM * (size + ball.magnitude())
     };
     let balls = balls.iter().enumerate();
     balls

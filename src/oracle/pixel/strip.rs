@@ -352,7 +352,10 @@ impl Strips<'_, '_> {
         let apart: [f64; 4] =
             std::array::from_fn(|channel| (whole.sum.value[channel] - sum.value[channel]).abs());
         let share = height.max(LEAST_SHARE);
-        let is_near = (0..4).all(|channel| apart[channel] <= self.allowed[channel] * share);
+        let is_near = (0..4).all(|channel| {
+            let noise = height * self.points.noise[channel];
+            apart[channel] <= self.allowed[channel] * share + noise
+        });
         let hides = parts.iter().any(|part| part.hides);
         let can_go_on = depth > 0 && height > NEAREST && self.points.may_go_on();
         if (is_near && !hides) || !can_go_on {

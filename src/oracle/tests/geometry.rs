@@ -186,7 +186,7 @@ fn meshes_are_scaled_then_rotated_about_x_y_z_then_moved() {
         let mesh = one_triangle([v, [7.0, 0.0, 0.0], [0.0, 7.0, 0.0]], None);
         let scene = Builder::looking([0.0, 0.0, 100.0], [0.0; 3]).mesh(&mesh, placed);
         match scene.oracle().surfaces[0].shape {
-            crate::oracle::Shape::Triangle { vertices, .. } => {
+            crate::oracle::surface::Shape::Triangle { vertices, .. } => {
                 add(narrowed(vertices[0]), [0.0, 0.0, 100.0])
             }
             _ => unreachable!("a mesh has only triangles"),
@@ -255,7 +255,8 @@ fn normals_stay_square_to_a_surface_that_is_stretched() {
                 ..AS_IS
             };
             let origin = Builder::looking([0.0; 3], [0.0, 0.0, 1.0]).mesh(&mesh, placed);
-            let crate::oracle::Shape::Triangle { vertices, .. } = origin.oracle().surfaces[0].shape
+            let crate::oracle::surface::Shape::Triangle { vertices, .. } =
+                origin.oracle().surfaces[0].shape
             else {
                 unreachable!("a mesh has only triangles");
             };

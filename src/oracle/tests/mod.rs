@@ -1,5 +1,6 @@
 //! Facts about the equations, on scenes that are built here value by value.
 
+mod area;
 mod geometry;
 mod invariance;
 mod light;

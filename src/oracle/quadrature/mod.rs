@@ -1,0 +1,467 @@
+//! L9 over a light that has an area: L_o = ∫ L_e r(ω_i, ω_o) V(p, x) dω over its points x that face p and are above
+//! the horizon of p.
+//!
+//! The light is cut into lines. From where to where each surface hides a line is known (`shadow`), so that what is left
+//! are smooth pieces; these and then the lines are integrated by Kronrod's rule, and where it differs from Gauss's by
+//! halves, those of the largest difference first. Where corners of surfaces begin and end across the lines they are
+//! parted from the start, if there are few; what is between lines then is not missed.
+
+mod kronrod;
+mod shadow;
+mod view;
+
+use super::Outcome;
+use super::area::Area;
+use super::occlusion::Segment;
+use super::surface::Surface;
+use super::vector::{Vector, cross, dot, length, scale, unit};
+use kronrod::nodes;
+use shadow::Occluder;
+use view::{Line, View, cosine};
+
+/// How far an integral may be off, relative to that of the light without anything in the way.
+const TOLERANCE: f64 = 1e-8;
+
+/// The same for one line, relative to itself.
+const LINE_TOLERANCE: f64 = 1e-10;
+
+/// A piece of a line is halved so often at most.
+const DEPTH: u32 = 16;
+
+/// Parts of an interval that are not halved any more.
+const NARROWEST: f64 = 1e-13;
+
+/// So many surfaces part the lines from the start; of more, the lines are so many times 15.
+const FEW: usize = 24;
+const PARTS: u32 = 16;
+
+/// What is integrated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kernel {
+    /// What the light has to be above of.
+    pub(super) horizon: Vector,
+    /// n
+    pub(super) normal: Vector,
+    /// Of the lobe: where it points and n.
+    pub(super) lobe: Option<([f64; 3], f64)>,
+    /// Whether the lobe has a cosine.
+    pub(super) lobe_has_cosine: bool,
+    /// How much errors of ∫ cos dω and of the lobe's integral count.
+    pub(super) weights: [f64; 2],
+}
+
+/// What may be in the way: surfaces, and which of them p is on.
+pub(super) struct Scene<'s> {
+    pub(super) surfaces: &'s [Surface],
+    pub(super) own: usize,
+    /// The light's own number, which is not in its own way.
+    pub(super) light: Option<usize>,
+}
+
+/// ∫ dω, ∫ cos(n, ω_i) dω, ∫ cosⁿ(ω_o, ω_r) dω with the factors of the model that depend on ω_i.
+pub(super) type Triple = [f64; 3];
+
+/// The integrals over a light.
+#[derive(Clone, Debug)]
+pub(super) struct Integrals {
+    /// With V = 1.
+    pub(super) whole: Triple,
+    pub(super) seen: Triple,
+    /// How far each may be off.
+    pub(super) error: Triple,
+    /// The surfaces that hide a part of it.
+    pub(super) occluders: Vec<usize>,
+    /// The direction of the light that is nearest to the lobe's.
+    pub(super) peak: Option<Vector>,
+    /// The shortest way to the light.
+    pub(super) nearest: Vector,
+    /// How often it was asked whether a surface is in the way of a line, plus the lines.
+    pub(super) asked: usize,
+}
+
+/// The integrals over a light as seen from where the segment to its middle begins; or why there is nothing
+/// of it. `budget` is how often at most surfaces are asked whether they are in
+/// the way of a line.
+pub(super) fn integrals(
+    area: &Area,
+    segment: &Segment,
+    kernel: &Kernel,
+    scene: &Scene<'_>,
+    among: impl Iterator<Item = usize>,
+    budget: usize,
+) -> Result<Integrals, Outcome> {
+    let view = View::new(area, segment.from).ok_or(Outcome::Outside)?;
+    let parameters = view.parameters(kernel.horizon);
+    let (range, mut places) = parameters.ok_or(Outcome::Below)?;
+    let occluders: Vec<Occluder> = among
+        .filter_map(|index| {
+            let surface = &scene.surfaces[index];
+            if surface.light.is_some() && surface.light == scene.light {
+                return None;
+            }
+            Occluder::new(index, surface, segment, index == scene.own, &view)
+        })
+        .collect();
+    let mut integrator = Integrator {
+        view: &view,
+        kernel,
+        hides: vec![false; occluders.len()],
+        occluders: &occluders,
+        asked: 0,
+        found: Vec::new(),
+    };
+    if occluders.len() <= FEW {
+        let rows = occluders.iter().flat_map(|occluder| occluder.rows);
+        let inside = rows.filter(|row| row.abs() < 1.0);
+        places.extend(inside.map(|row| view.parameter(row)));
+    } else {
+        let part = |i: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(PARTS);
+        places.extend((1..PARTS).map(part));
+    }
+    let nearest = integrator.best(range, |direction| -length(direction), Line::nearest);
+    let peak = kernel.lobe.map(|(way, exponent)| {
+        let most_along = |line: &Line| line.most_along(way);
+        let peak = integrator.best(range, |direction| cosine(way, direction), most_along);
+        let width = lobe_width(way, exponent, peak.1);
+        integrator.part_around(peak, width, range, &mut places);
+        unit(peak.1).unwrap_or(way)
+    });
+    integrator.part_around(nearest, 1.0, range, &mut places);
+    let mut integrals = integrator.over_lines(range, places, budget);
+    integrals.peak = peak;
+    integrals.nearest = scale(nearest.1, view.part_to(nearest.1));
+    let hides = integrator.hides.iter().zip(&occluders);
+    integrals.occluders = hides
+        .filter_map(|(&hides, occluder)| hides.then_some(occluder.surface))
+        .collect();
+    Ok(integrals)
+}
+
+/// The angle within which a lobe changes at a direction: where it falls, faster than at its middle.
+fn lobe_width(way: Vector, exponent: f64, direction: Vector) -> f64 {
+    let tangent = length(cross(way, direction)) / dot(way, direction).abs();
+    2.0 / (exponent.sqrt() + exponent * tangent)
+}
+
+/// Of all that is integrated: without anything in the way, what is seen, and how far both may be off.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    whole: Triple,
+    seen: Triple,
+    error: Triple,
+}
+
+impl Sum {
+    fn add(&mut self, other: &Self, factor: f64) {
+        for i in 0..3 {
+            self.whole[i] += factor * other.whole[i];
+            self.seen[i] += factor * other.seen[i];
+            self.error[i] += factor * other.error[i];
+        }
+    }
+
+    /// This by the finer of two rules, with how far that is from the coarser one.
+    fn compared(mut self, coarse: &Self) -> Self {
+        for i in 0..3 {
+            let whole = (self.whole[i] - coarse.whole[i]).abs();
+            let seen = (self.seen[i] - coarse.seen[i]).abs();
+            self.error[i] += whole.max(seen);
+        }
+        self
+    }
+}
+
+/// Lines from one to another.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    ends: [f64; 2],
+    sum: Sum,
+}
+
+struct Integrator<'a> {
+    view: &'a View,
+    kernel: &'a Kernel,
+    occluders: &'a [Occluder],
+    /// Whether each was found to hide something.
+    hides: Vec<bool>,
+    asked: usize,
+    /// Intervals of a line that are hidden.
+    found: Vec<[f64; 2]>,
+}
+
+impl Integrator<'_> {
+    /// How much an error counts.
+    fn weighted(&self, triple: &Triple) -> f64 {
+        let [diffuse, lobe] = self.kernel.weights;
+        diffuse * triple[1] + lobe * triple[2]
+    }
+
+    fn line_at(&self, parameter: f64) -> Line {
+        self.view.line(parameter, self.kernel.horizon)
+    }
+
+    /// The parameter and the direction at which something is largest, that falls to all sides of there.
+    fn best(
+        &self,
+        range: [f64; 2],
+        value: impl Fn(Vector) -> f64,
+        of_line: impl Fn(&Line) -> f64,
+    ) -> (f64, Vector) {
+        let direction = |parameter: f64| {
+            let line = self.line_at(parameter);
+            line.at(of_line(&line))
+        };
+        let [mut low, mut high] = range;
+        for _ in 0..80 {
+            let third = (high - low) / 3.0;
+            let (a, b) = (low + third, high - third);
+            if value(direction(a)) < value(direction(b)) {
+                low = a;
+            } else {
+                high = b;
+            }
+        }
+        let parameter = 0.5 * (low + high);
+        (parameter, direction(parameter))
+    }
+
+    /// Parts lines around one, ever farther away: first where the direction is so many radians off.
+    fn part_around(
+        &self,
+        (parameter, direction): (f64, Vector),
+        width: f64,
+        range: [f64; 2],
+        places: &mut Vec<f64>,
+    ) {
+        let rows = width * length(direction) / angular(direction, self.view.across);
+        let slope = self.line_at(parameter).slope;
+        // Where a disk ends, lines are ever nearer to each other.
+        graded(parameter, rows / slope.max(rows.sqrt()), range, places);
+    }
+
+    /// All lines.
+    fn over_lines(&mut self, range: [f64; 2], mut places: Vec<f64>, budget: usize) -> Integrals {
+        places.extend(range);
+        let places = sorted(places, range);
+        let mut parts: Vec<Part> = Vec::with_capacity(places.len());
+        for pair in places.windows(2) {
+            parts.push(self.part([pair[0], pair[1]]));
+        }
+        let least = NARROWEST * (range[1] - range[0]);
+        loop {
+            let mut sum = Sum::default();
+            let mut worst: Option<(usize, f64)> = None;
+            for (index, part) in parts.iter().enumerate() {
+                sum.add(&part.sum, 1.0);
+                let error = self.weighted(&part.sum.error);
+                let can_be_halved = part.ends[1] - part.ends[0] > least;
+                if can_be_halved && worst.is_none_or(|(_, most)| error > most) {
+                    worst = Some((index, error));
+                }
+            }
+            let is_enough = self.weighted(&sum.error) <= TOLERANCE * self.weighted(&sum.whole);
+            let Some((index, _)) = worst.filter(|_| !is_enough && self.asked < budget) else {
+                return Integrals {
+                    whole: sum.whole,
+                    seen: sum.seen,
+                    error: sum.error,
+                    occluders: Vec::new(),
+                    peak: None,
+                    nearest: self.view.middle,
+                    asked: self.asked,
+                };
+            };
+            let [from, to] = parts[index].ends;
+            let middle = 0.5 * (from + to);
+            parts[index] = self.part([from, middle]);
+            parts.push(self.part([middle, to]));
+        }
+    }
+
+    fn part(&mut self, ends: [f64; 2]) -> Part {
+        let (mut fine, mut coarse) = (Sum::default(), Sum::default());
+        for [parameter, of_fine, of_coarse] in nodes(ends) {
+            let line = self.line_at(parameter);
+            let sum = self.line(&line);
+            fine.add(&sum, of_fine * line.slope);
+            coarse.add(&sum, of_coarse * line.slope);
+        }
+        Part {
+            ends,
+            sum: fine.compared(&coarse),
+        }
+    }
+
+    /// One line.
+    fn line(&mut self, line: &Line) -> Sum {
+        self.asked += 1;
+        let mut total = Sum::default();
+        let [first, last] = line.ends;
+        if first >= last {
+            return total;
+        }
+        self.found.clear();
+        for (occluder, hides) in self.occluders.iter().zip(&mut self.hides) {
+            if occluder.is_in_row(line.row) {
+                self.asked += 1;
+                let before = self.found.len();
+                occluder.intervals(self.view, line, &mut self.found);
+                *hides |= self.found.len() > before;
+            }
+        }
+        self.found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+
+        let mut places = Vec::with_capacity(8);
+        places.push(line.zero_of(self.kernel.normal, 0.0));
+        let range = [first, last];
+        let mut around = |s: f64, width: f64| {
+            let direction = line.at(s);
+            let step = width * length(direction) / angular(direction, line.along);
+            graded(s, step, range, &mut places);
+        };
+        around(line.nearest(), 1.0);
+        if let Some((way, exponent)) = self.kernel.lobe {
+            let peak = line.most_along(way);
+            around(peak, lobe_width(way, exponent, line.at(peak)));
+            places.push(line.zero_of(way, 0.0));
+        }
+        // Pieces that are hidden and that are not, in turns.
+        let mut from = first;
+        let mut pieces = Vec::with_capacity(2 * self.found.len() + 1);
+        for &[start, end] in &self.found {
+            if start > from {
+                pieces.push(([from, start], true));
+                from = start;
+            }
+            if end > from {
+                pieces.push(([from, end], false));
+                from = end;
+            }
+        }
+        if last > from {
+            pieces.push(([from, last], true));
+        }
+        let mut smooth = Vec::with_capacity(pieces.len() + places.len());
+        for (ends, is_seen) in pieces {
+            let inside = places.iter().copied();
+            let inside = inside.filter(|&s| s > ends[0] && s < ends[1]);
+            let cuts = sorted(inside.chain(ends).collect(), ends);
+            for pair in cuts.windows(2) {
+                let ends = [pair[0], pair[1]];
+                let (value, error) = self.piece(line, ends);
+                let expected = self.weighted(&value.map(f64::abs));
+                smooth.push((ends, is_seen, value, error, expected));
+            }
+        }
+        let allowed: f64 = LINE_TOLERANCE * smooth.iter().map(|piece| piece.4).sum::<f64>();
+        for (ends, is_seen, value, error, _) in smooth {
+            self.refined(
+                line,
+                ends,
+                is_seen,
+                (value, error),
+                allowed,
+                DEPTH,
+                &mut total,
+            );
+        }
+        total
+    }
+
+    /// Adds a piece, by halves where these are not what the whole is.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what a piece is, and where it goes"
+    )]
+    fn refined(
+        &self,
+        line: &Line,
+        ends: [f64; 2],
+        is_seen: bool,
+        (value, error): (Triple, Triple),
+        allowed: f64,
+        depth: u32,
+        total: &mut Sum,
+    ) {
+        if depth == 0 || self.weighted(&error) <= allowed {
+            let seen = if is_seen { value } else { [0.0; 3] };
+            let part = Sum {
+                whole: value,
+                seen,
+                error,
+            };
+            total.add(&part, 1.0);
+            return;
+        }
+        let middle = 0.5 * (ends[0] + ends[1]);
+        for half in [[ends[0], middle], [middle, ends[1]]] {
+            let of_half = self.piece(line, half);
+            self.refined(line, half, is_seen, of_half, allowed, depth - 1, total);
+        }
+    }
+
+    /// A smooth piece of a line, by one rule, and how far the coarser one is from that.
+    fn piece(&self, line: &Line, ends: [f64; 2]) -> (Triple, Triple) {
+        let (mut fine, mut coarse) = ([0.0; 3], [0.0; 3]);
+        for [s, of_fine, of_coarse] in nodes(ends) {
+            let values = self.kernel.at(self.view, line.at(s));
+            for (i, value) in values.into_iter().enumerate() {
+                fine[i] += of_fine * value;
+                coarse[i] += of_coarse * value;
+            }
+        }
+        (fine, std::array::from_fn(|i| (fine[i] - coarse[i]).abs()))
+    }
+}
+
+impl Kernel {
+    fn at(&self, view: &View, direction: Vector) -> Triple {
+        let density = view.density(direction);
+        let cos = cosine(self.normal, direction).max(0.0);
+        let lobe = self.lobe.map_or(0.0, |(way, exponent)| {
+            let cos_lobe = cosine(way, direction);
+            let power = if cos_lobe <= 0.0 {
+                0.0
+            } else if cos_lobe < 0.5 {
+                cos_lobe.powf(exponent)
+            } else {
+                // Close to 1 its last digits are what a large n is about.
+                let sine = length(cross(way, direction)) / length(direction);
+                (0.5 * exponent * (-sine * sine).ln_1p()).exp()
+            };
+            power * if self.lobe_has_cosine { cos } else { 1.0 }
+        });
+        [density, density * cos, density * lobe]
+    }
+}
+
+/// ‖ω × way‖ for the unit vector ω of a direction: how fast a direction turns on that way, times its length.
+fn angular(direction: Vector, way: Vector) -> f64 {
+    length(cross(direction, way)) / length(direction)
+}
+
+/// Adds places around one, each step three times the one before.
+fn graded(middle: f64, step: f64, [from, to]: [f64; 2], places: &mut Vec<f64>) {
+    let size = to - from;
+    // Not a number is no step.
+    if !(step < size) {
+        return;
+    }
+    let mut step = step.max(1e-9 * size);
+    places.push(middle);
+    while step < size {
+        places.extend([middle - step, middle + step]);
+        step *= 3.0;
+    }
+}
+
+/// In order, within a range, without what is hardly apart.
+fn sorted(mut places: Vec<f64>, [from, to]: [f64; 2]) -> Vec<f64> {
+    let least = NARROWEST * (to - from);
+    places.retain(|&place| {
+        place == from || place == to || place > from + least && place < to - least
+    });
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| *a - *b <= least);
+    places
+}

@@ -1,0 +1,131 @@
+//! L4 from a point that is seen to a light: where the way starts, and what stands in it.
+
+use super::Oracle;
+use super::hit::{Hit, starts_inwards};
+use super::lamp::{BEYOND_ALL, Lamp, Place};
+use super::occlusion::{
+    OwnSphere, Segment, Side, disk_between, plane_between, rectangle_between, sphere_between,
+    triangle_between,
+};
+use super::surface::Shape;
+use super::vector::{WideVector, add, dot, length, scale, widened};
+use super::wide::{Real, Wide};
+
+impl Oracle {
+    /// Whether n·ω_i > 0 for the geometric normal; for the interpolated one, where shadow rays are lifted. For
+    /// what is flat, the light itself tells, without the rounding of p: one in the plane of a floor is not
+    /// above it.
+    pub(super) fn light_is_above(
+        &self,
+        hit: &Hit,
+        segment: &Segment,
+        to_light: WideVector,
+    ) -> bool {
+        if hit.lift.is_some() {
+            let (_, light) = segment.sides_of_plane(hit.position, hit.normal, 0.0);
+            return light == Side::Above;
+        }
+        match &self.surfaces[hit.surface].shape {
+            Shape::Sphere { .. } => dot(hit.geometric_normal, to_light) > Wide::from(0.0),
+            Shape::Plane { point, .. }
+            | Shape::Rectangle { center: point, .. }
+            | Shape::Disk { center: point, .. }
+            | Shape::Triangle {
+                vertices: [point, ..],
+                ..
+            } => {
+                let (_, light) = segment.sides_of_plane(*point, hit.geometric_normal, 0.0);
+                light == Side::Above
+            }
+        }
+    }
+
+    /// L4: V = 0 where there is one; the surface that stands strictly between p, or p′ where shadow rays are
+    /// lifted, and p_L, of several the nearest to p.
+    pub(super) fn occluder(&self, hit: &Hit, light: &Lamp) -> Option<usize> {
+        self.occluder_of(hit, light, 0..self.surfaces.len())
+    }
+
+    /// The same among some surfaces.
+    pub(super) fn occluder_of(
+        &self,
+        hit: &Hit,
+        light: &Lamp,
+        among: impl Iterator<Item = usize>,
+    ) -> Option<usize> {
+        let segment = &self.shadow_segment(hit, light);
+        let mut nearest: Option<(usize, f64)> = None;
+        for index in among {
+            let surface = &self.surfaces[index];
+            let own = index == hit.surface;
+            if !segment.may_meet(surface) {
+                continue;
+            }
+            let magnitude = surface.shape.magnitude();
+            let part = match &surface.shape {
+                // A flat surface never stands before its own points.
+                Shape::Plane { .. }
+                | Shape::Triangle { .. }
+                | Shape::Rectangle { .. }
+                | Shape::Disk { .. }
+                    if own =>
+                {
+                    None
+                }
+                Shape::Rectangle {
+                    center,
+                    normal,
+                    halves,
+                } => rectangle_between(segment, *center, *normal, halves, magnitude),
+                Shape::Disk {
+                    center,
+                    normal,
+                    radius,
+                } => disk_between(segment, *center, *normal, *radius, magnitude),
+                Shape::Plane { point, normal } => {
+                    plane_between(segment, *point, *normal, magnitude)
+                }
+                Shape::Triangle {
+                    vertices, normal, ..
+                } => triangle_between(segment, vertices, *normal, magnitude),
+                Shape::Sphere { center, radius } => {
+                    let own = own.then(|| OwnSphere {
+                        starts_inwards: starts_inwards(hit, *center, segment.vector()),
+                    });
+                    sphere_between(segment, *center, *radius, magnitude, own)
+                }
+            };
+            if let Some(part) = part
+                && nearest.is_none_or(|(_, smallest)| part < smallest)
+            {
+                nearest = Some((index, part));
+            }
+        }
+        nearest.map(|(index, _)| index)
+    }
+
+    pub(super) fn segment(&self, hit: &Hit, light: &Lamp) -> Segment {
+        Segment {
+            from: hit.position,
+            to: match light.place {
+                Place::At(position) => position,
+                Place::Toward(way) => add(hit.position, scale(way, Wide::from(BEYOND_ALL))),
+            },
+            magnitude: length(hit.position).narrow() + self.surfaces[hit.surface].shape.magnitude(),
+            reference: widened(self.reference),
+        }
+    }
+
+    /// The segment on which something may stand: from p, or from p′.
+    pub(super) fn shadow_segment(&self, hit: &Hit, light: &Lamp) -> Segment {
+        let segment = self.segment(hit, light);
+        match hit.lift {
+            None => segment,
+            Some(lift) => Segment {
+                from: add(hit.position, lift.way),
+                magnitude: segment.magnitude + lift.magnitude,
+                ..segment
+            },
+        }
+    }
+}
