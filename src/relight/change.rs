@@ -89,6 +89,9 @@ pub(super) fn changes(
             continue;
         }
         let share = &shares.list[place];
+        if let Some(light) = shares.seen_of(share) {
+            return Err(RelightError::Seen(light));
+        }
         let factor = setting.factor();
         let (color, rgb) = match setting.color() {
             None => (Recolor::None, None),

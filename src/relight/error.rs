@@ -91,6 +91,13 @@ pub enum RelightError {
          background=0.5 can be given"
     )]
     BackgroundColor,
+    /// A light that is in the picture itself.
+    #[error(
+        "`{}` is seen in the picture, where what it sends itself is together with all other lights, `emission`; render \
+         the scene with the new light, or with `visible = false` for this one",
+        shortened(.0)
+    )]
+    Seen(String),
     /// A channel in which there is no light to scale.
     #[error(
         "`{}` cannot get this color: its {channel} was 0 where the file was rendered, and nothing multiplied makes \

@@ -96,9 +96,20 @@ pub(super) struct Shares {
     pub(super) rgb: [usize; 3],
     /// What the file says of its lights; `None` where it says nothing.
     pub(super) record: Option<Vec<LightRecord>>,
+    /// Whether lights are seen in the picture, whose own light is apart from the shares.
+    pub(super) has_emission: bool,
 }
 
 impl Shares {
+    /// A light of a share that may be seen in the picture: one with an area, where the file has a layer `emission`.
+    pub(super) fn seen_of(&self, share: &Share) -> Option<String> {
+        let record = self.record.as_ref().filter(|_| self.has_emission)?;
+        let lights = share.lights.iter().filter_map(|&light| record.get(light));
+        let mut seen =
+            lights.filter(|light| matches!(light.kind.as_str(), "rectangle" | "disk" | "sphere"));
+        seen.next().map(|light| light.name.clone())
+    }
+
     /// Finds them.
     pub(super) fn find(
         stored: &StoredExr,
@@ -145,6 +156,7 @@ impl Shares {
             list,
             rgb: channels.rgb("").ok_or(RelightError::NoRgb)?,
             record,
+            has_emission: channels.rgb("emission").is_some(),
         })
     }
 

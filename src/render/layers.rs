@@ -26,6 +26,9 @@ pub struct Layers {
     pub diffuse: bool,
     /// What the specular lobes of all lights send, in cd/m²: `specular.R`, …
     pub specular: bool,
+    /// What lights that are seen send themselves, in cd/m²: `emission.R`, … It comes with `lights`, `diffuse` and
+    /// `specular` where any light is seen, so that these add up to R, G and B.
+    pub emission: bool,
     /// k_d: `albedo.R`, …, through the box filter with 0 where nothing is hit.
     pub albedo: bool,
     /// `irradiance`: the illuminance E = Σ I (n·ω_i) V / d² of the surface in lux, through the box filter with 0 where
@@ -113,6 +116,7 @@ pub(super) enum Content {
     Diffuse,
     Specular,
     Background,
+    Emission,
     Albedo,
     Irradiance,
     Normal,
@@ -141,6 +145,7 @@ impl Layers {
             (self.relight == Relight::Always, "relight"),
             (self.diffuse, "diffuse"),
             (self.specular, "specular"),
+            (self.emission, "emission"),
             (self.albedo, "albedo"),
             (self.irradiance, "irradiance"),
             (self.depth, "depth"),
@@ -185,13 +190,14 @@ impl Layers {
         };
         let mut sums = Vec::new();
         if self.lights && self.only.is_none() {
-            sums.push(layers_of(&[Content::Lights]));
+            sums.push(layers_of(&[Content::Lights, Content::Emission]));
         }
         if self.diffuse && self.specular {
             sums.push(layers_of(&[
                 Content::Diffuse,
                 Content::Specular,
                 Content::Background,
+                Content::Emission,
             ]));
         }
         let mut attributes = self.spectral.map(spectral_attributes).unwrap_or_default();
@@ -237,6 +243,8 @@ impl Layers {
             XYZ.map(name).to_vec()
         };
         let has_background = (self.diffuse || self.specular) && has_background_share(world);
+        let is_part = (self.lights && self.only.is_none()) || self.diffuse || self.specular;
+        let has_emission = self.emission || (is_part && world.has_emission());
         let mut contents = Vec::new();
         let mut add = |is_asked: bool, content, channels: &dyn Fn() -> Vec<Channel>| {
             if is_asked {
@@ -255,6 +263,7 @@ impl Layers {
         add(has_background, Content::Background, &|| {
             rgb(BACKGROUND_LIGHT)
         });
+        add(has_emission, Content::Emission, &|| rgb("emission"));
         add(self.albedo, Content::Albedo, &|| {
             let name = |c| channel(format!("albedo.{c}"), ChannelKind::Relative);
             RGB.map(name).to_vec()

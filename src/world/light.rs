@@ -234,6 +234,12 @@ impl AreaLight {
         channels.map(|channel| channel / area)
     }
 
+    /// 1 over the area that is seen of it along its normal, in m⁻².
+    #[inline]
+    pub(crate) fn over_area(&self) -> f64 {
+        self.emitter.intensity().recip()
+    }
+
     /// What it is called in a scene: `rectangle`, `disk`, `sphere`.
     pub fn shape(&self) -> &'static str {
         match self.emitter.surface() {

@@ -389,6 +389,11 @@ impl<'w> Bands<'w> {
     pub fn background(&self) -> &[f64] {
         &self.background
     }
+
+    /// What a light sends along its normal, band by band.
+    pub(crate) fn light(&self, light: usize) -> Vec<f64> {
+        self.wavelengths.means(self.spectra.light(light))
+    }
 }
 
 /// A place in a table for each material that objects have.

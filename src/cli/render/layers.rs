@@ -24,6 +24,7 @@ enum Layer {
     NoRelight,
     Diffuse,
     Specular,
+    Emission,
     Albedo,
     Irradiance,
     Depth,
@@ -37,7 +38,7 @@ enum Layer {
 }
 
 impl Layer {
-    const ALL: [Self; 17] = [
+    const ALL: [Self; 18] = [
         Self::Lights,
         Self::LightDiffuse,
         Self::LightSpecular,
@@ -45,6 +46,7 @@ impl Layer {
         Self::NoRelight,
         Self::Diffuse,
         Self::Specular,
+        Self::Emission,
         Self::Albedo,
         Self::Irradiance,
         Self::Depth,
@@ -64,6 +66,7 @@ impl Layer {
             Self::LightSpecular => "light-specular",
             Self::Relight => "relight",
             Self::NoRelight => "no-relight",
+            Self::Emission => "emission",
             Self::Diffuse => "diffuse",
             Self::Specular => "specular",
             Self::Albedo => "albedo",
@@ -124,8 +127,8 @@ enum Mattes {
 /// The options about layers.
 #[derive(Debug, clap::Args)]
 pub(super) struct LayerArguments {
-    /// What the EXR holds beside R, G, B and A, separated by commas: `lights`, `diffuse`, `specular`, `albedo`,
-    /// `irradiance`, `depth`, `position`, `normal`, `shadow`, `cryptomatte`, `spectral`, `error`, `samples`, and for
+    /// What the EXR holds beside R, G, B and A, separated by commas: `lights`, `diffuse`, `specular`, `emission`,
+    /// `albedo`, `irradiance`, `depth`, `position`, `normal`, `shadow`, `cryptomatte`, `spectral`, `error`, `samples`, and for
     /// each light `light-diffuse`, `light-specular`
     ///
     /// All are made in the same pass as R, G, B and A, and leave these as they are. docs/layers.md says more of each.
@@ -139,6 +142,9 @@ pub(super) struct LayerArguments {
     ///
     /// diffuse, specular: the two terms of L8 of all lights, `diffuse.R`, …, `specular.R`, … With `background.R`, …
     /// where the scene has a background, they add up to R, G and B.
+    ///
+    /// emission: what lights that are seen send themselves, `emission.R`, … It comes with `lights`, `diffuse` and
+    /// `specular` where any light is seen, so that these add up to R, G and B.
     ///
     /// albedo: k_d, `albedo.R`, …, 0 where nothing is hit. irradiance: the illuminance of the surface in lux,
     /// `irradiance`; always FLOAT. shadow: V of each light, `shadow_NAME`, 0 to 1; `=key,fill` as well. All through
@@ -275,6 +281,7 @@ impl LayerArguments {
             } else {
                 Relight::Auto
             },
+            emission: self.has(Layer::Emission),
             diffuse: self.has(Layer::Diffuse),
             specular: self.has(Layer::Specular),
             albedo: self.has(Layer::Albedo),

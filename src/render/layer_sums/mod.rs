@@ -27,7 +27,7 @@ use super::layers::{Content, Layers};
 use super::shares::Shares;
 use super::sink::RenderedTile;
 use crate::camera::Camera;
-use crate::shading::{Detail, LightTerms, Shaded};
+use crate::shading::{Detail, LightTerms, Shaded, emitter_seen};
 use crate::simd::{F64x16, LANES, Mask64x16, ones};
 use crate::visibility::{Column, PACKETS, Points};
 use crate::world::{Bands, Lobes, ReflectanceTerm, Reflectances, World};
@@ -158,6 +158,7 @@ impl<'w> RequestedLayers<'w> {
             | Content::Diffuse
             | Content::Specular
             | Content::Background
+            | Content::Emission
             | Content::Albedo
             | Content::Irradiance
             | Content::Normal
@@ -252,6 +253,12 @@ impl<'w> LayerSums<'w> {
         }
         if let Some(first) = requested.place(Content::Albedo) {
             self.add_albedos(simd, samples, points, first);
+        }
+        if let Some(first) = requested.place(Content::Emission) {
+            self.add_emission(simd, samples, points, first);
+        }
+        if let Some(spectral) = &mut self.spectral {
+            spectral.add_emission(requested.world, samples, points);
         }
         for content in [Content::Lights, Content::Background] {
             if let Some(first) = requested.place(content) {
@@ -362,6 +369,34 @@ impl<'w> LayerSums<'w> {
                 }
                 let values = is_hit.select(F64x16::load(simd, &values), F64x16::splat(simd, 0.0));
                 values.store(&mut self.column[lanes]);
+            }
+            self.planes
+                .add(simd, samples, first + channel, &self.column);
+        }
+    }
+
+    /// What lights that are seen send themselves.
+    #[inline(never)]
+    fn add_emission<S: Simd>(
+        &mut self,
+        simd: S,
+        samples: NumberedSamples<'_>,
+        points: &Points,
+        first: usize,
+    ) {
+        let world = self.requested.world;
+        if !world.has_emission() {
+            return;
+        }
+        for channel in 0..3 {
+            *self.column = Column::ZERO;
+            for (packet, &bits) in points.hit.iter().enumerate() {
+                for lane in ones(bits) {
+                    let slot = packet * LANES + lane;
+                    if let Some((_, light)) = emitter_seen(world, points, slot) {
+                        self.column[slot] = light.luminance()[channel];
+                    }
+                }
             }
             self.planes
                 .add(simd, samples, first + channel, &self.column);

@@ -1,11 +1,13 @@
 //! Radiance band by band.
 
+use std::collections::HashMap;
+
 use super::super::bands::{self, Further, Geometry, Place};
 use super::super::batch::NumberedSamples;
-use crate::shading::{LightTerms, Shaded};
-use crate::simd::LANES;
-use crate::visibility::PACKETS;
-use crate::world::Bands;
+use crate::shading::{LightTerms, Shaded, emitter_seen};
+use crate::simd::{LANES, ones};
+use crate::visibility::{PACKETS, Points};
+use crate::world::{Bands, World};
 
 /// What some samples of a packet reflect with.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +31,8 @@ pub(super) struct SpectralSums<'b> {
     sums: Vec<f64>,
     /// Of one pixel, whatever it has.
     pixel: Vec<f64>,
+    /// What lights that are seen send along their normals, band by band.
+    emission: HashMap<usize, Vec<f64>>,
 }
 
 impl<'b> SpectralSums<'b> {
@@ -39,6 +43,7 @@ impl<'b> SpectralSums<'b> {
             shares: Vec::new(),
             sums: Vec::new(),
             pixel: Vec::new(),
+            emission: HashMap::new(),
         }
     }
 
@@ -48,6 +53,39 @@ impl<'b> SpectralSums<'b> {
         self.sums.clear();
         self.sums
             .resize(pixels * self.bands.wavelengths().count(), 0.0);
+    }
+
+    /// Adds what lights that are seen send themselves.
+    pub(super) fn add_emission(
+        &mut self,
+        world: &World,
+        samples: NumberedSamples<'_>,
+        points: &Points,
+    ) {
+        if !world.has_emission() {
+            return;
+        }
+        let count = self.bands.wavelengths().count();
+        for packet in 0..PACKETS {
+            for (pixel, bits) in samples.of_packet(packet * LANES) {
+                for lane in ones(bits & points.hit[packet]) {
+                    let slot = packet * LANES + lane;
+                    let Some((index, light)) = emitter_seen(world, points, slot) else {
+                        continue;
+                    };
+                    let bands = self.bands;
+                    let emission = self
+                        .emission
+                        .entry(index)
+                        .or_insert_with(|| bands.light(index));
+                    let over_area = light.over_area();
+                    let sums = &mut self.sums[pixel * count..][..count];
+                    for (sum, band) in sums.iter_mut().zip(emission) {
+                        *sum += *band * over_area;
+                    }
+                }
+            }
+        }
     }
 
     /// Finds the places of what the points of a batch reflect with.
