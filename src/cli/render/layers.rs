@@ -90,6 +90,7 @@ impl Layer {
             | Self::NoRelight
             | Self::Diffuse
             | Self::Specular
+            | Self::Emission
             | Self::Albedo
             | Self::Irradiance
             | Self::Depth
