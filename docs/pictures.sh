@@ -57,7 +57,7 @@ done
     -o docs/pictures/illuminance.png
 
 # The office from wall to wall: desks have some 500 lx.
-"$candela" render scenes/office.toml --samples 16 --layers irradiance -o "$work/office-illuminance.exr" --quiet
+"$candela" render scenes/office.toml --set image.resolution=[720,405] --samples 16 --layers irradiance -o "$work/office-illuminance.exr" --quiet
 "$candela" tonemap "$work/office-illuminance.exr" --view false-color --unit lx --iso-lines 100,200,300,500,750 \
     --alpha opaque --dither none -o docs/pictures/office-illuminance.png
 
