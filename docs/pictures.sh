@@ -56,6 +56,11 @@ done
 "$candela" tonemap "$work/illuminance.exr" --view false-color --unit lx --iso-lines auto --alpha opaque --dither none \
     -o docs/pictures/illuminance.png
 
+# The office from wall to wall: desks have some 500 lx.
+"$candela" render scenes/office.toml --set image.resolution=[720,405] --samples 16 --layers irradiance -o "$work/office-illuminance.exr" --quiet
+"$candela" tonemap "$work/office-illuminance.exr" --view false-color --unit lx --iso-lines 100,200,300,500,750 \
+    --alpha opaque --dither none -o docs/pictures/office-illuminance.png
+
 "$candela" render scenes/moving.toml --set image.resolution=[480,270] --frames 1-24 --samples 64 -o "$work/moving.####.exr" --quiet
 "$candela" contact-sheet "$work/moving.####.exr" --width 180 -o docs/pictures/sequence.png
 
@@ -82,6 +87,7 @@ for name; do
         continue
         ;;
     many-*) width=320 ;;
+    room) width=300 ;;
     moving) width=480 frame=18 ;;
     *) width=480 ;;
     esac
@@ -89,6 +95,9 @@ for name; do
     case $name in
     wall-washer) exposed="--iso 100 --shutter 1/4 --aperture 4 --view aces2" ;;
     yard) exposed="--iso 100 --shutter 1/100 --aperture 16" ;;
+    soft-shadow) exposed="--iso 100 --shutter 1/6 --aperture 4 --view aces2" ;;
+    neon) exposed="--exposure 0.7 --view aces2" ;;
+    office) exposed="--iso 100 --shutter 1/10 --aperture 4 --view aces2" ;;
     *) exposed= ;;
     esac
     awk -v width="$width" '

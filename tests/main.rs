@@ -4,6 +4,7 @@
 
 mod accuracy;
 mod allocation;
+mod areas;
 mod bad_scenes;
 mod blessed;
 mod cameras;

@@ -178,6 +178,9 @@ struct Part {
     sum: Sum,
 }
 
+/// Of so many occluders it is looked at where they begin and end.
+const MOST_PARTED: usize = 12;
+
 struct Integrator<'a> {
     view: &'a View,
     kernel: &'a Kernel,
@@ -239,9 +242,51 @@ impl Integrator<'_> {
         graded(parameter, rows / slope.max(rows.sqrt()), range, places);
     }
 
+    /// Parts lines at both ends, and where occluders begin, end and are half passed, so that none of these falls between
+    /// the lines of a rule unseen: a corner that is hidden may be narrow.
+    fn part_around_occluders(&self, range: [f64; 2], places: &mut Vec<f64>) {
+        if self.occluders.is_empty() {
+            return;
+        }
+        let size = range[1] - range[0];
+        let mut around = |place: f64, parts: &[f64]| {
+            for part in parts {
+                places.extend([place - part * size, place + part * size]);
+            }
+        };
+        around(range[0], &[1e-4, 1e-3, 1e-2, 1e-1]);
+        around(range[1], &[1e-4, 1e-3, 1e-2, 1e-1]);
+        for occluder in self.occluders.iter().take(MOST_PARTED) {
+            let [first, last] = occluder.rows;
+            for row in [first, 0.5 * (first + last), last] {
+                if let Some(place) = self.parameter_of(row, range) {
+                    around(place, &[0.0, 1e-3, 3e-2]);
+                }
+            }
+        }
+    }
+
+    /// Where a row is, within a range, in which rows grow.
+    fn parameter_of(&self, row: f64, [mut low, mut high]: [f64; 2]) -> Option<f64> {
+        let is_below = |parameter: f64| self.line_at(parameter).row < row;
+        if !(row.is_finite() && is_below(low) && !is_below(high)) {
+            return None;
+        }
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if is_below(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(0.5 * (low + high))
+    }
+
     /// All lines.
     fn over_lines(&mut self, range: [f64; 2], mut places: Vec<f64>, budget: usize) -> Integrals {
         places.extend(range);
+        self.part_around_occluders(range, &mut places);
         let places = sorted(places, range);
         let mut parts: Vec<Part> = Vec::with_capacity(places.len());
         for pair in places.windows(2) {
