@@ -183,13 +183,13 @@ fn penumbrae_are_those_of_the_oracle() {
             let (x, y) = (place % 20, place / 20);
             // Of pixels with edges a center may be on the other side: those are looked at elsewhere.
             let expected = oracle.radiance(x as f64 + 0.5, y as f64 + 0.5);
-            for channel in 0..3 {
+            for (channel, &value) in pixel[..3].iter().enumerate() {
                 let truth = expected.radiance[channel];
-                let off = (f64::from(pixel[channel]) - truth).abs() - expected.error[channel];
+                let off = (f64::from(value) - truth).abs() - expected.error[channel];
                 assert!(
                     off <= TOLERANCE * truth.max(floor),
                     "seed {seed}, pixel {x},{y}: {} for {truth} ± {}\n{text}",
-                    pixel[channel],
+                    value,
                     expected.error[channel]
                 );
             }

@@ -24,10 +24,6 @@ pub(super) struct Surface {
 }
 
 #[derive(Clone, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "nearly all shapes of a scene with many are triangles"
-)]
 pub(super) enum Shape {
     Sphere {
         center: WideVector,

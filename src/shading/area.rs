@@ -151,7 +151,7 @@ impl Asked<'_, '_> {
         }
         let mut sampled = [0; PACKETS];
         area.free.clear();
-        for packet in 0..PACKETS {
+        for (packet, sampled) in sampled.iter_mut().enumerate() {
             let hit = points.hit[packet];
             if hit == 0 {
                 continue;
@@ -180,7 +180,7 @@ impl Asked<'_, '_> {
                         match cut {
                             Some(cut) => cut,
                             None => {
-                                sampled[packet] |= 1 << lane;
+                                *sampled |= 1 << lane;
                                 area.free.push((slot, receiver, received));
                                 None
                             }

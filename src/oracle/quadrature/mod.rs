@@ -75,8 +75,6 @@ pub(super) struct Integrals {
     pub(super) peak: Option<Vector>,
     /// The shortest way to the light.
     pub(super) nearest: Vector,
-    /// How often it was asked whether a surface is in the way of a line, plus the lines.
-    pub(super) asked: usize,
 }
 
 /// The integrals over a light as seen from where the segment to its middle begins; or why there is nothing
@@ -313,7 +311,6 @@ impl Integrator<'_> {
                     occluders: Vec::new(),
                     peak: None,
                     nearest: self.view.middle,
-                    asked: self.asked,
                 };
             };
             let [from, to] = parts[index].ends;
@@ -489,7 +486,7 @@ fn angular(direction: Vector, way: Vector) -> f64 {
 fn graded(middle: f64, step: f64, [from, to]: [f64; 2], places: &mut Vec<f64>) {
     let size = to - from;
     // Not a number is no step.
-    if !(step < size) {
+    if step.is_nan() || step >= size {
         return;
     }
     let mut step = step.max(1e-9 * size);
