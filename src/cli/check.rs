@@ -146,14 +146,26 @@ fn print_motion(motion: &Motion, frames: &[Frame], output: &mut impl Write) -> R
 }
 
 fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> {
-    let objects = world.objects();
+    // Lights that are seen are listed as lights.
+    let (lights, objects): (Vec<_>, Vec<_>) = world
+        .objects()
+        .iter()
+        .partition(|object| object.emits.is_some());
     let triangles = world.triangles().len();
-    writeln!(
+    write!(
         output,
         "\nobjects    {}, with {}",
         objects.len(),
         counted(triangles, "triangle", "triangles"),
     )?;
+    match lights.len() {
+        0 => writeln!(output)?,
+        count => writeln!(
+            output,
+            ", and {} seen",
+            counted(count, "light that is", "lights that are")
+        )?,
+    }
     for object in objects.iter().take(LISTED) {
         let material = printable(&world.materials()[object.material].name);
         let shape = match object.shape {
@@ -178,8 +190,12 @@ fn print_objects(world: &World, output: &mut impl Write) -> Result<(), Failure> 
 }
 
 fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure> {
-    writeln!(output, "\nmaterials  {}", world.materials().len())?;
-    for material in world.materials().iter().take(LISTED) {
+    let seen = world.objects().iter();
+    let seen = seen.filter(|object| object.emits.is_some()).count();
+    // Behind them are those of lights that are seen, which are black.
+    let materials = &world.materials()[..world.materials().len() - seen];
+    writeln!(output, "\nmaterials  {}", materials.len())?;
+    for material in materials.iter().take(LISTED) {
         let model = match material.value.model() {
             Model::Phong => "phong",
             Model::NormalizedPhong => "normalized_phong",
@@ -200,7 +216,7 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
             printable(&material.name),
         )?;
     }
-    print_rest(world.materials().len(), output)
+    print_rest(materials.len(), output)
 }
 
 fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {

@@ -1,6 +1,6 @@
 //! Which shapes may hide a part of an emitter, told soon.
 
-use super::{Emitter, Occluder, Surface};
+use super::{Emitter, Gloss, Occluder, Surface};
 use crate::math::{DVec3, Normal, Point};
 
 /// What a point sees an emitter in: planes through the point around it, and a cone.
@@ -19,7 +19,29 @@ pub(crate) struct Sight {
 /// More than rounding, of sines.
 const ROOM: f64 = 1e-12;
 
+/// A lobe that is below this everywhere on an emitter, as a power of e, adds nothing to a picture: 1e-30.
+const DARK: f64 = -69.077_552_789_821_37;
+
 impl Emitter {
+    /// Whether a lobe is anywhere on it more than next to nothing.
+    pub(crate) fn may_meet(&self, point: Point, gloss: &Gloss) -> bool {
+        let center = self.center().from(point);
+        let distance = center.length();
+        let radius = match self.surface() {
+            Surface::Rectangle([corner, ..]) => (corner - self.center().0).length(),
+            Surface::Disk { radius, .. } | Surface::Sphere { radius } => radius,
+        };
+        let sine = radius / distance;
+        let cosine = gloss.axis.get().dot(center) / distance;
+        // From inside of the ball around it, or with its axis amid the ball, a lobe may be 1.
+        if !(sine < 1.0 && cosine < (1.0 - sine * sine).sqrt()) {
+            return true;
+        }
+        // cos(α − β) of the angles of the ball's center and of its radius.
+        let nearest = cosine * (1.0 - sine * sine).sqrt() + (1.0 - cosine * cosine).sqrt() * sine;
+        nearest > 0.0 && gloss.shininess * libm::log(nearest) > DARK
+    }
+
     /// How a point sees it.
     pub(crate) fn sight(&self, point: Point, horizon: Normal) -> Sight {
         let center = self.center().from(point);
@@ -119,5 +141,15 @@ impl Sight {
         let cos_ball = (1.0 - of_ball * of_ball).sqrt();
         let cos_sum = cosine * cos_ball - sine * of_ball;
         axis.dot(center) >= (cos_sum - ROOM) * distance
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_dark_is_1e_30() {
+        assert!((DARK - 1e-30_f64.ln()).abs() < 1e-13);
     }
 }

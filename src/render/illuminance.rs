@@ -3,8 +3,9 @@
 
 use fearless_simd::Simd;
 
-use crate::math::{DVec3, Point};
+use crate::math::{DVec3, Normal, Point};
 use crate::memory::OutOfMemory;
+use crate::shading::{AreaSpace, area_illuminance};
 use crate::simd::{Kernel, LANES, SimdLevel};
 use crate::visibility::{BATCH, IncoherentSegments, SegmentBatch, Visibility, Workspace};
 use crate::world::{Plan, World};
@@ -13,7 +14,7 @@ use crate::world::{Plan, World};
 ///
 /// E = Σ_lights I f / d² · max(0, n·ω_i) · V
 ///
-/// of a sun E_s · max(0, n·ω_i) · V. Points are where the scene has them. A light at the very point adds nothing. What
+/// of a sun E_s · max(0, n·ω_i) · V, of a light with an area L ∫ max(0, n·ω_i) V dω. Points are where the scene has them. A light at the very point adds nothing. What
 /// reflects between surfaces is no part of it.
 ///
 /// # Errors
@@ -52,17 +53,36 @@ impl Kernel for Meter<'_> {
             normal,
         } = self;
         let mut space = Workspace::default();
+        let mut area_space = AreaSpace::default();
         let mut segments = Box::<IncoherentSegments>::default();
         let mut sums = vec![0.0; points.len()];
         for (light, entry) in world.lights().iter().enumerate() {
             let candela = world.candelas(light);
+            if let Some(area) = entry.value.area() {
+                let Some(normal) = Normal::new(normal) else {
+                    continue;
+                };
+                for (sum, &point) in sums.iter_mut().zip(points) {
+                    let (point, rounding) = place(world, point);
+                    let per_candela = area_illuminance(
+                        simd,
+                        (world, visibility),
+                        (light, area),
+                        (Point(point), normal),
+                        rounding,
+                        &mut area_space,
+                    );
+                    *sum += per_candela * candela;
+                }
+                continue;
+            }
             let end = entry.value.position();
             for (first, batch) in (0..).step_by(BATCH).zip(points.chunks(BATCH)) {
                 let mut arriving = [0.0; BATCH];
                 let mut asked = [0; BATCH];
                 segments.count = 0;
                 for (index, &point) in batch.iter().enumerate() {
-                    let point = DVec3::from_array(point) - world.anchor();
+                    let (point, rounding) = place(world, point);
                     let arrives = entry.value.illuminance(Point(point), normal) * candela;
                     if arrives == 0.0 {
                         continue;
@@ -70,8 +90,6 @@ impl Kernel for Meter<'_> {
                     let segment = segments.count;
                     arriving[segment] = arrives;
                     asked[segment] = first + index;
-                    // A point of a table top is on it, as far as its coordinates tell.
-                    let rounding = ROUNDING * (point.abs() + world.anchor().abs()).max_element();
                     segments.start.set(segment, point, rounding, u64::MAX);
                     segments.end.set(segment, end.0, 0.0, u64::MAX);
                     segments.count += 1;
@@ -86,6 +104,14 @@ impl Kernel for Meter<'_> {
         }
         sums
     }
+}
+
+/// Where a point is in a world, and how far that may be off: a point of a table top is on it, as far as its
+/// coordinates tell.
+fn place(world: &World, point: [f64; 3]) -> (DVec3, f64) {
+    let point = DVec3::from_array(point) - world.anchor();
+    let rounding = ROUNDING * (point.abs() + world.anchor().abs()).max_element();
+    (point, rounding)
 }
 
 /// What coordinates as written may be off, relative to them: some roundings of an f64.

@@ -65,7 +65,7 @@ pub(super) struct AreaTerms {
 
 /// What a thread needs to ask for lights with an area, to be used again and again.
 #[derive(Debug, Default)]
-pub(super) struct AreaSpace {
+pub(crate) struct AreaSpace {
     shafts: ShaftSpace,
     shadow: ShadowSpace,
     /// What may be between a batch, or a packet, and the light.
@@ -166,6 +166,10 @@ impl Asked<'_, '_> {
             for lane in ones(hit) {
                 let slot = packet * LANES + lane;
                 let start = points.start(slot);
+                if self.is_own(start.primitive) {
+                    // It is flat or bent away from itself.
+                    continue;
+                }
                 let receiver = self.receiver(slot, &start);
                 let Some(received) = self.light.emitter.received(start.position, &receiver) else {
                     continue;
@@ -239,13 +243,12 @@ impl Asked<'_, '_> {
 
     /// Whether a shape may hide what is above of points of its own.
     fn is_curved(&self, shape: u64) -> bool {
-        matches!(self.occluder(shape), Occluder::Ball { .. })
+        matches!(occluder(self.world, shape), Occluder::Ball { .. })
     }
 
     /// Whether a shape is the light itself.
     fn is_own(&self, shape: u64) -> bool {
-        let (object, _) = object_and_triangle(shape);
-        self.world.objects()[object as usize].emits == Some(self.index)
+        is_light(self.world, shape, self.index)
     }
 
     fn of_packet<S: Simd>(&self, simd: S, packet: usize, area: &mut AreaSpace) -> Between {
@@ -269,11 +272,12 @@ impl Asked<'_, '_> {
                 let [x, y, z] = &points.to_viewer;
                 let to_viewer = DVec3::new(x[slot], y[slot], z[slot]);
                 let axis = normal * (2.0 * points.cos_viewer[slot]) - to_viewer;
-                Direction::new(axis).map(|axis| EmitterGloss {
+                let gloss = Direction::new(axis).map(|axis| EmitterGloss {
                     axis,
                     shininess: material.shininess(),
                     has_cosine,
-                })
+                });
+                gloss.filter(|gloss| self.light.emitter.may_meet(start.position, gloss))
             }
         };
         let normal = Normal::new(normal).unwrap_or(start.horizon);
@@ -332,7 +336,7 @@ impl Asked<'_, '_> {
             if self.is_own(shape) {
                 continue;
             }
-            let occluder = self.occluder(shape);
+            let occluder = occluder(self.world, shape);
             if shape == start.primitive {
                 match self.hidden_by_surface(&occluder, start) {
                     true => return Some(None),
@@ -377,39 +381,9 @@ impl Asked<'_, '_> {
         is_within && (self.light.emitter.center().0 - center).length() > radius
     }
 
-    fn occluder(&self, shape: u64) -> Occluder {
-        let world = self.world;
-        let (object, triangle) = object_and_triangle(shape);
-        match world.objects()[object as usize].shape {
-            Shape::Sphere(index) => {
-                let sphere = &world.spheres()[index];
-                Occluder::Ball {
-                    center: sphere.center.0,
-                    radius: sphere.radius,
-                }
-            }
-            Shape::Plane(index) => {
-                let plane = &world.planes()[index];
-                Occluder::Plane {
-                    point: plane.point.0,
-                    normal: plane.normal.get(),
-                }
-            }
-            Shape::Disk(index) => {
-                let disk = &world.disks()[index];
-                Occluder::Disk {
-                    center: disk.center.0,
-                    normal: disk.normal.get(),
-                    radius: disk.radius,
-                }
-            }
-            Shape::Mesh(_) => Occluder::Triangle(world.triangles().vertices(triangle)),
-        }
-    }
-
     /// Notes what a point receives.
     fn put(&self, lit: &mut AreaLit, slot: usize, received: &Received, share: f64) {
-        let over_area = self.light.emitter.intensity().recip();
+        let over_area = self.light.over_area();
         let AreaTerms { geometry, seen } = &mut *lit.terms;
         geometry.diffuse[slot] = (received.irradiance * over_area).min(f64::MAX);
         geometry.specular[slot] = (received.lobe * over_area).min(f64::MAX);
@@ -488,6 +462,89 @@ impl Asked<'_, '_> {
             }
         }
     }
+}
+
+/// A shape of the world, as what hides light.
+fn occluder(world: &World, shape: u64) -> Occluder {
+    let (object, triangle) = object_and_triangle(shape);
+    match world.objects()[object as usize].shape {
+        Shape::Sphere(index) => {
+            let sphere = &world.spheres()[index];
+            Occluder::Ball {
+                center: sphere.center.0,
+                radius: sphere.radius,
+            }
+        }
+        Shape::Plane(index) => {
+            let plane = &world.planes()[index];
+            Occluder::Plane {
+                point: plane.point.0,
+                normal: plane.normal.get(),
+            }
+        }
+        Shape::Disk(index) => {
+            let disk = &world.disks()[index];
+            Occluder::Disk {
+                center: disk.center.0,
+                normal: disk.normal.get(),
+                radius: disk.radius,
+            }
+        }
+        Shape::Mesh(_) => Occluder::Triangle(world.triangles().vertices(triangle)),
+    }
+}
+
+/// Whether a shape is a light itself.
+fn is_light(world: &World, shape: u64, light: usize) -> bool {
+    let (object, _) = object_and_triangle(shape);
+    world.objects()[object as usize].emits == Some(light)
+}
+
+/// The illuminance in lux per cd of a light with an area, at a point that is on no shape, across a normal.
+#[inline(always)]
+pub(crate) fn area_illuminance<S: Simd>(
+    simd: S,
+    (world, visibility): (&World, &Visibility<'_>),
+    (index, light): (usize, &AreaLight),
+    (point, normal): (Point, Normal),
+    rounding: f64,
+    space: &mut AreaSpace,
+) -> f64 {
+    let emitter = &light.emitter;
+    let receiver = Receiver {
+        horizon: normal,
+        normal,
+        gloss: None,
+    };
+    let Some(received) = emitter.received(point, &receiver) else {
+        return 0.0;
+    };
+    let shaft = Shaft::ToPoint {
+        from: emitter.bounds(),
+        to: point.0,
+    };
+    let question = ShaftQuestion::Contents;
+    let all = usize::MAX;
+    visibility.shaft(simd, &shaft, question, u64::MAX, all, &mut space.shafts);
+    let sight = emitter.sight(point, normal);
+    space.occluders.clear();
+    for &shape in &space.shafts.list {
+        if !is_light(world, shape, index) {
+            let occluder = occluder(world, shape);
+            if sight.may_be_hidden_by(&occluder) {
+                space.occluders.push(occluder);
+            }
+        }
+    }
+    let irradiance = if space.occluders.is_empty() {
+        received.irradiance
+    } else {
+        let (occluders, accuracy) = (&space.occluders, &ACCURACY_FOR_ERROR);
+        let shadow = &mut space.shadow;
+        let seen = emitter.received_past(point, &receiver, occluders, rounding, accuracy, shadow);
+        seen.map_or(0.0, |seen| seen.value.irradiance)
+    };
+    irradiance * light.over_area()
 }
 
 /// How much of the light is seen: of its illuminance, or where there is none, of its solid angle.

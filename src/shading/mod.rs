@@ -11,7 +11,8 @@ mod tests;
 
 use fearless_simd::Simd;
 
-use area::{AreaSpace, AreaTerms, Asked};
+pub(crate) use area::{AreaSpace, area_illuminance};
+use area::{AreaTerms, Asked};
 use groups::Groups;
 pub(crate) use groups::Share;
 use reflectance::{Ends, geometry};

@@ -41,7 +41,9 @@ pub(super) fn contained(world: &World) -> Contained {
     }
     let lights = Lights::new(world);
     let mut steps = 0;
-    for (object, entry) in world.objects().iter().enumerate() {
+    // A light that is seen is an object around itself.
+    let objects = world.objects().iter().enumerate();
+    for (object, entry) in objects.filter(|(_, entry)| entry.emits.is_none()) {
         let mut within = Within {
             light: usize::MAX,
             count: 0,

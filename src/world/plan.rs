@@ -46,6 +46,9 @@ pub struct Plan {
     /// How many are suns.
     #[serde(skip_serializing_if = "is_none")]
     suns: usize,
+    /// How many have an area.
+    #[serde(skip_serializing_if = "is_none")]
+    areas: usize,
     planes: usize,
     #[serde(skip_serializing_if = "is_none")]
     disks: usize,
@@ -94,6 +97,7 @@ impl Plan {
             lights: world.lights().len(),
             spots: count(|light| matches!(light, Light::Spot(_))),
             suns: count(|light| matches!(light, Light::Sun(_))),
+            areas: count(|light| matches!(light, Light::Area(_))),
             planes: world.planes().len(),
             disks: world.disks().len(),
             spheres: acceleration(world.spheres().len(), LONGEST_LIST_OF_SPHERES),
@@ -209,6 +213,10 @@ impl Plan {
                             let suns = counted(self.suns, "sun", "suns");
                             reason += &format!("; {suns}, whose shadow rays are parallel");
                         }
+                        if self.areas > 0 {
+                            let areas = counted(self.areas, "light", "lights");
+                            reason += &format!("; {areas} with an area, integrated over");
+                        }
                         reason
                     }
                 },
@@ -216,7 +224,11 @@ impl Plan {
             yes_or_no(
                 "shadows (L4)",
                 self.lights > 0,
-                "one ray to every light above the surface",
+                if self.areas > 0 {
+                    "one ray to every light above the surface; of lights with an area what hides them is cut away"
+                } else {
+                    "one ray to every light above the surface"
+                },
                 "nothing casts light",
             ),
             search("spheres", self.spheres, world.spheres().len()),
