@@ -335,5 +335,5 @@ fn an_area_is_many_points() {
         assert!((-1e-9..=1.0 + 1e-9).contains(&seen), "{number}: {seen}");
         partial += u32::from(seen > 0.01 && seen < 0.99);
     }
-    assert!(partial > 12, "{partial}");
+    assert!(partial > 8, "{partial}");
 }
