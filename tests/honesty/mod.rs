@@ -8,7 +8,7 @@ use std::path::Path;
 use candela::image::Film;
 use candela::oracle::{Oracle, PixelMean, PixelQuadrature};
 use candela::render::{ErrorTarget, Layers, Options, render};
-use candela::scene::{Object, Scene};
+use candela::scene::{Light, Object, Scene};
 use candela::world::World;
 use rayon::prelude::*;
 
@@ -352,6 +352,12 @@ fn is_long() -> bool {
     pixels() >= LONG
 }
 
+/// The true mean of a pixel under lights with an area takes seconds: those scenes are for the long sweep.
+fn has_areas(scene: &Scene) -> bool {
+    let mut lights = scene.lights.iter();
+    lights.any(|light| matches!(light.value, Light::Area { .. }))
+}
+
 fn files() -> Vec<(String, Scene)> {
     /// More surfaces are for the long sweep.
     const FEW: usize = 500;
@@ -361,7 +367,7 @@ fn files() -> Vec<(String, Scene)> {
             let scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
             (name_of(path), at_width(scene, WIDTH))
         })
-        .filter(|(_, scene)| is_long() || surfaces(scene) <= FEW)
+        .filter(|(_, scene)| is_long() || surfaces(scene) <= FEW && !has_areas(scene))
         .collect()
 }
 
