@@ -37,6 +37,7 @@ mod memory;
 mod merging;
 mod meshes;
 mod motion;
+mod moved;
 mod opencolorio;
 mod openimageio;
 mod oracle;

@@ -81,7 +81,7 @@ impl Area {
         };
         match &self.shape {
             Shape::Rectangle { halves, .. } => {
-                let [a, b] = halves.map(|half| dot(half, half).sqrt().narrow());
+                let [a, b] = halves.map(|semi| dot(semi, semi).sqrt().narrow());
                 flat(4.0 * a * b)
             }
             Shape::Disk { radius, .. } => flat(PI * radius.narrow().powi(2)),
@@ -99,7 +99,7 @@ impl Area {
     pub(super) fn reach(&self) -> f64 {
         match &self.shape {
             Shape::Rectangle { halves, .. } => {
-                let [a, b] = halves.map(|half| dot(half, half).sqrt().narrow());
+                let [a, b] = halves.map(|semi| dot(semi, semi).sqrt().narrow());
                 a.hypot(b)
             }
             Shape::Disk { radius, .. } | Shape::Sphere { radius, .. } => radius.narrow(),

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::hit::Hit;
 use super::lighting::Model;
+use super::outcome::Outcome;
 use super::vector::{add, narrowed, widened};
 use super::wide::{ROUNDING, Real};
 use super::{Lamp, Oracle, Shine};
@@ -172,26 +173,6 @@ pub struct AreaTerms {
     pub occluders: Vec<String>,
     /// How far `radiance` may be off, in cd/m², by the integral's own estimate.
     pub error: [f64; 3],
-}
-
-/// What becomes of one light at one point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// It adds its term to L9.
-    Lit,
-    /// It has an area, of which something stands before a part.
-    Partial,
-    /// It is above the surface, but something stands between: V = 0.
-    Occluded,
-    /// It is below the surface, n·ω_i ≤ 0 for the geometric normal, or for n where shadow rays are lifted: it
-    /// adds nothing.
-    Below,
-    /// It is a spot and the point is outside of its cone, or a luminaire that sends nothing there, or an area that does not
-    /// shine to its side: it adds nothing.
-    Outside,
-    /// It is at the point itself, d = 0: it adds nothing.
-    AtPoint,
 }
 
 impl Oracle {

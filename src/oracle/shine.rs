@@ -5,10 +5,11 @@ use super::components::Components;
 use super::hit::Hit;
 use super::lamp::Lamp;
 use super::lighting::{Material, Model, Reflectance, cosine, ideal_reflection};
+use super::outcome::Outcome;
 use super::quadrature::{self, Integrals, Kernel};
 use super::vector::{Vector, WideVector, length, narrowed, subtract, unit, widened};
 use super::wide::Real;
-use super::{Oracle, Outcome, Place, Term};
+use super::{Oracle, Place, Term};
 
 /// What is known of a light with an area beside its term.
 #[derive(Clone, Debug)]

@@ -321,9 +321,9 @@ fn ray_plane(ray: &Ray, point: WideVector, normal: WideVector) -> Option<Wide> {
 
 /// Whether a point of the plane of a rectangle, seen from its center, is between its sides.
 pub(super) fn is_in_rectangle(from_center: WideVector, halves: &[WideVector; 2]) -> bool {
-    halves.iter().all(|&half| {
-        let along = dot(from_center, half);
-        let most = dot(half, half);
+    halves.iter().all(|&semi| {
+        let along = dot(from_center, semi);
+        let most = dot(semi, semi);
         -most <= along && along <= most
     })
 }

@@ -33,7 +33,7 @@ impl Ball {
             }
             Shape::Rectangle { center, halves, .. } => {
                 let center = narrowed(*center);
-                let [a, b] = halves.map(|half| length(narrowed(half)));
+                let [a, b] = halves.map(|semi| length(narrowed(semi)));
                 let radius = a.hypot(b) * (1.0 + ROOM);
                 Some(Self { center, radius })
             }

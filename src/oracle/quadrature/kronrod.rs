@@ -26,9 +26,9 @@ const NODES: [[f64; 3]; 8] = [
 
 /// The places between two ends, with the weights of both rules.
 pub(super) fn nodes([from, to]: [f64; 2]) -> impl Iterator<Item = [f64; 3]> {
-    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let (middle, semi) = (0.5 * (from + to), 0.5 * (to - from));
     NODES.iter().flat_map(move |&[place, fine, coarse]| {
-        let at = move |place: f64| [middle + half * place, half * fine, half * coarse];
+        let at = move |place: f64| [middle + semi * place, semi * fine, semi * coarse];
         let other = (place > 0.0).then(|| at(-place));
         std::iter::once(at(place)).chain(other)
     })

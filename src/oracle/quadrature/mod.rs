@@ -10,9 +10,9 @@ mod kronrod;
 mod shadow;
 mod view;
 
-use super::Outcome;
 use super::area::Area;
 use super::occlusion::Segment;
+use super::outcome::Outcome;
 use super::surface::Surface;
 use super::vector::{Vector, cross, dot, length, scale, unit};
 use kronrod::nodes;
@@ -436,9 +436,9 @@ impl Integrator<'_> {
             return;
         }
         let middle = 0.5 * (ends[0] + ends[1]);
-        for half in [[ends[0], middle], [middle, ends[1]]] {
-            let of_half = self.piece(line, half);
-            self.refined(line, half, is_seen, of_half, allowed, depth - 1, total);
+        for semi in [[ends[0], middle], [middle, ends[1]]] {
+            let of_half = self.piece(line, semi);
+            self.refined(line, semi, is_seen, of_half, allowed, depth - 1, total);
         }
     }
 

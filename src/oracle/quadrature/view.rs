@@ -116,7 +116,7 @@ impl View {
             } => {
                 let first = square_to(*normal)?;
                 let second = cross(*normal, first);
-                let halves = [first, second].map(|half| narrowed(scale(half, *radius)));
+                let halves = [first, second].map(|semi| narrowed(scale(semi, *radius)));
                 Self::flat(area, from, *center, *normal, halves, true)
             }
             Shape::Sphere { center, radius } => {
@@ -180,7 +180,7 @@ impl View {
 
     /// A line by a parameter in which its length is smooth.
     pub(super) fn line(&self, parameter: f64, horizon: Vector) -> Line {
-        let (row, half, slope) = if self.is_round {
+        let (row, semi, slope) = if self.is_round {
             let (sin, cos) = parameter.sin_cos();
             (sin, cos.max(0.0), cos.max(0.0))
         } else {
@@ -189,7 +189,7 @@ impl View {
         let mut line = Line {
             start: add(self.middle, scale(self.across, row)),
             along: self.along,
-            ends: [-half, half],
+            ends: [-semi, semi],
             row,
             slope,
         };
@@ -198,7 +198,7 @@ impl View {
         let zero = -at_start / rises;
         if zero.is_finite() {
             let end = usize::from(rises < 0.0);
-            let clipped = zero.clamp(-half, half);
+            let clipped = zero.clamp(-semi, semi);
             line.ends[end] = if rises > 0.0 {
                 clipped.max(line.ends[end])
             } else {

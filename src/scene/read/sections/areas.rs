@@ -5,7 +5,7 @@ use super::super::super::{AreaShape, LIGHT_SAMPLES, Light, MAX_LIGHT_SAMPLES, Va
 use super::super::entries::Variant;
 use super::super::fields::{Fields, spanned};
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, LENGTH, Purpose, key};
-use super::lights::{DIRECTION, GROUP, LOOK_AT, aim};
+use super::aim::{DIRECTION, GROUP, LOOK_AT, aim};
 
 pub(super) const RECTANGLE: Variant<Light> = Variant {
     name: "rectangle",

@@ -2,11 +2,12 @@
 
 use std::ops::Bound;
 
-use super::super::super::diagnostic::{Problem, Spanned};
-use super::super::super::{Aim, Falloff, Light, Value};
+use super::super::super::diagnostic::Spanned;
+use super::super::super::{Falloff, Light, Value};
 use super::super::entries::{Section, Variant, Variants};
 use super::super::fields::Fields;
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, LARGEST, Purpose, key};
+use super::aim::{DIRECTION, GROUP, LOOK_AT, aim};
 use super::areas::{DISK, RECTANGLE, SPHERE};
 
 pub(in crate::scene::read) const LIGHTS: Section<Light> = Section {
@@ -113,33 +114,10 @@ const INTENSITY: Key = key!(
     "luminance",
 ]);
 
-pub(super) const GROUP: Key = key!("group", "the name of a group of lights", "\"window\"")
-    .of(Kind::LightName)
-    .optional()
-    .about(
-        "Lights with the same `group` have one layer together, `light_GROUP`, with `--layers lights`. No light has the \
-         name of a group.",
-    )
-    .also(&["light_group", "lightgroup", "groups", "set", "layer"]);
-
 const ON_AXIS: Key = INTENSITY.about(
     "I on the axis: RGB in candela, a curve in W/(sr nm), or in a unit; a flux, such as `lumens`, is what leaves \
      the lamp.",
 );
-pub(super) const LOOK_AT: Key = key!(
-    "look_at",
-    "a point that the light points at, or a vector along its way, `direction`",
-    "[0, 0, 0]"
-)
-.of(Kind::Vector)
-.instead_of("direction")
-.about("A point on the axis. Either this or `direction`.")
-.also(&["target", "to", "aim", "at", "lookat"]);
-pub(super) const DIRECTION: Key = key!("direction", "where the light points", "[0, -1, 0]")
-    .of(Kind::Direction)
-    .instead_of("look_at")
-    .about("A vector along the axis, of any length but 0. Either this or `look_at`.")
-    .also(&["dir", "axis", "normal", "d"]);
 const ANGLE: (Bound<f64>, Bound<f64>) = (Bound::Included(0.0), Bound::Included(90.0));
 const INNER: Key = key!("inner", "an angle from the axis in degrees", "20")
     .of(Kind::Number(ANGLE))
@@ -459,20 +437,4 @@ fn sun_light(fields: &mut Fields<'_, '_, '_>) -> Option<Light> {
         illuminance: illuminance?,
         group: group?,
     })
-}
-
-/// Either `look_at` or `direction`.
-pub(super) fn aim(fields: &mut Fields<'_, '_, '_>) -> Option<Aim> {
-    match (fields.get(&LOOK_AT), fields.get(&DIRECTION)) {
-        (Some(_), Some(direction)) => {
-            let conflict =
-                "both `look_at` and `direction` say where the light points, expected one of them";
-            let problem = Problem::Conflict(conflict.to_owned());
-            fields.reader.report(direction.span().into(), problem);
-            None
-        }
-        (None, Some(_)) => fields.vector(&DIRECTION).map(Aim::Direction),
-        // Without either, `look_at` is said to be missing.
-        (Some(_) | None, None) => fields.vector(&LOOK_AT).map(Aim::LookAt),
-    }
 }

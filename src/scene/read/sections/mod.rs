@@ -1,5 +1,6 @@
 //! What each section holds: image, cameras, materials, lights, objects.
 
+mod aim;
 mod areas;
 mod camera;
 mod image;
