@@ -177,7 +177,8 @@ mod tests {
         let overlay = isolines(&field, [400, 200], &[1000.0], &colors).unwrap();
         assert_eq!(overlay.pixels.len(), 400 * 200);
         let mut unbroken = 0;
-        for row in overlay.pixels.chunks(400) {
+        // From the centers of the first row's pixels to those of the last.
+        for row in overlay.pixels.chunks(400).take(199).skip(1) {
             let covered = || row.iter().zip(0..).filter(|(pixel, _)| pixel[3] > 0);
             let coverage: f64 = covered()
                 .map(|(pixel, _)| f64::from(pixel[3]) / 255.0)
