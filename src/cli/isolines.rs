@@ -187,13 +187,14 @@ mod tests {
                 // A label.
                 continue;
             }
-            if coverage > 0.0 {
+            // Beside a label the line ends within a row.
+            if coverage > 0.7 {
                 unbroken += 1;
                 let place: f64 = covered()
                     .map(|(pixel, x)| f64::from(pixel[3]) / 255.0 * (f64::from(x) + 0.5))
                     .sum();
                 assert!((place / coverage - 100.0).abs() < 0.5, "{place}");
-                assert!((0.7..1.6).contains(&coverage), "{coverage}");
+                assert!(coverage < 1.6, "{coverage}");
             }
         }
         assert!(unbroken > 140, "{unbroken}");
