@@ -111,6 +111,7 @@ const BEYOND: [(&str, &[&str]); 9] = [
             "range_triangle",
             "range_sizes",
             "spot_at_itself",
+            "area_named_as_object",
             "ies_at_itself",
             "ies_up_along",
         ],
@@ -242,7 +243,7 @@ fn is_beyond(key: &str, value: &str) -> bool {
         "material" | "file" => is_text,
         "group" => value == "2026-01-01",
         // How points lie to each other.
-        "eye" | "position" => value == "[0, 0, 0]",
+        "eye" | "position" | "center" => value == "[0, 0, 0]",
         // How large a mesh is beside what is seen of it.
         "scale" => value.trim_start_matches('-') == "1e30",
         // Which of two angles is larger.

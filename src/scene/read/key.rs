@@ -105,6 +105,9 @@ pub(in crate::scene) const LARGEST: f64 = 1e30;
 /// Lengths in scene units.
 pub(in crate::scene) const LENGTH: Range = (Bound::Excluded(0.0), Bound::Included(LARGEST));
 
+/// Lengths of lights in scene units: of squares and reciprocals of these, f64 is far from its ends.
+pub(in crate::scene) const EXTENT: Range = (Bound::Included(1e-15), Bound::Included(1e15));
+
 /// Amounts of light, which are kept in 32-bit floating point.
 pub(in crate::scene) const AMOUNT: Range = (Bound::Included(0.0), Bound::Included(BRIGHTEST));
 

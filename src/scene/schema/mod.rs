@@ -10,7 +10,7 @@ use std::ops::Bound;
 
 use toml::de::DeValue;
 
-use super::read::key::{AMOUNT, Form, Key, Kind, LARGEST, LENGTH, Presence, Purpose, Range};
+use super::read::key::{AMOUNT, EXTENT, Form, Key, Kind, LARGEST, Presence, Purpose, Range};
 use super::read::moving::{LAST_FRAME, MOVING};
 use super::read::notation::Notation;
 use super::read::outline::{self, Named};
@@ -361,7 +361,7 @@ fn holds_still(kind: Kind, channels: Range) -> Members {
         }
         Kind::Sides => vec![
             ("type", Json::text("array")),
-            ("items", Json::Object(number(LENGTH))),
+            ("items", Json::Object(number(EXTENT))),
             ("minItems", Json::from(2.0)),
             ("maxItems", Json::from(2.0)),
         ],

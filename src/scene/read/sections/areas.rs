@@ -4,7 +4,7 @@ use super::super::super::diagnostic::Spanned;
 use super::super::super::{AreaShape, LIGHT_SAMPLES, Light, MAX_LIGHT_SAMPLES, Value};
 use super::super::entries::Variant;
 use super::super::fields::{Fields, spanned};
-use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, LENGTH, Purpose, key};
+use super::super::key::{BRIGHTEST, EXTENT, Elsewhere, Form, Key, Kind, Purpose, key};
 use super::aim::{DIRECTION, GROUP, LOOK_AT, aim};
 
 pub(super) const RECTANGLE: Variant<Light> = Variant {
@@ -81,7 +81,7 @@ const SIZE: Key = key!(
 .about("Its lengths across `up` and along it, in scene units.")
 .also(&["sizes", "dimensions", "extent", "scale", "sides"]);
 const RADIUS: Key = key!("radius", "a length in scene units", "0.25")
-    .of(Kind::Number(LENGTH))
+    .of(Kind::Number(EXTENT))
     .about("R, in scene units.")
     .also(&["r", "size"]);
 const LUMINANCE: Key = key!(
