@@ -244,6 +244,8 @@ fn is_beyond(key: &str, value: &str) -> bool {
         "group" => value == "2026-01-01",
         // How points lie to each other.
         "eye" | "position" | "center" => value == "[0, 0, 0]",
+        // Whether it is along the way that a light points.
+        "up" => value == "[0,1,0]",
         // How large a mesh is beside what is seen of it.
         "scale" => value.trim_start_matches('-') == "1e30",
         // Which of two angles is larger.
