@@ -113,7 +113,6 @@ const BEYOND: [(&str, &[&str]); 9] = [
             "spot_at_itself",
             "area_named_as_object",
             "ies_at_itself",
-            "ies_up_along",
         ],
     ),
     (

@@ -113,7 +113,12 @@ pub(crate) fn run(
         super::refuse_terminal(path)?;
         output::check(path)?;
     }
-    let (film, _) = Renderer::new(&world)?.film(&camera, &Options::default(), &Job::new())?;
+    // What is estimated from points of lights is no equation's.
+    let options = Options {
+        cuts_areas: true,
+        ..Options::default()
+    };
+    let (film, _) = Renderer::new(&world)?.film(&camera, &options, &Job::new())?;
     let oracle = Oracle::new(&scene);
 
     let pixels = pixels::chosen(film.resolution(), arguments.count(), arguments.seed)?;

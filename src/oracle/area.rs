@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::surface::{Shape, Surface};
 use super::value::Extent;
-use super::vector::{Vector, WideVector, cross, dot, scale, subtract, unit, widened};
+use super::vector::{Vector, WideVector, cross, dot, length, scale, subtract, unit, widened};
 use super::wide::{Real, Wide};
 use crate::scene::{Aim, AreaShape, ShadowTerminator};
 
@@ -126,13 +126,17 @@ impl Area {
 
 /// The directions across `up` and along it, square to the axis.
 fn sides(axis: WideVector, up: Option<Vector>) -> Option<[WideVector; 2]> {
-    // An `up` of nobody is y, or −z along that.
-    let up = up.unwrap_or(if axis[0].narrow().hypot(axis[2].narrow()) > 1e-6 {
-        [0.0, 1.0, 0.0]
-    } else {
-        [0.0, 0.0, -1.0]
-    });
-    let up = unit(widened(up))?;
+    // An `up` of nobody, or along the axis, is y, or −z along that.
+    let is_across = |up: &WideVector| length(cross(axis, *up)).narrow() > 1e-6;
+    let written = match up {
+        Some(up) => Some(unit(widened(up))?),
+        None => None,
+    };
+    let up = written
+        .into_iter()
+        .chain([widened([0.0, 1.0, 0.0])])
+        .find(is_across);
+    let up = up.unwrap_or(widened([0.0, 0.0, -1.0]));
     let up = unit(subtract(up, scale(axis, dot(up, axis))))?;
     Some([cross(axis, up), up])
 }

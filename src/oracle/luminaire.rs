@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::vector::{Vector, cross, dot, scale, subtract, unit};
+use super::vector::{Vector, cross, dot, length, scale, subtract, unit};
 use crate::ies::{Coordinates, IesFile, Symmetry};
 use crate::scene::Aim;
 
@@ -44,13 +44,11 @@ impl Luminaire {
             Aim::LookAt(point) => subtract(point.value, position),
         };
         let axis = unit(axis).expect("a legal luminaire points somewhere");
-        // An `up` of nobody is y, or −z along that.
-        let up = up.unwrap_or(if axis[0].hypot(axis[2]) > 1e-6 {
-            [0.0, 1.0, 0.0]
-        } else {
-            [0.0, 0.0, -1.0]
-        });
-        let up = unit(up).expect("a legal `up` is a direction");
+        // An `up` of nobody, or along the axis, is y, or −z along that.
+        let is_across = |up: &Vector| length(cross(axis, *up)) > 1e-6;
+        let up = up.map(|up| unit(up).expect("a legal `up` is a direction"));
+        let up = up.into_iter().chain([[0.0, 1.0, 0.0]]).find(is_across);
+        let up = up.unwrap_or([0.0, 0.0, -1.0]);
         let across = subtract(up, scale(axis, dot(up, axis)));
         let up = unit(across).expect("a legal `up` is across");
         let side = cross(axis, up);

@@ -1,8 +1,10 @@
 //! A square through which one edge passes: the silhouette of a shape, the border of a shadow, a terminator, or where
 //! two shapes meet.
 
+use super::area::Slopes;
 use super::clip::Clip;
 use super::model::{Model, Vector};
+use super::shafts::Beside;
 use super::surface::{Silhouette, Solid, Square, Surface, View, one_of, within_rim};
 use super::{List, Mean, Primary, Quadrature, Reach, Told};
 use crate::math::DVec3;
@@ -50,6 +52,10 @@ impl Quadrature<'_> {
             return None;
         }
         let light = reaches.iter().position(|reach| is_open(&reach))?;
+        if self.world.lights()[light].value.area().is_some() {
+            // Its shadows have no border.
+            return None;
+        }
         let origin = self.origin(light, surface.position.bounds());
         let lit = match reaches[light] {
             Reach::Terminator => {
@@ -72,8 +78,8 @@ impl Quadrature<'_> {
             _ => return None,
         };
         let others = (0..count).filter(|&other| self.reaches[told.reaches + other] == Reach::Lit);
-        let dark = self.radiance(surface, shape, others);
-        let [r, g, b] = self.light_share(surface, shape, light);
+        let dark = self.radiance(surface, shape, others, Slopes::Told);
+        let [r, g, b] = self.light_share(surface, shape, light, Slopes::Told);
         Some(Edge {
             silhouette: Silhouette {
                 inside: lit,
@@ -110,24 +116,41 @@ impl Quadrature<'_> {
             let Some((silhouette, reach)) = solid.silhouette(view) else {
                 continue;
             };
+            let mut beside = None;
             let outside = match back {
                 None => Side {
                     radiance: self.world.background().0.0.map(Model::constant),
                     alpha: 0.0,
                 },
                 Some(back) => {
-                    let surface = Surface::new(view, &self.solid(back))?;
-                    let is_behind = surface.distance.least() > reach;
+                    let behind = self.solid(back);
+                    let surface = Surface::new(view, &behind)?;
+                    // All of what is above of a plane is before it.
+                    let plane = behind.approach(view).zip(behind.plane());
+                    let plane = plane.map(|(approach, [point, _])| (point, approach.normal));
+                    let plane = plane.filter(|&(point, normal)| solid.is_above(point, normal));
+                    let is_behind = plane.is_some() || surface.distance.least() > reach;
                     if !is_behind {
                         continue;
                     }
-                    self.side(back, &surface)?
+                    let mut other = None;
+                    if let Some((point, normal)) = plane {
+                        beside = Some(Beside {
+                            shape: back,
+                            point,
+                            normal,
+                        });
+                        if solid.stands_on(view, point, normal) {
+                            other = Beside::new(view, front, &solid);
+                        }
+                    }
+                    self.side(back, &surface, other)?
                 }
             };
             let surface = Surface::at_silhouette(view, &solid, &silhouette)?;
             return Some(Edge {
                 silhouette,
-                inside: self.side(front, &surface)?,
+                inside: self.side(front, &surface, beside)?,
                 outside,
             });
         }
@@ -155,12 +178,15 @@ impl Quadrature<'_> {
         }
     }
 
-    /// Two flat shapes without curved edges: one is nearer on one side of a line; or they are on either side of a common edge.
+    /// Two flat shapes without curved edges, on either side of a common edge, or of the line in which they meet.
     fn meeting(&mut self, view: &View, a: u64, b: u64) -> Option<Edge> {
         let (first, second) = (self.solid(a), self.solid(b));
         let is_flat = |solid: &Solid| matches!(solid, Solid::Plane { .. } | Solid::Triangle { .. });
         if !(is_flat(&first) && is_flat(&second)) {
             return None;
+        }
+        if first.is_all_over(view) && second.is_all_over(view) {
+            return self.crossing(view, (a, &first), (b, &second));
         }
         let inside = match (first.silhouette(view), second.silhouette(view)) {
             (Some((first, _)), Some((second, _))) => {
@@ -181,26 +207,48 @@ impl Quadrature<'_> {
             }
             _ => return None,
         };
-        let (first, second) = (Surface::new(view, &first)?, Surface::new(view, &second)?);
+        let surfaces = (Surface::new(view, &first)?, Surface::new(view, &second)?);
         Some(Edge {
             silhouette: Silhouette {
                 inside,
                 is_round: false,
             },
-            inside: self.side(a, &first)?,
-            outside: self.side(b, &second)?,
+            inside: self.side(a, &surfaces.0, None)?,
+            outside: self.side(b, &surfaces.1, None)?,
+        })
+    }
+
+    /// Two flat shapes that pass through each other, or end in a corner: what is nearer is seen.
+    fn crossing(
+        &mut self,
+        view: &View,
+        (a, first): (u64, &Solid),
+        (b, second): (u64, &Solid),
+    ) -> Option<Edge> {
+        let (to_first, to_second) = (first.approach(view)?, second.approach(view)?);
+        // 1/t is facing/height: of the nearer one it is larger.
+        let inside = to_first.facing * to_second.height - to_second.facing * to_first.height;
+        let surfaces = (Surface::new(view, first)?, Surface::new(view, second)?);
+        let (of_first, of_second) = (Beside::new(view, a, first), Beside::new(view, b, second));
+        Some(Edge {
+            silhouette: Silhouette {
+                inside,
+                is_round: false,
+            },
+            inside: self.side(a, &surfaces.0, of_second)?,
+            outside: self.side(b, &surfaces.1, of_first)?,
         })
     }
 
     /// L of a surface that all lights reach all of, or none of.
-    fn side(&mut self, shape: u64, surface: &Surface) -> Option<Side> {
-        let reaches = self.reach_all(shape, surface, None);
+    fn side(&mut self, shape: u64, surface: &Surface, beside: Option<Beside>) -> Option<Side> {
+        let reaches = self.reach_all(shape, surface, None, beside);
         let told = Told {
             primary: Primary::One(shape),
             reaches,
             is_asked: true,
         };
-        let radiance = self.radiance(surface, shape, self.lit(&told)?);
+        let radiance = self.radiance(surface, shape, self.lit(&told)?, Slopes::Told);
         radiance.iter().all(Model::is_known).then_some(Side {
             radiance,
             alpha: 1.0,

@@ -1,5 +1,6 @@
 //! L5 to L8 over a square of the image: what a light does where rays meet a surface, as models.
 
+use super::area::{self, Slopes};
 use super::model::Model;
 use super::surface::Surface;
 use crate::math::DVec3;
@@ -14,14 +15,18 @@ pub(super) fn geometry(
     light: &Light,
     origin: DVec3,
     material: &Material,
+    slopes: Slopes,
 ) -> Lobes<Model> {
+    if let Light::Area(light) = light {
+        return area::geometry(surface, light, material, slopes);
+    }
     let to_light = -surface.position.minus(origin);
     let square = to_light.dot(to_light);
     let inverse = square.root().reciprocal();
     let inverse_square = square.reciprocal();
     let received = match light {
         Light::Point(_) => inverse_square,
-        // A table is smooth only between its angles; of what is seen of an area there is no model.
+        // A table is smooth only between its angles. What an area sends is told above.
         Light::Ies(_) | Light::Area(_) => Model::UNKNOWN,
         Light::Sun(_) => Model::constant(1.0),
         Light::Spot(spot) => {

@@ -9,6 +9,7 @@
 //!
 //! What is known of smooth functions are models (`model`): their values and how much they bend.
 
+mod area;
 mod clip;
 mod edge;
 mod light;
@@ -356,7 +357,12 @@ impl<'w> Quadrature<'w> {
             };
             return (told, None);
         };
-        let reaches = self.reach_all(shape, &surface, known.is_asked.then_some(known.reaches));
+        let reaches = self.reach_all(
+            shape,
+            &surface,
+            known.is_asked.then_some(known.reaches),
+            None,
+        );
         let told = Told {
             primary,
             reaches,

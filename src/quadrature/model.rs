@@ -51,6 +51,28 @@ impl Model {
         second: [f64::INFINITY; 2],
     };
 
+    /// Of all that is known of it; unknown where that has no bound.
+    pub(super) fn known(
+        center: f64,
+        slope: [f64; 3],
+        rest: f64,
+        first: [f64; 2],
+        second: [f64; 2],
+    ) -> Self {
+        let model = Self {
+            center,
+            slope,
+            rest,
+            first,
+            second,
+        };
+        if center.is_finite() && model.radius().is_finite() {
+            model
+        } else {
+            Self::UNKNOWN
+        }
+    }
+
     /// c + g_u u + g_v v
     pub(super) fn linear(center: f64, [u, v]: [f64; 2]) -> Self {
         Self {
@@ -121,6 +143,11 @@ impl Model {
     pub(super) fn mean_error(&self) -> f64 {
         // The linear part is 0 in the mean. (What has no bound may be no number.)
         self.rest.min(self.bend(1.0))
+    }
+
+    /// At least the absolute values of its first and second derivatives along an axis of the square.
+    pub(super) fn derivatives(&self, axis: usize) -> [f64; 2] {
+        [self.first[axis], self.second[axis]]
     }
 
     /// Its linear part alone.
@@ -372,6 +399,56 @@ impl Vector {
     pub(super) fn minus(self, vector: DVec3) -> Self {
         let [x, y, z] = self.0;
         Self([x.plus(-vector.x), y.plus(-vector.y), z.plus(-vector.z)])
+    }
+
+    /// The value of the linear part in the middle.
+    pub(super) fn center(&self) -> DVec3 {
+        self.at([0.0; 3])
+    }
+
+    /// The value of the linear part somewhere.
+    pub(super) fn at(&self, place: [f64; 3]) -> DVec3 {
+        let [x, y, z] = &self.0;
+        DVec3::new(x.at(place), y.at(place), z.at(place))
+    }
+
+    /// How long a vector of these numbers of its components is.
+    fn length_of(&self, number: impl Fn(&Model) -> f64) -> f64 {
+        let [x, y, z] = &self.0;
+        DVec3::new(number(x), number(y), number(z)).length()
+    }
+
+    /// How far its linear part is from its center, at most.
+    pub(super) fn reach(&self) -> f64 {
+        self.length_of(Model::along)
+    }
+
+    /// How far it is from its linear part, at most.
+    pub(super) fn rest(&self) -> f64 {
+        self.length_of(|component| component.rest)
+    }
+
+    /// How far it is from its center, at most.
+    pub(super) fn radius(&self) -> f64 {
+        self.length_of(Model::radius)
+    }
+
+    /// It is at most so long.
+    pub(super) fn magnitude(&self) -> f64 {
+        self.center().length() + self.radius()
+    }
+
+    /// At least the lengths of its first and second derivatives along an axis of the square.
+    pub(super) fn derivatives(&self, axis: usize) -> [f64; 2] {
+        [
+            self.length_of(|component| component.derivatives(axis)[0]),
+            self.length_of(|component| component.derivatives(axis)[1]),
+        ]
+    }
+
+    /// Whether it depends on the third coordinate.
+    pub(super) fn has_third(&self) -> bool {
+        self.0.iter().any(|component| component.slope[2] != 0.0)
     }
 
     /// A box around all its values; `None` where nothing is known.

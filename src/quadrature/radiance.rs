@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::area::Slopes;
 use super::light::geometry;
 use super::model::Model;
 use super::surface::{Square, Surface, View};
@@ -18,10 +19,11 @@ impl<'w> Quadrature<'w> {
         surface: &Surface,
         shape: u64,
         lights: impl Iterator<Item = usize>,
+        slopes: Slopes,
     ) -> [Model; 3] {
         let mut sums = self.emission(shape).map(Model::constant);
         for light in lights {
-            let terms = self.light_share(surface, shape, light);
+            let terms = self.light_share(surface, shape, light, slopes);
             sums = [sums[0] + terms[0], sums[1] + terms[1], sums[2] + terms[2]];
         }
         sums
@@ -54,12 +56,19 @@ impl<'w> Quadrature<'w> {
     }
 
     /// What one light alone does to a surface, per primary.
-    pub(super) fn light_share(&self, surface: &Surface, shape: u64, light: usize) -> [Model; 3] {
+    pub(super) fn light_share(
+        &self,
+        surface: &Surface,
+        shape: u64,
+        light: usize,
+        slopes: Slopes,
+    ) -> [Model; 3] {
         let (object, _) = object_and_triangle(shape);
         let index = self.world.objects()[object as usize].material;
         let material = &self.world.materials()[index].value;
         let origin = self.origin(light, surface.position.bounds());
-        let lobes = geometry(surface, &self.world.lights()[light].value, origin, material);
+        let light_value = &self.world.lights()[light].value;
+        let lobes = geometry(surface, light_value, origin, material, slopes);
         let reflected = self.world.reflected(light, index);
         let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
         let of =
@@ -86,7 +95,7 @@ impl<'w> Quadrature<'w> {
         match (told.primary, surface) {
             (Primary::Background, _) => Some(self.world.background().0.0.map(Model::constant)),
             (Primary::One(shape), Some(surface)) => {
-                let radiance = self.radiance(surface, shape, self.lit(told)?);
+                let radiance = self.radiance(surface, shape, self.lit(told)?, Slopes::Left);
                 radiance.iter().all(Model::is_known).then_some(radiance)
             }
             _ => None,
@@ -154,14 +163,20 @@ impl<'w> Quadrature<'w> {
         known: Option<usize>,
     ) -> Option<Range> {
         let (lists, kept) = (self.lists.len(), self.reaches.len());
-        let reaches = known.unwrap_or_else(|| self.reach_all(shape, surface, None));
+        let reaches = known.unwrap_or_else(|| self.reach_all(shape, surface, None, None));
         let mut range = Range::new(self.emission(shape), 1.0);
         for light in 0..self.world.lights().len() {
             let reach = self.reaches[reaches + light];
             if reach == Reach::Dark {
                 continue;
             }
-            let terms = self.light_share(surface, shape, light);
+            let is_area = self.world.lights()[light].value.area().is_some();
+            let terms = if is_area && reach != Reach::Lit {
+                // What is below the horizon is not told from what is above.
+                [Model::UNKNOWN; 3]
+            } else {
+                self.light_share(surface, shape, light, Slopes::Left)
+            };
             let limits = self.limits(Some(surface), shape, light);
             for (channel, (term, [lowest, highest])) in terms.iter().zip(limits).enumerate() {
                 let (least, most) = (term.least().max(lowest), term.most().min(highest));

@@ -2,15 +2,17 @@
 
 use fearless_simd::Simd;
 
+use super::area::nearest;
 use super::surface::{Solid, Square, Surface, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
 use crate::camera::Projection;
-use crate::emitter::Emitter;
 use crate::math::DVec3;
 use crate::simd::Kernel;
 use crate::visibility::{
     Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace, Visibility, object_and_triangle,
 };
+use crate::world::Light;
+use crate::world::light::AreaLight;
 
 /// So many shapes are listed of a region; where there are more, each block asks all.
 const MOST_LISTED: usize = 64;
@@ -45,6 +47,34 @@ impl Region {
         reaches: Vec::new(),
         lists: Vec::new(),
     };
+}
+
+/// A flat shape that is seen beside another: all that is seen of the other in a square is on one side of its plane, so
+/// that it hides nothing of it from lights on that side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside {
+    pub(super) shape: u64,
+    pub(super) point: DVec3,
+    /// To that side.
+    pub(super) normal: DVec3,
+}
+
+impl Beside {
+    /// On the side of a shape that rays come from.
+    pub(super) fn new(view: &View, shape: u64, solid: &Solid) -> Option<Self> {
+        let (approach, [point, _]) = solid.approach(view).zip(solid.plane())?;
+        Some(Self {
+            shape,
+            point,
+            normal: approach.normal,
+        })
+    }
+
+    /// Whether a point is on that side, by more than rounding.
+    fn is_before(&self, place: DVec3) -> bool {
+        let room = 1e-12 * (place.abs() + self.point.abs()).max_element();
+        self.normal.dot(place - self.point) > room
+    }
 }
 
 /// A shaft through all shapes, on whatever instructions.
@@ -257,6 +287,7 @@ impl Quadrature<'_> {
         shape: u64,
         surface: &Surface,
         known: Option<usize>,
+        beside: Option<Beside>,
     ) -> usize {
         let start = self.reaches.len();
         let (object, _) = object_and_triangle(shape);
@@ -278,7 +309,7 @@ impl Quadrature<'_> {
             };
             let reach = match before {
                 Reach::Lit | Reach::Dark => before,
-                _ => self.reach(shape, surface, bounds, light, before),
+                _ => self.reach(shape, surface, bounds, light, (before, beside)),
             };
             self.reaches.push(reach);
         }
@@ -291,13 +322,13 @@ impl Quadrature<'_> {
         surface: &Surface,
         bounds: Option<[DVec3; 2]>,
         light: usize,
-        before: Reach,
+        (before, beside): (Reach, Option<Beside>),
     ) -> Reach {
         let Some(bounds) = bounds.filter(|_| !surface.is_lifted) else {
             return Reach::Many;
         };
-        if let Some(area) = self.world.lights()[light].value.area() {
-            return self.reach_of_area(shape, surface, bounds, light, &area.emitter);
+        if self.world.lights()[light].value.area().is_some() {
+            return self.reach_of_area(shape, surface, bounds, light, (before, beside));
         }
         let origin = self.origin(light, Some(bounds));
         if self.world.lights()[light].value.misses(bounds) {
@@ -328,51 +359,117 @@ impl Quadrature<'_> {
         match self.between_points(bounds, origin, shape, before, ShaftQuestion::Blockage) {
             ShaftAnswer::Nothing => Reach::Lit,
             ShaftAnswer::All(_) => Reach::Dark,
-            ShaftAnswer::These => Reach::Several(self.keep()),
+            ShaftAnswer::These => {
+                let beside = beside.filter(|beside| beside.is_before(origin));
+                self.drop_from_list(|_, other| beside.is_some_and(|beside| beside.shape == other));
+                if self.space.list.is_empty() {
+                    Reach::Lit
+                } else {
+                    Reach::Several(self.keep())
+                }
+            }
             ShaftAnswer::TooMany => Reach::Many,
         }
     }
 
-    /// Whether nothing of a light with an area arrives; else what arrives is not told.
+    /// Drops shapes from the list of the last answer.
+    fn drop_from_list(&mut self, is_dropped: impl Fn(&Self, u64) -> bool) {
+        let mut list = std::mem::take(&mut self.space.list);
+        list.retain(|&shape| !is_dropped(self, shape));
+        self.space.list = list;
+    }
+
+    /// Whether all of a light with an area arrives, or nothing of it.
     fn reach_of_area(
         &mut self,
         shape: u64,
         surface: &Surface,
         bounds: [DVec3; 2],
         light: usize,
-        emitter: &Emitter,
+        (before, beside): (Reach, Option<Beside>),
     ) -> Reach {
+        let Light::Area(AreaLight { emitter, .. }) = &self.world.lights()[light].value else {
+            return Reach::Many;
+        };
         let [least, most] = emitter.bounds();
         let sizes = least.abs().max(most.abs()) + bounds[0].abs().max(bounds[1].abs());
         let room = 1e-12 * sizes.max_element();
-        let is_below = (0..8).all(|corner: u32| {
+        let corners = (0..8).map(|corner: u32| {
             let pick =
                 |axis: u32, from: f64, to: f64| if corner >> axis & 1 == 0 { from } else { to };
-            let corner = DVec3::new(
+            DVec3::new(
                 pick(0, least.x, most.x),
                 pick(1, least.y, most.y),
                 pick(2, least.z, most.z),
-            );
-            surface.height(corner).most() < -room
+            )
         });
-        if is_below || emitter.is_behind(bounds) {
+        let is_below = |corner: DVec3| surface.height(corner).most() < -room;
+        if corners.clone().all(is_below) || emitter.is_behind(bounds) {
             return Reach::Dark;
         }
+        // From inside of a sphere no light outside of it is seen.
+        let size = 0.5 * (most - least).length();
+        if let Some(beyond) = surface.beyond(emitter.center().0)
+            && beyond + size > -room
+        {
+            return if beyond - size > room {
+                Reach::Dark
+            } else {
+                Reach::Many
+            };
+        }
+        // The horizon of what is flat cuts the light alike everywhere.
+        let is_above = |corner: DVec3| {
+            (surface.is_flat() || surface.height(corner).least() > room)
+                && (!surface.is_smooth() || surface.shading_height(corner).least() > room)
+        };
+        let may_be_lit = nearest(emitter, bounds) > room && corners.clone().all(is_above);
         let shaft = Shaft::ToBox {
             from: bounds,
             to: [least, most],
         };
-        match self.ask(&shaft, ShaftQuestion::Blockage, shape, MOST_SHAPES) {
-            ShaftAnswer::All(blocks) => {
-                let (object, _) = object_and_triangle(blocks);
-                if self.world.objects()[object as usize].emits == Some(light) {
-                    Reach::Many
-                } else {
-                    Reach::Dark
+        let ask = |quadrature: &mut Self, question| match before {
+            Reach::Several(list) => quadrature.visibility.shaft_among(
+                &shaft,
+                question,
+                shape,
+                list.of(&quadrature.lists, &quadrature.region.lists),
+                &mut quadrature.space,
+            ),
+            _ => quadrature.ask(&shaft, question, shape, MOST_SHAPES),
+        };
+        let mut answer = ask(self, ShaftQuestion::Blockage);
+        if let ShaftAnswer::All(blocks) = answer {
+            if !self.is_of(light, blocks) {
+                return Reach::Dark;
+            }
+            // What is behind the light itself may have been left out.
+            answer = ask(self, ShaftQuestion::Contents);
+        }
+        match answer {
+            ShaftAnswer::TooMany | ShaftAnswer::All(_) => Reach::Many,
+            ShaftAnswer::Nothing if may_be_lit => Reach::Lit,
+            ShaftAnswer::Nothing => Reach::Many,
+            ShaftAnswer::These => {
+                let beside =
+                    beside.filter(|beside| corners.clone().all(|corner| beside.is_before(corner)));
+                self.drop_from_list(|quadrature, other| {
+                    quadrature.is_of(light, other)
+                        || beside.is_some_and(|beside| beside.shape == other)
+                });
+                match self.space.list.is_empty() {
+                    true if may_be_lit => Reach::Lit,
+                    true => Reach::Many,
+                    false => Reach::Several(self.keep()),
                 }
             }
-            ShaftAnswer::Nothing | ShaftAnswer::These | ShaftAnswer::TooMany => Reach::Many,
         }
+    }
+
+    /// Whether a shape is a light itself.
+    fn is_of(&self, light: usize, shape: u64) -> bool {
+        let (object, _) = object_and_triangle(shape);
+        self.world.objects()[object as usize].emits == Some(light)
     }
 
     /// What is between a box and a light, of a list if that is known `before`; but for the shape that the box is on.

@@ -115,6 +115,67 @@ impl Solid {
         }
     }
 
+    /// A point and the normal of the plane that it is in, unless it is round.
+    pub(super) fn plane(&self) -> Option<[DVec3; 2]> {
+        match *self {
+            Self::Sphere { .. } => None,
+            Self::Plane { point, normal } => Some([point, normal]),
+            Self::Disk { center, normal, .. } => Some([center, normal]),
+            Self::Triangle {
+                corners, normal, ..
+            } => Some([corners[0], normal]),
+        }
+    }
+
+    /// How rays get to its plane.
+    pub(super) fn approach(&self, view: &View) -> Option<Approach> {
+        let [point, normal] = self.plane()?;
+        Approach::new(view, point, normal)
+    }
+
+    /// Whether all rays through a square meet it, as far as they get.
+    pub(super) fn is_all_over(&self, view: &View) -> bool {
+        match *self {
+            Self::Sphere { .. } | Self::Disk { .. } => false,
+            Self::Plane { .. } => true,
+            Self::Triangle { corners, .. } => {
+                let edges = edges(view, corners);
+                edges.iter().all(|edge| edge.least() > 0.0)
+                    || edges.iter().all(|edge| edge.most() < 0.0)
+            }
+        }
+    }
+
+    /// Whether all of it is on the side of a plane that the normal points to, or in it.
+    pub(super) fn is_above(&self, point: DVec3, normal: DVec3) -> bool {
+        let is_above =
+            |place: DVec3, reach: f64| normal.dot(place - point) - reach >= -rounding(place, point);
+        match *self {
+            Self::Sphere { center, radius } => is_above(center, radius),
+            Self::Plane { .. } => false,
+            Self::Disk {
+                center,
+                normal: across,
+                radius,
+            } => is_above(center, radius * normal.cross(across).length()),
+            Self::Triangle { corners, .. } => corners.iter().all(|&corner| is_above(corner, 0.0)),
+        }
+    }
+
+    /// Whether the one edge of it that passes through a square is in a plane.
+    pub(super) fn stands_on(&self, view: &View, point: DVec3, normal: DVec3) -> bool {
+        let Self::Triangle { corners, .. } = *self else {
+            return false;
+        };
+        let edges = edges(view, corners);
+        let mut mixed = (0..3).filter(|&i| !(edges[i].least() > 0.0 || edges[i].most() < 0.0));
+        let is_in = |place: DVec3| normal.dot(place - point).abs() <= rounding(place, point);
+        match (mixed.next(), mixed.next()) {
+            (Some(i), None) => is_in(corners[i]) && is_in(corners[(i + 1) % 3]),
+            _ => false,
+        }
+    }
+
     /// The shape of an object, and of a mesh the triangle.
     pub(super) fn of(world: &World, object: u32, triangle: u32) -> Self {
         match world.objects()[object as usize].shape {
@@ -198,6 +259,35 @@ enum Normal {
     },
 }
 
+/// How rays get to a plane, all from one side of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Approach {
+    /// Of their origins over the plane.
+    pub(super) height: Model,
+    /// −n·ω, above 0: the distance is height/facing.
+    pub(super) facing: Model,
+    /// n, on the side that they come from.
+    pub(super) normal: DVec3,
+}
+
+impl Approach {
+    fn new(view: &View, point: DVec3, normal: DVec3) -> Option<Self> {
+        let facing = -view.direction.along(normal);
+        let (facing, normal) = if facing.center < 0.0 {
+            (-facing, -normal)
+        } else {
+            (facing, normal)
+        };
+        let height = view.origin.minus(point).along(normal);
+        let is_before = facing.least() > 0.0 && height.least() > 0.0;
+        is_before.then_some(Self {
+            height,
+            facing,
+            normal,
+        })
+    }
+}
+
 /// Where the silhouette of a shape passes through a square: the shape is where this is above 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Silhouette {
@@ -253,17 +343,13 @@ impl Surface {
     }
 
     fn flat(view: &View, point: DVec3, normal: DVec3) -> Option<Self> {
-        let facing = -view.direction.along(normal);
-        let (facing, normal) = if facing.center < 0.0 {
-            (-facing, -normal)
-        } else {
-            (facing, normal)
-        };
-        let height = view.origin.minus(point).along(normal);
-        let inverse = facing.reciprocal();
-        let distance = height * inverse;
-        let is_before = distance.is_known() && height.least() > 0.0;
-        is_before.then(|| Self {
+        let Approach {
+            height,
+            facing,
+            normal,
+        } = Approach::new(view, point, normal)?;
+        let distance = height * facing.reciprocal();
+        distance.is_known().then(|| Self {
             distance,
             position: view.origin + view.direction.scaled(distance),
             to_viewer: -view.direction.scaled(view.inverse),
@@ -345,6 +431,34 @@ impl Surface {
             },
             ..self
         })
+    }
+
+    /// n, of L5.
+    pub(super) fn normal(&self) -> Vector {
+        match self.normal {
+            Normal::Flat { normal, .. } => Vector::constant(normal),
+            Normal::Smooth { normal, .. } => normal,
+            Normal::Round {
+                offset,
+                radius,
+                sign,
+                ..
+            } => offset.scaled(Model::constant(sign / radius)),
+        }
+    }
+
+    /// Whether it is flat, whatever its normals.
+    pub(super) fn is_flat(&self) -> bool {
+        !matches!(self.normal, Normal::Round { .. })
+    }
+
+    /// The geometric normal, where it is the same everywhere.
+    pub(super) fn fixed_normal(&self) -> Option<DVec3> {
+        match self.normal {
+            Normal::Flat { normal, .. } => Some(normal),
+            Normal::Smooth { flat, .. } => Some(flat),
+            Normal::Round { .. } => None,
+        }
     }
 
     /// n · (l − p), of the geometric normal: a light at l is above where it is above 0.
@@ -458,6 +572,11 @@ impl Solid {
             }
         }
     }
+}
+
+/// What is nearer to a plane than rounding is in it.
+fn rounding(place: DVec3, point: DVec3) -> f64 {
+    1e-12 * (place.abs() + point.abs()).max_element()
 }
 
 /// The edge function of a triangle's edge that passes through a square, if it is one alone: above 0 inside.

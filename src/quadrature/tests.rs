@@ -59,7 +59,7 @@ fn bounds_hold_of(
         renderer.film(camera, &options, &Job::new()).unwrap().0
     };
     let (centers, many) = (film(1), film(4096));
-    let whole = [Window::whole(RESOLUTION)];
+    let whole = [Window::whole(camera.resolution())];
     let verdicts = verdicts(world, camera, visibility, SimdLevel::default(), &whole);
     let mut counts = [0; 3];
     for (pixel, verdict) in verdicts.iter().enumerate() {
@@ -141,6 +141,50 @@ fn bounds_hold_of_disks() {
         let visibility = Visibility::new(&world, &Plan::new(&world));
         let [smooth, integrated, _] = bounds_hold_of("disks", &world, &camera, &visibility);
         assert!(smooth > 1000 && integrated > 50, "{smooth} {integrated}");
+    }
+}
+
+/// Under lights with an area: what each shape receives of each, cut by its horizon or not, glossy or not, and both
+/// sides of silhouettes under and before them.
+#[test]
+fn bounds_hold_under_lights_with_an_area() {
+    let lights = [
+        "rectangle]\nlook_at = [0, 0, 0]\nsize = [1.5, 0.8]",
+        "disk]\nlook_at = [0.5, 0, 0]\nradius = 0.7\ntwo_sided = true",
+        "sphere]\nradius = 0.6",
+        // A part of it is below the floor.
+        "rectangle]\ndirection = [0.3, 0.1, 1]\nsize = [1.5, 6]",
+    ];
+    for (light, lens) in lights.iter().zip([
+        "perspective]\nvertical_fov = 40",
+        "orthographic]\nheight = 3",
+        "perspective]\nvertical_fov = 55",
+        "perspective]\nvertical_fov = 40",
+    ]) {
+        let scene = format!(
+            "[image]\nresolution = [48, 27]\nbackground = [0.1, 0.2, 0.3]\n\
+             [camera.{lens}\neye = [0, 2, 5]\nlook_at = [0, 0.8, 0]\n\
+             [materials.dull.phong]\ndiffuse = [0.3, 0.2, 0.1]\n\
+             [materials.bright.phong]\ndiffuse = 0.1\nspecular = 0.5\nshininess = 30\n\
+             [materials.satin.normalized_phong]\ndiffuse = 0.3\nspecular = 0.4\nshininess = 9.5\n\
+             [lights.l.{light}\ncenter = [0.4, 2.3, -1.5]\nluminance = [4, 3, 2]\n\
+             [objects.floor.plane]\nmaterial = 'satin'\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\n\
+             [objects.wall.plane]\nmaterial = 'dull'\npoint = [0, 0, -2.5]\nnormal = [0.3, 0, 1]\n\
+             [objects.stand.triangle]\nmaterial = 'dull'\n\
+             vertices = [[-2.5, 0, -0.8], [-1.2, 0, -0.5], [-2, 1.2, -0.9]]\n\
+             [objects.ball.sphere]\nmaterial = 'bright'\ncenter = [-0.9, 0.6, 0.3]\nradius = 0.6\n\
+             [objects.bead.sphere]\nmaterial = 'dull'\ncenter = [0.1, 0.3, 1.5]\nradius = 0.3\n\
+             [objects.card.triangle]\nmaterial = 'bright'\n\
+             vertices = [[0.3, 0.1, 0.2], [1.5, 0.2, 0.1], [0.9, 1.4, -0.3]]\n"
+        );
+        let scene = Scene::parse(&scene, "areas.toml").unwrap();
+        let (world, camera) = World::new(&scene).unwrap();
+        let visibility = Visibility::new(&world, &Plan::new(&world));
+        let [smooth, integrated, open] = bounds_hold_of(light, &world, &camera, &visibility);
+        assert!(
+            smooth > 200 && integrated > 10,
+            "{light}: {smooth} {integrated} {open}"
+        );
     }
 }
 

@@ -15,6 +15,10 @@ pub struct Options {
     pub samples: u32,
     /// How exact each pixel is to be; `samples` says nothing then. Default `None`.
     pub target: Option<ErrorTarget>,
+    /// Whether a light with an area is cut by all shapes in its way, however many; else where more than 24 are in its
+    /// way, as many of its points as its `samples` say are asked. With a `target` it is cut by up to 4096 shapes in any
+    /// case. Default: no.
+    pub cuts_areas: bool,
     /// The part of the image to render; `None` is all of it.
     pub window: Option<Window>,
     /// What is made beside R, G, B and A. Default: nothing.
@@ -34,6 +38,7 @@ impl Default for Options {
         Self {
             samples: 1,
             target: None,
+            cuts_areas: false,
             window: None,
             layers: Layers::default(),
             simd: SimdLevel::default(),

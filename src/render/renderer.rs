@@ -409,6 +409,7 @@ impl<'w> Renderer<'w> {
             counts_work: options.counts_work,
             met_leaves: met_leaves.as_ref(),
             simd: options.simd,
+            cuts_areas: options.cuts_areas || options.target.is_some(),
             sampler: &sampler,
             layers: layers.as_ref(),
             sums,

@@ -31,6 +31,8 @@ pub(super) struct Setup<'w> {
     pub(super) counts_work: bool,
     pub(super) met_leaves: Option<&'w Arc<MetLeaves>>,
     pub(super) simd: SimdLevel,
+    /// [`Options::cuts_areas`](super::Options::cuts_areas)
+    pub(super) cuts_areas: bool,
     /// Where all samples of a pixel are, of which a pass takes a range.
     pub(super) sampler: &'w Sampler,
     pub(super) layers: Option<&'w RequestedLayers<'w>>,
@@ -91,7 +93,7 @@ impl Space {
     pub(super) fn of(setup: &Setup<'_>) -> Box<Self> {
         let mut space = Box::<Self>::default();
         space.tracing.note_leaves(setup.met_leaves.cloned());
-        space.shaded.is_exact = setup.goal.is_some();
+        space.shaded.cuts_areas = setup.cuts_areas;
         space
     }
 }

@@ -106,8 +106,8 @@ pub(super) struct Asked<'a, 'w> {
     pub(super) light: &'a AreaLight,
     /// Which it is among the points of all lights.
     pub(super) number: usize,
-    /// Whether an error was asked for.
-    pub(super) is_exact: bool,
+    /// Whether it is cut by up to [`MOST_CUT_FOR_ERROR`] shapes.
+    pub(super) cuts_all: bool,
 }
 
 impl Asked<'_, '_> {
@@ -301,7 +301,7 @@ impl Asked<'_, '_> {
         area: &mut AreaSpace,
         of_batch: Between,
     ) -> Option<Option<(Received, f64)>> {
-        let most = if self.is_exact {
+        let most = if self.cuts_all {
             MOST_CUT_FOR_ERROR
         } else {
             MOST_CUT
@@ -314,7 +314,7 @@ impl Asked<'_, '_> {
                 to: start.position.0,
             };
             let question = ShaftQuestion::Contents;
-            let limit = if self.is_exact {
+            let limit = if self.cuts_all {
                 MOST_CUT_FOR_ERROR
             } else {
                 MOST_BEFORE_POINT
@@ -353,7 +353,7 @@ impl Asked<'_, '_> {
         if area.occluders.is_empty() {
             return Some(Some((*received, 1.0)));
         }
-        let accuracy = if self.is_exact {
+        let accuracy = if self.cuts_all {
             &ACCURACY_FOR_ERROR
         } else {
             &ACCURACY

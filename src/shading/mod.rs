@@ -36,8 +36,8 @@ pub(crate) struct Shaded {
     pub shadow_rays: u64,
     /// How many of these the light reaches.
     pub lit_points: u64,
-    /// Whether an error is asked for: what is seen of lights with an area is then computed, never sampled.
-    pub is_exact: bool,
+    /// Whether what is seen of lights with an area is computed past many shapes too, not sampled.
+    pub cuts_areas: bool,
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
     lit: Vec<Lit>,
@@ -70,7 +70,7 @@ impl Default for Shaded {
             radiance: [Column::ZERO; 3],
             shadow_rays: 0,
             lit_points: 0,
-            is_exact: false,
+            cuts_areas: false,
             singular: 0,
             lit: Vec::new(),
             groups: Groups::default(),
@@ -234,7 +234,7 @@ impl Shaded {
             index,
             light,
             number,
-            is_exact: self.is_exact,
+            cuts_all: self.cuts_areas,
         };
         let Some(lit) = asked.terms(simd, &mut self.area, space) else {
             return;

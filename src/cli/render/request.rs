@@ -54,6 +54,7 @@ impl Request {
         let options = Options {
             samples: arguments.accuracy.samples,
             target: arguments.accuracy.target(),
+            cuts_areas: false,
             window: of_tile.or(crop),
             layers: arguments.layers.layers(),
             simd: arguments.simd.unwrap_or_default(),

@@ -72,7 +72,7 @@ impl Builder<'_> {
                 let axis = self.axis("center", center, aim);
                 let sizes = self.sides(size);
                 let axis = axis?;
-                let up = self.up(axis, up, "one pair of sides runs along it");
+                let up = self.up(axis, up);
                 let (place, [across, along], up) = (place?, sizes?, up?);
                 let normal = axis.get();
                 let up = (up - normal * up.dot(normal)).normalize();

@@ -12,9 +12,6 @@ use crate::spectrum::Spectrum;
 use crate::units::{Intensity, Rgb};
 use crate::world::light::{Cone, IesLight, Light, PointLight, SpotLight, SunLight};
 
-/// What the `up` of a luminaire is for.
-const HORIZONTAL: &str = "it says towards what horizontal angle 0 of the file is";
-
 /// An `up` this near to the axis, as a sine, is along it.
 const ALONG: f64 = 1e-6;
 
@@ -79,7 +76,7 @@ impl Builder<'_> {
                 let Emission { rgb, spectrum } = self.scaled(emission, *scale);
                 let axis = self.axis("position", *position, aim);
                 let (axis, up) = axis
-                    .and_then(|axis| Ok((axis, self.up(axis, *up, HORIZONTAL)?)))
+                    .and_then(|axis| Ok((axis, self.up(axis, *up)?)))
                     .unwrap_or_else(|Reported| {
                         (
                             Direction::new(DVec3::Z).expect("z is a direction"),
@@ -207,30 +204,20 @@ impl Builder<'_> {
         }
     }
 
-    /// What horizontal angle 0 is towards, or a side runs along: where nothing is said y, or −z for light along that.
+    /// What horizontal angle 0 is towards, or a side runs along: where nothing is said, or what is said is along the
+    /// light's way, y, or −z for light along that.
     pub(super) fn up(
         &mut self,
         axis: Direction,
         written: Option<Spanned<[f64; 3]>>,
-        why: &str,
     ) -> Result<DVec3, Reported> {
-        let across = |up: DVec3| axis.get().cross(up).length() > ALONG;
-        let Some(written) = written else {
-            return Ok(if across(DVec3::Y) {
-                DVec3::Y
-            } else {
-                DVec3::NEG_Z
-            });
+        let written = match written {
+            Some(written) => Some(self.direction("up", written)?.get()),
+            None => None,
         };
-        let up = self.direction("up", written)?.get();
-        if across(up) {
-            return Ok(up);
-        }
-        let conflict = format!(
-            "`up` is along the way that the light points, expected a vector that is not: {why}"
-        );
-        self.report(written.span, Problem::Conflict(conflict));
-        Err(Reported)
+        let is_across = |up: &DVec3| axis.get().cross(*up).length() > ALONG;
+        let chosen = written.into_iter().chain([DVec3::Y]).find(is_across);
+        Ok(chosen.unwrap_or(DVec3::NEG_Z))
     }
 
     /// The unit vector along which a light points.

@@ -68,8 +68,8 @@ const UP: Key = key!("up", "a vector along one pair of sides", "[0, 1, 0]")
     .of(Kind::Direction)
     .or("[0, 1, 0]")
     .about(
-        "What one pair of its sides runs along, as far as that is across the light. Where the light goes along \
-         `[0, 1, 0]`, the default is `[0, 0, -1]`.",
+        "What one pair of its sides runs along, as far as that is across the light. Where it is along the light's way, \
+         `[0, 1, 0]` takes its place, and along that `[0, 0, -1]`.",
     )
     .also(&["u", "rotate", "roll", "orientation"]);
 const SIZE: Key = key!(

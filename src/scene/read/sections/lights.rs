@@ -169,8 +169,8 @@ const UP: Key = key!("up", "a vector towards horizontal angle 0", "[0, 1, 0]")
     .of(Kind::Direction)
     .or("[0, 1, 0]")
     .about(
-        "What horizontal angle 0 of the file is towards; angles go counter-clockwise seen against the light. Where the \
-         light goes along `[0, 1, 0]`, the default is `[0, 0, -1]`.",
+        "What horizontal angle 0 of the file is towards; angles go counter-clockwise seen against the light. Where it is \
+         along the light's way, `[0, 1, 0]` takes its place, and along that `[0, 0, -1]`.",
     )
     .also(&["u", "rotate", "roll", "orientation", "c0"]);
 const LUMINAIRE: Key = key!("file", "an IES file beside the scene", "\"downlight.ies\"")

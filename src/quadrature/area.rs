@@ -1,0 +1,426 @@
+//! L9 over a square of the image, of a light with an area of which nothing is hidden: a model of what arrives.
+//!
+//! With x on the light, r = x − p, u = r/|r| and n_x the light's normal, both lobes are integrals of
+//!
+//! f = (w·u)ⁿ (n·u) (−n_x·r)/|r|³
+//!
+//! over the light, whose value at the middle of the square is a closed form (`emitter`). How they bend is told by
+//! bounds of the derivatives of f, by the product rule from those of p, n and w, times the area: with |r| ≥ d and
+//! |p′| ≤ a, |p″| ≤ b,
+//!
+//! | factor | is at most | first derivative | second derivative |
+//! | --- | --- | --- | --- |
+//! | u | 1 | a/d | 2 a²/(√3 d²) + b/d |
+//! | (−n_x·r)/\|r\|³ | 1/d² | 4a/d³ | 18 a²/d⁴ + 4b/d³ |
+//!
+//! A part of a sphere comes into view as p moves. At its rim n_x·r is 0, so that the first derivatives are those of
+//! what is seen; the second ones have ∮ (n_x·p′)²/|r|³ dl/|∇(n_x·r)| more, where |∇(n_x·r)| is |r|/R on a sphere of
+//! radius R: at most 2πR² a²/d⁴.
+
+use std::f64::consts::{PI, TAU};
+
+use super::model::{Model, Vector};
+use super::surface::Surface;
+use crate::emitter::{Emitter, Gloss, Receiver, Surface as EmitterSurface};
+use crate::math::{DVec3, Direction, Normal, Point};
+use crate::world::light::AreaLight;
+use crate::world::material::Model as Reflection;
+use crate::world::{Lobes, Material};
+
+/// Whether slopes are told, or only how far values may be from the one in the middle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Slopes {
+    Told,
+    Left,
+}
+
+/// What the lobes are functions of.
+#[derive(Clone, Copy)]
+struct Place {
+    position: Vector,
+    normal: Vector,
+    /// w
+    axis: Vector,
+}
+
+/// Bounds on how fast p, n and w change: on their first and second derivatives along a way of length 1.
+#[derive(Clone, Copy)]
+struct Speed {
+    position: [f64; 2],
+    normal: [f64; 2],
+    axis: [f64; 2],
+}
+
+/// Bounds on the size of a function and of its first and second derivatives.
+#[derive(Clone, Copy)]
+struct Bounds([f64; 3]);
+
+impl Bounds {
+    /// Of a product.
+    fn times(self, other: Self) -> Self {
+        let ([f, f1, f2], [g, g1, g2]) = (self.0, other.0);
+        Self([f * g, f1 * g + f * g1, f2 * g + 2.0 * f1 * g1 + f * g2])
+    }
+}
+
+/// A light as it is seen from all points of a square.
+struct Sight<'a> {
+    emitter: &'a Emitter,
+    /// |r| is at least this, and above 0.
+    nearest: f64,
+    /// In m², of what is seen.
+    area: f64,
+    /// How much more the second derivatives may be, as a part of a²/d⁴ times the area.
+    rim: f64,
+    /// |n| is at most this, and |w|: 1 but where their linear parts are taken.
+    normal: f64,
+    axis: f64,
+    lobe: Option<Lobe>,
+}
+
+struct Lobe {
+    shininess: f64,
+    has_cosine: bool,
+    /// What w·u is between, at least.
+    cosines: [f64; 2],
+}
+
+/// The cosine terms of L5 and L7 of the lobes over the light, per cd along its normal: in m⁻².
+pub(super) fn geometry(
+    surface: &Surface,
+    light: &AreaLight,
+    material: &Material,
+    slopes: Slopes,
+) -> Lobes<Model> {
+    let unknown = Lobes {
+        diffuse: Model::UNKNOWN,
+        specular: Model::UNKNOWN,
+    };
+    let normal = surface.normal();
+    let place = Place {
+        position: surface.position,
+        normal,
+        // L6: ω_r mirrored, so that ω_o·ω_r = w·u.
+        axis: normal.scaled(surface.cos_viewer.times(2.0)) - surface.to_viewer,
+    };
+    let Some(sight) = Sight::new(&light.emitter, &place, material) else {
+        return unknown;
+    };
+    let fixed = surface.fixed_normal().and_then(Normal::new);
+    let Some(models) = sight.models(&place, fixed, slopes) else {
+        return unknown;
+    };
+    let [diffuse, specular] = models.map(|model| model.times(light.over_area()));
+    Lobes { diffuse, specular }
+}
+
+impl<'a> Sight<'a> {
+    /// `None` where a point may be on the light.
+    fn new(emitter: &'a Emitter, place: &Place, material: &Material) -> Option<Self> {
+        let nearest = nearest(emitter, place.position.bounds()?);
+        let is_apart = nearest > 0.0;
+        let has_cosine = match material.model() {
+            Reflection::Phong => false,
+            Reflection::NormalizedPhong => true,
+        };
+        let shininess = material.is_specular().then(|| material.shininess());
+        let lobe = shininess.map(|n| Lobe::new(emitter, place, n, has_cosine));
+        is_apart.then(|| Self::at(emitter, nearest, place, lobe))
+    }
+
+    fn at(emitter: &'a Emitter, nearest: f64, place: &Place, lobe: Option<Lobe>) -> Self {
+        let (area, rim) = match emitter.surface() {
+            EmitterSurface::Rectangle(_) | EmitterSurface::Disk { .. } => (emitter.area(), 0.0),
+            EmitterSurface::Sphere { radius } => (TAU * radius * radius, 1.0),
+        };
+        Self {
+            emitter,
+            nearest,
+            area,
+            rim,
+            normal: place.normal.magnitude(),
+            axis: place.axis.magnitude(),
+            lobe,
+        }
+    }
+
+    /// Both integrals, in sr. `fixed` is the normal where all points are in one plane.
+    fn models(&self, place: &Place, fixed: Option<Normal>, slopes: Slopes) -> Option<[Model; 2]> {
+        let at = |[u, v, w]: [f64; 3]| self.values(place, fixed, [u, v, w]);
+        let middle = at([0.0; 3])?;
+        let axes = [0, 1].map(|axis| self.bounds(&place.speed(|vector| vector.derivatives(axis))));
+        // From the middle to anywhere, along the linear parts, and from there.
+        let along = self.bounds(&place.speed(|vector| [vector.reach(), 0.0]));
+        let beside = self.bounds(&place.speed(|vector| [vector.rest(), 0.0]));
+        let mut models = [Model::UNKNOWN; 2];
+        for (lobe, model) in models.iter_mut().enumerate() {
+            let [first, second] =
+                [1, 2].map(|order: usize| axes.map(|bounds| bounds[lobe].0[order]));
+            let [_, along_first, along_second] = along[lobe].0;
+            let beside = beside[lobe].0[1];
+            let (slope, rest) = match slopes {
+                Slopes::Left => ([0.0; 3], along_first + beside),
+                Slopes::Told => {
+                    let mut slope = [0.0; 3];
+                    let third = usize::from(place.position.has_third());
+                    for (axis, slope) in slope.iter_mut().enumerate().take(2 + third) {
+                        let mut end = [0.0; 3];
+                        end[axis] = 1.0;
+                        let after = at(end)?[lobe];
+                        end[axis] = -1.0;
+                        *slope = 0.5 * (after - at(end)?[lobe]);
+                    }
+                    // Half of the bend to anywhere; and each slope is off by half of the bend along its axis.
+                    (slope, 2.0 * along_second + beside)
+                }
+            };
+            *model = Model::known(middle[lobe], slope, rest, first, second);
+        }
+        Some(models)
+    }
+
+    /// Both integrals at a place, along the linear parts.
+    fn values(&self, place: &Place, fixed: Option<Normal>, at: [f64; 3]) -> Option<[f64; 2]> {
+        let position = Point(place.position.at(at));
+        let way = place.normal.at(at);
+        let normal = Normal::new(way)?;
+        let horizon = match (fixed, self.emitter.normal()) {
+            (Some(normal), _) => normal,
+            // All of the light is above the horizon; this one has all of it above, too.
+            (None, Some(across)) => {
+                let side = across.get().dot(self.emitter.center().0 - position.0);
+                Normal::new(across.get() * side.signum())?
+            }
+            (None, None) => Normal::new(self.emitter.center().0 - position.0)?,
+        };
+        let axis = place.axis.at(at);
+        let gloss = match &self.lobe {
+            None => None,
+            Some(lobe) => Some(Gloss {
+                axis: Direction::new(axis)?,
+                shininess: lobe.shininess,
+                has_cosine: lobe.has_cosine,
+            }),
+        };
+        let receiver = Receiver {
+            horizon,
+            normal,
+            gloss,
+        };
+        let received = self.emitter.received(position, &receiver);
+        let received = received.unwrap_or_default();
+        let (size, scale) = (
+            way.length(),
+            gloss.map_or(1.0, |gloss| libm::pow(axis.length(), gloss.shininess)),
+        );
+        let scale = if gloss.is_some_and(|gloss| gloss.has_cosine) {
+            scale * size
+        } else {
+            scale
+        };
+        Some([received.irradiance * size, received.lobe * scale])
+    }
+
+    /// Of both integrals, along a way.
+    fn bounds(&self, speed: &Speed) -> [Bounds; 2] {
+        let over = 1.0 / self.nearest;
+        let [a, b] = speed.position;
+        // u
+        let direction = [
+            a * over,
+            2.0 / 3.0_f64.sqrt() * (a * over).powi(2) + b * over,
+        ];
+        let density = Bounds([
+            over * over,
+            4.0 * a * over.powi(3),
+            (18.0 + self.rim) * a * a * over.powi(4) + 4.0 * b * over.powi(3),
+        ]);
+        let area = Bounds([self.area, 0.0, 0.0]);
+        let density = density.times(area);
+        // A scalar product with u.
+        let cosine = |size: f64, [first, second]: [f64; 2]| {
+            Bounds([size, first, second]).times(Bounds([1.0, direction[0], direction[1]]))
+        };
+        let incident = cosine(self.normal, speed.normal);
+        let diffuse = incident.times(density);
+        let Some(lobe) = &self.lobe else {
+            return [diffuse, Bounds([0.0; 3])];
+        };
+        let specular = lobe.power(cosine(self.axis, speed.axis)).times(density);
+        let specular = if lobe.has_cosine {
+            specular.times(incident)
+        } else {
+            specular
+        };
+        [diffuse, specular]
+    }
+}
+
+impl Lobe {
+    fn new(emitter: &Emitter, place: &Place, shininess: f64, has_cosine: bool) -> Self {
+        let way = emitter.center().0 - place.position.center();
+        let (axis, distance) = (place.axis.center(), way.length());
+        let (length, turned) = (axis.length(), place.axis.radius());
+        let [least, most] = emitter.bounds();
+        let reach = 0.5 * (most - least).length() + place.position.radius();
+        // How far any point of the light is seen from its middle, and any axis is from the middle one.
+        let within = |reach: f64, distance: f64| {
+            if reach < distance {
+                libm::asin(reach / distance)
+            } else {
+                PI
+            }
+        };
+        let spread = within(reach, distance) + within(turned, length);
+        let angle = libm::acos((axis.dot(way) / (length * distance)).clamp(-1.0, 1.0));
+        let cosine = |angle: f64| libm::cos(angle.clamp(0.0, PI));
+        let (least, most) = (cosine(angle + spread), cosine(angle - spread));
+        let (longest, shortest) = (length + turned, (length - turned).max(0.0));
+        Self {
+            shininess,
+            has_cosine,
+            cosines: [
+                least * if least > 0.0 { shortest } else { longest },
+                most * longest,
+            ],
+        }
+    }
+
+    /// Of max(0, c)ⁿ, from bounds of the derivatives of c.
+    fn power(&self, Bounds([_, first, second]): Bounds) -> Bounds {
+        let n = self.shininess;
+        let [least, most] = self.cosines;
+        if most <= 0.0 {
+            return Bounds([0.0; 3]);
+        }
+        if n < 2.0 && least <= 0.0 {
+            // The slope jumps where c is 0.
+            return Bounds([f64::INFINITY; 3]);
+        }
+        // Where the exponent is below 0, the largest is at the least.
+        let power = |exponent: f64| libm::pow(if exponent < 0.0 { least } else { most }, exponent);
+        let (at, slope, bend) = (
+            power(n),
+            n * power(n - 1.0),
+            (n * (n - 1.0)).abs() * power(n - 2.0),
+        );
+        Bounds([at, slope * first, bend * first * first + slope * second])
+    }
+}
+
+impl Place {
+    /// Of each vector.
+    fn speed(&self, of: impl Fn(&Vector) -> [f64; 2]) -> Speed {
+        Speed {
+            position: of(&self.position),
+            normal: of(&self.normal),
+            axis: of(&self.axis),
+        }
+    }
+}
+
+/// How far a box is from a light, at least; 0 where a point in it may be behind the light.
+pub(super) fn nearest(emitter: &Emitter, [least, most]: [DVec3; 2]) -> f64 {
+    let center = emitter.center().0;
+    let [low, high] = emitter.bounds();
+    let beside = (low - most).max(least - high).max(DVec3::ZERO).length();
+    match (emitter.surface(), emitter.normal()) {
+        (EmitterSurface::Sphere { radius }, _) => {
+            (center.clamp(least, most) - center).length() - radius
+        }
+        (_, Some(normal)) => {
+            let normal = normal.get();
+            let end = |of_most: bool| {
+                let is_up = normal.cmpgt(DVec3::ZERO);
+                let (up, down) = if of_most {
+                    (most, least)
+                } else {
+                    (least, most)
+                };
+                normal.dot(DVec3::select(is_up, up, down) - center)
+            };
+            let (lowest, highest) = (end(false), end(true));
+            let height = if lowest > 0.0 {
+                lowest
+            } else if highest < 0.0 && emitter.is_two_sided() {
+                -highest
+            } else {
+                return 0.0;
+            };
+            height.max(beside)
+        }
+        (_, None) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Models against the closed form all over squares: values are within the rest of the linear part, first and
+    /// second differences within the derivatives.
+    #[test]
+    fn models_hold() {
+        let center = Point(DVec3::new(0.2, -0.1, 1.5));
+        let down = Normal::new(DVec3::new(0.2, 0.1, -1.0)).unwrap();
+        let halves = [DVec3::new(0.5, 0.0, 0.1), DVec3::new(0.0, 0.3, 0.03)];
+        let emitters = [
+            Emitter::rectangle(center, halves, true).unwrap(),
+            Emitter::disk(center, down, 0.5, false).unwrap(),
+            Emitter::sphere(center, 0.4).unwrap(),
+        ];
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            2.0 * (state >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
+        };
+        let mut vector = |size: f64| DVec3::new(uniform(), uniform(), uniform()) * size;
+        // How much of the rest, and of the second derivatives, there is at most.
+        let mut most = [0.0_f64; 2];
+        for number in 0..540 {
+            let emitter = &emitters[number % 3];
+            let size = [0.1, 0.02, 0.002][number / 3 % 3];
+            let shininess = [2.0, 7.5, 40.0][number / 9 % 3];
+            let [position, normal, axis] = [0.5, 0.2, 0.5].map(&mut vector);
+            let mut linear = |middle: DVec3| Vector::linear(middle, [vector(size), vector(size)]);
+            let place = Place {
+                position: linear(position),
+                normal: linear((DVec3::Z + normal).normalize()),
+                axis: linear((DVec3::Z + axis).normalize()),
+            };
+            let lobe = Lobe::new(emitter, &place, shininess, number % 2 == 0);
+            let bounds = place.position.bounds().unwrap();
+            let sight = Sight::at(emitter, nearest(emitter, bounds), &place, Some(lobe));
+            let value = |u: f64, v: f64| sight.values(&place, None, [u, v, 0.0]).unwrap();
+            for slopes in [Slopes::Told, Slopes::Left] {
+                let models = sight.models(&place, None, slopes).unwrap();
+                for (lobe, model) in models.iter().enumerate() {
+                    let at = |u: f64, v: f64| value(u, v)[lobe];
+                    for step in 0..25 {
+                        let [u, v] = [step % 5, step / 5].map(|i: u32| f64::from(i) * 0.5 - 1.0);
+                        let off = (model.at([u, v, 0.0]) - at(u, v)).abs();
+                        assert!(off <= model.rest + 1e-12, "{number}: {off} {}", model.rest);
+                        most[0] = most[0].max(off / model.rest);
+                    }
+                    let middle = at(0.0, 0.0);
+                    for (axis, (after, before)) in
+                        [(at(1.0, 0.0), at(-1.0, 0.0)), (at(0.0, 1.0), at(0.0, -1.0))]
+                            .into_iter()
+                            .enumerate()
+                    {
+                        let first = 0.5 * (after - before).abs();
+                        let second = (after - 2.0 * middle + before).abs();
+                        let [one, two] = model.derivatives(axis);
+                        assert!(first <= one + 1e-12, "{number}: {first} {one}");
+                        assert!(second <= two + 1e-12, "{number}: {second} {two}");
+                        most[1] = most[1].max(second / two);
+                    }
+                }
+            }
+        }
+        // They are bounds, but not of another order.
+        assert!(most.iter().all(|&part| part > 0.02), "{most:?}");
+    }
+}
