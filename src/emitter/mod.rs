@@ -118,6 +118,29 @@ impl Emitter {
         is_solid(center, radius).then_some(Self { center, shape })
     }
 
+    /// The corners of a rectangle that shines to a point, as it sees them.
+    fn corners_from(&self, point: Point) -> Option<[DVec3; 4]> {
+        let Shape::Rectangle {
+            halves: [a, b],
+            normal,
+            is_two_sided,
+        } = self.shape
+        else {
+            return None;
+        };
+        let to_center = self.center.from(point);
+        let height = -normal.get().dot(to_center);
+        let is_lit = height > 0.0 || (is_two_sided && height < 0.0);
+        let corners = [
+            to_center + (-a - b),
+            to_center + (a - b),
+            to_center + (a + b),
+            to_center + (b - a),
+        ];
+        let is_finite = corners.iter().all(|corner| corner.is_finite());
+        (is_lit && is_finite).then_some(corners)
+    }
+
     /// What a point sees of it. `None` from behind, from a point in its plane, and from within a sphere.
     pub(crate) fn seen_from(&self, point: Point) -> Option<Outline> {
         let to_center = self.center.from(point);
@@ -126,14 +149,9 @@ impl Emitter {
             height > 0.0 || (is_two_sided && height < 0.0)
         };
         match self.shape {
-            Shape::Rectangle {
-                halves: [a, b],
-                normal,
-                is_two_sided,
-            } => {
-                let corners = [-a - b, a - b, a + b, b - a].map(|corner| to_center + corner);
-                let polygon = is_lit(normal, is_two_sided).then(|| Polygon::new(&corners));
-                polygon.flatten().map(Outline::Polygon)
+            Shape::Rectangle { .. } => {
+                let corners = self.corners_from(point)?;
+                Polygon::new(&corners).map(Outline::Polygon)
             }
             Shape::Disk {
                 radius,

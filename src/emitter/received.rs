@@ -46,18 +46,69 @@ impl Emitter {
     /// What a point receives where nothing is in the way. `None` where it sees nothing of the emitter: from
     /// behind, from its plane, from within a sphere, and where all of it is below the horizon.
     pub(crate) fn received(&self, point: Point, receiver: &Receiver) -> Option<Received> {
-        let outline = self.seen_from(point)?.clipped(receiver.horizon)?;
-        let received = match outline {
-            Outline::Polygon(polygon) => receiver.of_polygon(polygon.corners()),
-            Outline::Conic(conic) => receiver.of_conic(&conic),
+        let part = self.above(point, receiver)?;
+        let received = match &part {
+            Part::Whole(corners) => receiver.of_polygon(corners),
+            Part::Cut(Outline::Polygon(polygon)) => receiver.of_polygon(polygon.corners()),
+            Part::Cut(Outline::Conic(conic)) => receiver.of_conic(conic),
         };
         (received.solid_angle > 0.0).then_some(received)
     }
+
+    /// The same, with a solid angle of 0 wherever there is an irradiance: that of all points that are shaded.
+    pub(crate) fn received_by_lobes(&self, point: Point, receiver: &Receiver) -> Option<Received> {
+        let part = self.above(point, receiver)?;
+        let received = match &part {
+            Part::Whole(corners) => receiver.lobes_of_polygon(corners),
+            Part::Cut(Outline::Polygon(polygon)) => receiver.lobes_of_polygon(polygon.corners()),
+            Part::Cut(Outline::Conic(conic)) => receiver.lobes_of_conic(conic),
+        };
+        if received.irradiance > 0.0 {
+            Some(received)
+        } else {
+            self.received(point, receiver)
+        }
+    }
+
+    /// What is above the horizon.
+    fn above(&self, point: Point, receiver: &Receiver) -> Option<Part> {
+        let horizon = receiver.horizon.get();
+        if let Some(corners) = self.corners_from(point)
+            && corners.iter().all(|&corner| horizon.dot(corner) >= 0.0)
+        {
+            return Some(Part::Whole(corners));
+        }
+        let outline = self.seen_from(point)?.clipped(receiver.horizon)?;
+        Some(Part::Cut(outline))
+    }
+}
+
+/// What a point sees of an emitter above its horizon.
+enum Part {
+    /// All of a rectangle, of which nothing is copied.
+    Whole([DVec3; 4]),
+    Cut(Outline),
 }
 
 impl Receiver {
     /// What is received of a polygon that the horizon has cut already.
     pub(super) fn of_polygon(&self, corners: &[DVec3]) -> Received {
+        Received {
+            solid_angle: polygon::solid_angle(corners),
+            ..self.lobes_of_polygon(corners)
+        }
+    }
+
+    /// What is received of a part of a disk or a sphere that the horizon has cut already.
+    pub(super) fn of_conic(&self, conic: &Conic) -> Received {
+        Received {
+            solid_angle: conic.solid_angle(),
+            ..self.lobes_of_conic(conic)
+        }
+    }
+
+    /// The same without the solid angle.
+    fn lobes_of_polygon(&self, corners: &[DVec3]) -> Received {
         let normal = self.normal.get();
         let lobe = |gloss: Gloss| {
             let w = gloss.axis.get();
@@ -85,12 +136,12 @@ impl Receiver {
         Received {
             irradiance: polygon::irradiance(corners, normal),
             lobe: self.gloss.map_or(0.0, lobe),
-            solid_angle: polygon::solid_angle(corners),
+            solid_angle: 0.0,
         }
     }
 
-    /// What is received of a part of a disk or a sphere that the horizon has cut already.
-    pub(super) fn of_conic(&self, conic: &Conic) -> Received {
+    /// The same without the solid angle.
+    fn lobes_of_conic(&self, conic: &Conic) -> Received {
         let normal = self.normal.get();
         let lobe = |gloss: Gloss| {
             let w = gloss.axis.get();
@@ -104,7 +155,7 @@ impl Receiver {
         Received {
             irradiance: conic.irradiance(normal),
             lobe: self.gloss.map_or(0.0, lobe),
-            solid_angle: conic.solid_angle(),
+            solid_angle: 0.0,
         }
     }
 

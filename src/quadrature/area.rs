@@ -207,7 +207,7 @@ impl<'a> Sight<'a> {
             normal,
             gloss,
         };
-        let received = self.emitter.received(position, &receiver);
+        let received = self.emitter.received_by_lobes(position, &receiver);
         let received = received.unwrap_or_default();
         let (size, scale) = (
             way.length(),

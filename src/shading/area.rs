@@ -120,17 +120,6 @@ impl Asked<'_, '_> {
         space: &mut Workspace,
     ) -> Option<AreaLit> {
         let points = self.points;
-        let mut lit = AreaLit {
-            terms: Box::new(AreaTerms {
-                geometry: Lobes {
-                    diffuse: Column::ZERO,
-                    specular: Column::ZERO,
-                },
-                seen: Column::ZERO,
-            }),
-            points: [0; PACKETS],
-            asked: 0,
-        };
         if self.light.emitter.is_behind(points.bounds_of_starts()) {
             return None;
         }
@@ -149,6 +138,17 @@ impl Asked<'_, '_> {
         if of_batch == Between::Listed {
             area.batch_list.clone_from(&area.shafts.list);
         }
+        let mut lit = AreaLit {
+            terms: Box::new(AreaTerms {
+                geometry: Lobes {
+                    diffuse: Column::ZERO,
+                    specular: Column::ZERO,
+                },
+                seen: Column::ZERO,
+            }),
+            points: [0; PACKETS],
+            asked: 0,
+        };
         let mut sampled = [0; PACKETS];
         area.free.clear();
         for (packet, sampled) in sampled.iter_mut().enumerate() {
@@ -171,7 +171,11 @@ impl Asked<'_, '_> {
                     continue;
                 }
                 let receiver = self.receiver(slot, &start);
-                let Some(received) = self.light.emitter.received(start.position, &receiver) else {
+                let Some(received) = self
+                    .light
+                    .emitter
+                    .received_by_lobes(start.position, &receiver)
+                else {
                     continue;
                 };
                 lit.asked += 1;
