@@ -248,7 +248,7 @@ renderer − equation                                  0.377706     0.127706    
 fn the_table_of_a_floor_under_spots() {
     let spot = |direction: [f64; 3]| Light::Spot {
         position: [0.0, 2.0, 1.0].into(),
-        aim: candela::scene::Aim::Direction(direction.into()),
+        aim: Aim::Direction(direction.into()),
         intensity: Value::Uniform(40.0).into(),
         inner: 20.0.into(),
         outer: 30.0.into(),

@@ -21,7 +21,12 @@ fn light(shape: AreaShape) -> Light {
     }
 }
 
-fn rectangle(center: [f64; 3], direction: [f64; 3], up: [f64; 3], size: [f64; 2]) -> AreaShape {
+pub(super) fn rectangle(
+    center: [f64; 3],
+    direction: [f64; 3],
+    up: [f64; 3],
+    size: [f64; 2],
+) -> AreaShape {
     AreaShape::Rectangle {
         center: center.into(),
         aim: Aim::Direction(direction.into()),
@@ -31,7 +36,7 @@ fn rectangle(center: [f64; 3], direction: [f64; 3], up: [f64; 3], size: [f64; 2]
     }
 }
 
-fn disk(center: [f64; 3], direction: [f64; 3], radius: f64) -> AreaShape {
+pub(super) fn disk(center: [f64; 3], direction: [f64; 3], radius: f64) -> AreaShape {
     AreaShape::Disk {
         center: center.into(),
         aim: Aim::Direction(direction.into()),
@@ -40,7 +45,7 @@ fn disk(center: [f64; 3], direction: [f64; 3], radius: f64) -> AreaShape {
     }
 }
 
-fn ball(center: [f64; 3], radius: f64) -> AreaShape {
+pub(super) fn ball(center: [f64; 3], radius: f64) -> AreaShape {
     AreaShape::Sphere {
         center: center.into(),
         radius: radius.into(),
@@ -53,7 +58,7 @@ fn square() -> AreaShape {
 }
 
 impl Builder {
-    fn area(mut self, shape: AreaShape) -> Self {
+    pub(super) fn area(mut self, shape: AreaShape) -> Self {
         let name = format!("light{}", self.0.lights.len());
         self.0.lights.push(entry(&name, light(shape)));
         self
@@ -270,7 +275,7 @@ fn as_points(scene: &Builder, shape: &AreaShape, across: u32) -> Builder {
     points
 }
 
-fn plus(a: [f64; 3], b: [f64; 3], factor: f64) -> [f64; 3] {
+pub(super) fn plus(a: [f64; 3], b: [f64; 3], factor: f64) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] + factor * b[i])
 }
 
