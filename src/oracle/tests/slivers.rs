@@ -470,6 +470,7 @@ fn turned_scenes() {
 #[test]
 fn turned_globes() {
     let (mut off, mut stated) = (0.0_f64, 0.0_f64);
+    let mut partial = 0;
     for seed in 0..60 {
         let mut random = Random::new(seed);
         let light = Light::new(&mut random, false);
@@ -495,8 +496,11 @@ fn turned_globes() {
             apart <= both + DIGITS && apart <= TOLERANCE,
             "{seed}: {apart:e} apart, said to be {both:e}"
         );
+        let seen = a.radiance[0] / whole;
+        partial += u32::from(seen > 0.0 && seen < 1.0 - TOLERANCE);
         off = off.max(apart);
         stated = stated.max(both);
     }
-    println!("apart {off:e}, stated {stated:e}");
+    println!("apart {off:e}, stated {stated:e}, {partial} of them partly hidden");
+    assert!(partial > 20, "{partial}");
 }
