@@ -439,7 +439,7 @@ fn turned_scenes() {
                         center: turned(center.value).into(),
                         radius,
                     },
-                    other => other,
+                    other @ Object::Mesh { .. } => other,
                 });
             }
             scene
