@@ -164,13 +164,12 @@ fn generated(seed: u64) -> String {
     text
 }
 
-/// In light, in penumbrae and in highlights the renderer is where the oracle is, but for what that may be off by. A
-/// shadow that is narrower than the oracle's lines are apart it does not see: 1 pixel in 200 may be off by more.
+/// In light, in penumbrae and in highlights the renderer is where the oracle is, but for what that may be off by. It is
+/// relative to the pixel: of the light that would be there with nothing in the way it is less.
 #[test]
 fn penumbrae_are_those_of_the_oracle() {
-    const TOLERANCE: f64 = 1e-5;
-    const NARROW: f64 = 5e-3;
-    let (mut pixels, mut narrow) = (0, 0);
+    /// Twice the worst of 36 scenes of such a kind.
+    const TOLERANCE: f64 = 1e-4;
     for seed in 0..20 {
         let text = generated(seed);
         let scene = Scene::parse(&text, "test.toml").unwrap();
@@ -187,12 +186,12 @@ fn penumbrae_are_those_of_the_oracle() {
                 off / truth.max(floor)
             });
             let off = off.fold(0.0, f64::max);
-            assert!(off <= NARROW, "seed {seed}, pixel {x},{y}: {off}\n{text}");
-            pixels += 1;
-            narrow += u32::from(off > TOLERANCE);
+            assert!(
+                off <= TOLERANCE,
+                "seed {seed}, pixel {x},{y}: {off}\n{text}"
+            );
         }
     }
-    assert!(200 * narrow <= pixels, "{narrow} of {pixels}");
 }
 
 #[test]

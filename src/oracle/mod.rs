@@ -81,11 +81,15 @@ use lamp::{Lamp, Place};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
 pub use outcome::Outcome;
 pub use pixel::{PixelMean, PixelQuadrature};
+use quadrature::Effort;
 use shine::Shine;
 use surface::Surface;
 use value::Palette;
 use vector::{Vector, ZERO, length, narrowed, subtract, unit};
 use wide::{Real, Wide};
+
+/// How far the integral over a light may be off, relative to that with nothing in the way, if effort allows.
+const TOLERANCE: f64 = 1e-8;
 
 /// A scene, ready for the equations.
 #[derive(Clone, Debug)]
@@ -103,8 +107,8 @@ pub struct Oracle {
     objects: Vec<NamedObject>,
     /// In the order of the file.
     lights: Vec<Lamp>,
-    /// How often at most it is asked of a light with an area at a point whether a surface hides a part of it.
-    effort: usize,
+    /// When an integral over a light is good enough.
+    effort: Effort,
 }
 
 /// What the surfaces of one object have in common.
@@ -219,7 +223,10 @@ impl Oracle {
             surfaces,
             objects,
             lights,
-            effort: Self::EFFORT,
+            effort: Effort {
+                tolerance: TOLERANCE,
+                most: Self::EFFORT,
+            },
             palette,
         }
     }
@@ -230,8 +237,9 @@ impl Oracle {
 
     /// With so many questions at most; with more of them the penumbra of complex things has smaller errors.
     #[must_use]
-    pub fn with_effort(self, effort: usize) -> Self {
-        Self { effort, ..self }
+    pub fn with_effort(mut self, effort: usize) -> Self {
+        self.effort.most = effort;
+        self
     }
 
     /// Width and height of the image in pixels.
@@ -378,6 +386,7 @@ impl Oracle {
             &light.intensity,
             material,
             0..self.surfaces.len(),
+            self.effort,
         )
     }
 
@@ -390,9 +399,10 @@ impl Oracle {
         intensity: &Components,
         material: &Material,
         occluders: impl Iterator<Item = usize>,
+        effort: Effort,
     ) -> Term {
         if let Some(area) = &light.area {
-            return self.area_term(hit, (light, area), intensity, material, occluders);
+            return self.area_term(hit, (light, area), intensity, material, occluders, effort);
         }
         let segment = self.segment(hit, light);
         let Some(to_light) = unit(segment.vector()).filter(|_| !segment.is_a_point()) else {

@@ -6,7 +6,7 @@ use super::hit::Hit;
 use super::lamp::Lamp;
 use super::lighting::{Material, Model, Reflectance, cosine, ideal_reflection};
 use super::outcome::Outcome;
-use super::quadrature::{self, Integrals, Kernel};
+use super::quadrature::{self, Effort, Integrals, Kernel};
 use super::vector::{Vector, WideVector, length, narrowed, subtract, unit, widened};
 use super::wide::Real;
 use super::{Oracle, Place, Term};
@@ -72,6 +72,7 @@ impl Oracle {
         luminance: &Components,
         material: &Material,
         among: impl Iterator<Item = usize>,
+        effort: Effort,
     ) -> Term {
         let segment = self.shadow_segment(hit, light);
         let horizon = match hit.lift {
@@ -103,7 +104,7 @@ impl Oracle {
             own: hit.surface,
             light: self.light_number(light),
         };
-        let found = quadrature::integrals(area, &segment, &kernel, &scene, among, self.effort);
+        let found = quadrature::integrals(area, &segment, &kernel, &scene, among, effort);
         let middle = match light.place {
             Place::At(position) => subtract(position, segment.from),
             Place::Toward(way) => way,

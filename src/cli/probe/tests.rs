@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
 use candela::scene::{
-    Camera, Entry, Image, Light, Lobes, Material, Object, Source, Span, Spanned, Transport, Value,
-    View,
+    Aim, AreaShape, Camera, Entry, Image, Light, Lobes, Material, Object, Source, Span, Spanned,
+    Transport, Value, View,
 };
 use candela::spectrum::Observer;
 use clap::Parser;
@@ -248,7 +248,7 @@ renderer − equation                                  0.377706     0.127706    
 fn the_table_of_a_floor_under_spots() {
     let spot = |direction: [f64; 3]| Light::Spot {
         position: [0.0, 2.0, 1.0].into(),
-        aim: candela::scene::Aim::Direction(direction.into()),
+        aim: Aim::Direction(direction.into()),
         intensity: Value::Uniform(40.0).into(),
         inner: 20.0.into(),
         outer: 30.0.into(),
@@ -358,4 +358,60 @@ fn a_scene_in_rgb_has_no_spectrum() {
     prepare(&arguments, &mut scene);
     let error = output_of(&scene, &arguments).unwrap_err().to_string();
     assert!(error.contains("`transport = \"rgb\"`"), "{error}");
+}
+
+/// The same with a panel over the ball, that shines down.
+fn with_a_panel() -> Scene {
+    let mut scene = scene();
+    let panel = Light::Area {
+        shape: AreaShape::Rectangle {
+            center: [0.0, 2.0, -0.3].into(),
+            aim: Aim::Direction([0.0, -1.0, 0.0].into()),
+            up: None,
+            size: [1.0, 0.5].into(),
+            two_sided: false,
+        },
+        luminance: Value::Uniform(10.0).into(),
+        visible: true,
+        samples: 64.0.into(),
+        group: None,
+    };
+    scene.lights = vec![entry("panel", panel)];
+    scene
+}
+
+#[test]
+fn lights_with_an_area_are_explained() {
+    let scene = with_a_panel();
+    let told = |pixel, more: &[&str]| output_of(&scene, &arguments(pixel, more)).unwrap();
+    let report: Json = serde_json::from_str(&told("32,24", &["--json"])).unwrap();
+    let light = &report["lights"][0];
+    assert_eq!(light["outcome"], "partial");
+    assert_eq!(light["area"]["occluders"], serde_json::json!(["ball"]));
+    let number = |key: &str| light["area"][key].as_f64().unwrap();
+    assert!(number("seen") > 0.0 && number("seen") < 1.0);
+    assert!(number("solid_angle") > std::f64::consts::PI * number("form_factor"));
+    let text = told("32,24", &[]);
+    for line in [
+        "sr above the surface",
+        "∫ L r V dω",
+        "`ball` stands between",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    let line = told("32,24", &[]).lines().count();
+    assert!(line > 25, "{text}");
+    // The panel from below, and nothing but that.
+    let mut scene = scene.clone();
+    let Camera::Perspective { view, .. } = &mut scene.camera.value else {
+        unreachable!()
+    };
+    view.look_at = [0.0, 2.0, -0.3].into();
+    let text = output_of(&scene, &arguments("32,24", &[])).unwrap();
+    assert!(text.contains("light `panel`, t = "), "{text}");
+    assert!(text.contains("it emits"), "{text}");
+    let report = output_of(&scene, &arguments("32,24", &["--json"])).unwrap();
+    let report: Json = serde_json::from_str(&report).unwrap();
+    let luminance = &report["hit"]["emission"]["luminance"];
+    assert_eq!(*luminance, serde_json::json!([10.0, 10.0, 10.0]));
 }

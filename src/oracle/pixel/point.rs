@@ -7,10 +7,14 @@ use super::super::area::Area;
 use super::super::components::Components;
 use super::super::hit::Hit;
 use super::super::lighting::{Material, ideal_reflection};
+use super::super::quadrature::Effort;
 use super::super::vector::{Vector, length, narrowed, scale, subtract};
 use super::super::{Outcome, Term};
 use super::PixelQuadrature;
 use super::scope::{self, Beam};
+
+/// How far integrals over lights may be off, of what a pixel may be.
+const OF_TOLERANCE: f64 = 0.1;
 
 /// The decisions behind a value, as a number: between two points that agree, it changes smoothly.
 pub(super) type Signature = u32;
@@ -76,6 +80,8 @@ pub(super) struct Points<'q> {
     /// Surfaces that may be between a surface and a light.
     between: HashMap<[usize; 2], Rc<[usize]>>,
     signatures: HashMap<Decided, Signature>,
+    /// Of integrals over lights with an area.
+    effort: Effort,
     pub(super) count: usize,
     /// The largest error of integrals over lights with an area: R, G, B, and 0.
     pub(super) noise: [f64; 4],
@@ -85,7 +91,7 @@ pub(super) struct Points<'q> {
 }
 
 impl<'q> Points<'q> {
-    pub(super) fn new(quadrature: &'q PixelQuadrature<'q>, x: f64, y: f64) -> Self {
+    pub(super) fn new(quadrature: &'q PixelQuadrature<'q>, x: f64, y: f64, tolerance: f64) -> Self {
         let beam = Beam::new(quadrature.oracle, x, y);
         Self {
             quadrature,
@@ -93,6 +99,10 @@ impl<'q> Points<'q> {
             beam,
             between: HashMap::new(),
             signatures: HashMap::new(),
+            effort: Effort {
+                tolerance: (OF_TOLERANCE * tolerance).max(quadrature.oracle.effort.tolerance),
+                ..quadrature.oracle.effort
+            },
             count: 0,
             noise: [0.0; 4],
             range: [[f64::INFINITY; 4], [f64::NEG_INFINITY; 4]],
@@ -162,7 +172,7 @@ impl<'q> Points<'q> {
             let material = &self.quadrature.products[index][object];
             // L_i r is linear in the product of I and k, component by component.
             let occluders = occluders.iter().copied();
-            let term = oracle.term_of(hit, light, &one, material, occluders);
+            let term = oracle.term_of(hit, light, &one, material, occluders, self.effort);
             for (sum, share) in radiance.iter_mut().zip(&term.radiance.0) {
                 *sum += share;
             }

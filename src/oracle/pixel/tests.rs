@@ -184,3 +184,52 @@ fn a_peak() {
         assert!(mean.is_resolved);
     }
 }
+
+/// The penumbra of an area, against many points of the image.
+#[test]
+fn pixels_of_a_penumbra() {
+    use crate::scene::{Aim, AreaShape, Entry, Light, Span, Value};
+    let mut scene = Builder::new([8, 8], orthographic([0.0, 5.0, 0.0], [0.0; 3], 2.0))
+        .plane([0.0; 3], [0.0, 1.0, 0.0])
+        .triangle([[-9.0, 0.4, 0.0], [0.3, 0.4, 0.1], [-0.2, 0.4, 9.0]]);
+    scene.0.lights.push(Entry {
+        name: "panel".to_owned(),
+        span: Span::default(),
+        value: Light::Area {
+            shape: AreaShape::Rectangle {
+                center: [0.5, 1.0, -0.5].into(),
+                aim: Aim::LookAt([0.0; 3].into()),
+                up: None,
+                size: [0.5, 0.3].into(),
+                two_sided: false,
+            },
+            luminance: Value::Uniform(5.0).into(),
+            visible: true,
+            samples: 64.0.into(),
+            group: None,
+        },
+    });
+    let oracle = scene.oracle();
+    let pixels = PixelQuadrature::new(&oracle);
+    const STEPS: u32 = 60;
+    for ([x, y], few) in [
+        ([2, 3], 5e-7),
+        ([3, 4], 2e-4),
+        ([5, 3], 1e-5),
+        ([4, 6], 2e-6),
+    ] {
+        let pixel = pixels.pixel(x, y, 1e-4);
+        assert!(pixel.is_resolved);
+        assert!(pixel.error[0] <= 2e-6, "{:e}", pixel.error[0]);
+        let mut sum = 0.0;
+        for i in 0..STEPS {
+            for j in 0..STEPS {
+                let [u, v] = [i, j].map(|i| (f64::from(i) + 0.5) / f64::from(STEPS));
+                sum += oracle.radiance(f64::from(x) + u, f64::from(y) + v).radiance[0];
+            }
+        }
+        let mean = sum / f64::from(STEPS * STEPS);
+        let off = (pixel.radiance[0] - mean).abs();
+        assert!(off <= pixel.error[0] + few, "{x}, {y}: off by {off:e}");
+    }
+}

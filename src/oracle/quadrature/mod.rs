@@ -3,11 +3,19 @@
 //!
 //! The light is cut into lines. From where to where each surface hides a line is known (`shadow`), so that what is left
 //! are smooth pieces; these and then the lines are integrated by Kronrod's rule, and where it differs from Gauss's by
-//! halves, those of the largest difference first. Where corners of surfaces begin and end across the lines they are
-//! parted from the start, if there are few; what is between lines then is not missed.
+//! halves, those of the largest difference first.
+//!
+//! A rule over lines is only as good as what it integrates is smooth, and does not see what is between its lines. Hence
+//! they are parted where the curves that bound hidden pieces change (`structure`): at the lines where this is known to
+//! happen (`events`), and wherever two lines of a rule turn out to differ in them.
 
+mod curve;
+mod events;
 mod kronrod;
+mod line;
+mod polynomial;
 mod shadow;
+mod structure;
 mod view;
 
 use super::area::Area;
@@ -16,24 +24,44 @@ use super::outcome::Outcome;
 use super::surface::Surface;
 use super::vector::{Vector, cross, dot, length, scale, unit};
 use kronrod::nodes;
-use shadow::Occluder;
+use line::angular;
+use shadow::{Hidden, Occluder};
+use structure::Structure;
 use view::{Line, View, cosine};
 
-/// How far an integral may be off, relative to that of the light without anything in the way.
-const TOLERANCE: f64 = 1e-8;
+/// Where something is in the way, rules may differ by less than both are off: by so much.
+const KINKS: f64 = 8.0;
 
-/// The same for one line, relative to itself.
-const LINE_TOLERANCE: f64 = 1e-10;
-
-/// A piece of a line is halved so often at most.
-const DEPTH: u32 = 16;
+/// What rounding may be of all that is integrated.
+const ROUNDING: f64 = 1e-13;
 
 /// Parts of an interval that are not halved any more.
 const NARROWEST: f64 = 1e-13;
 
-/// So many surfaces part the lines from the start; of more, the lines are so many times 15.
+/// Of so many surfaces it is looked for where any two of their edges pass each other; of more, the lines are so many
+/// times 15 at least.
 const FEW: usize = 24;
 const PARTS: u32 = 16;
+
+/// So much of all that may be asked goes into the search for events, if there are more surfaces.
+const OF_EVENTS: usize = 4;
+
+/// How often parts are parted where their lines differ in structure.
+const MOST_PARTED: usize = 256;
+
+/// How far within a part the first and the last line are that are compared with its others, and how far at least, of
+/// all lines.
+const WITHIN: f64 = 1e-6;
+const WITHIN_ALL: f64 = 1e-11;
+
+/// When an integral is good enough.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// How far it may be off, relative to that of the light without anything in the way.
+    pub(super) tolerance: f64,
+    /// How often at most it is asked whether a surface is in the way of a line.
+    pub(super) most: usize,
+}
 
 /// What is integrated.
 #[derive(Clone, Copy, Debug)]
@@ -77,16 +105,14 @@ pub(super) struct Integrals {
     pub(super) nearest: Vector,
 }
 
-/// The integrals over a light as seen from where the segment to its middle begins; or why there is nothing
-/// of it. `budget` is how often at most surfaces are asked whether they are in
-/// the way of a line.
+/// The integrals over a light as seen from where the segment to its middle begins, or why there is nothing of it.
 pub(super) fn integrals(
     area: &Area,
     segment: &Segment,
     kernel: &Kernel,
     scene: &Scene<'_>,
     among: impl Iterator<Item = usize>,
-    budget: usize,
+    effort: Effort,
 ) -> Result<Integrals, Outcome> {
     let view = View::new(area, segment.from).ok_or(Outcome::Outside)?;
     let parameters = view.parameters(kernel.horizon);
@@ -107,15 +133,20 @@ pub(super) fn integrals(
         occluders: &occluders,
         asked: 0,
         found: Vec::new(),
+        turns: Vec::new(),
+        least: NARROWEST * (range[1] - range[0]),
+        partings: MOST_PARTED,
     };
-    if occluders.len() <= FEW {
-        let rows = occluders.iter().flat_map(|occluder| occluder.rows);
-        let inside = rows.filter(|row| row.abs() < 1.0);
-        places.extend(inside.map(|row| view.parameter(row)));
+    let most_of_events = if occluders.len() <= FEW {
+        usize::MAX
     } else {
         let part = |i: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(PARTS);
         places.extend((1..PARTS).map(part));
-    }
+        effort.most / OF_EVENTS
+    };
+    let events = integrator.events(range, most_of_events);
+    places.extend(events.places);
+    integrator.turns = events.turns;
     let nearest = integrator.best(range, |direction| -length(direction), Line::nearest);
     let peak = kernel.lobe.map(|(way, exponent)| {
         let most_along = |line: &Line| line.most_along(way);
@@ -125,7 +156,7 @@ pub(super) fn integrals(
         unit(peak.1).unwrap_or(way)
     });
     integrator.part_around(nearest, 1.0, range, &mut places);
-    let mut integrals = integrator.over_lines(range, places, budget);
+    let mut integrals = integrator.over_lines(range, places, effort);
     integrals.peak = peak;
     integrals.nearest = scale(nearest.1, view.part_to(nearest.1));
     let hides = integrator.hides.iter().zip(&occluders);
@@ -162,7 +193,10 @@ impl Sum {
     fn compared(mut self, coarse: &Self) -> Self {
         for i in 0..3 {
             let whole = (self.whole[i] - coarse.whole[i]).abs();
-            let seen = (self.seen[i] - coarse.seen[i]).abs();
+            let mut seen = (self.seen[i] - coarse.seen[i]).abs();
+            if self.seen[i] != self.whole[i] {
+                seen *= KINKS;
+            }
             self.error[i] += whole.max(seen);
         }
         self
@@ -171,13 +205,58 @@ impl Sum {
 
 /// Lines from one to another.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct Span {
     ends: [f64; 2],
+    /// At which ends a curve turns.
+    turns: [bool; 2],
+}
+
+impl Span {
+    fn size(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// A place within, from 0 to 1, and how fast it changes. What grows like a root at an end is smooth in these.
+    fn at(&self, u: f64) -> [f64; 2] {
+        let size = self.size();
+        let (part, slope) = match self.turns {
+            [false, false] => (u, 1.0),
+            [true, false] => (u * u, 2.0 * u),
+            [false, true] => (u * (2.0 - u), 2.0 * (1.0 - u)),
+            [true, true] => (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u)),
+        };
+        [self.ends[0] + size * part, size * slope]
+    }
+
+    fn parted(self, places: &[f64]) -> impl Iterator<Item = Self> {
+        let cuts: Vec<f64> = [self.ends[0]]
+            .iter()
+            .chain(places)
+            .chain(&[self.ends[1]])
+            .copied()
+            .collect();
+        let last = cuts.len() - 2;
+        (0..=last).map(move |i| Self {
+            ends: [cuts[i], cuts[i + 1]],
+            turns: [i == 0 && self.turns[0], i == last && self.turns[1]],
+        })
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    span: Span,
     sum: Sum,
 }
 
-/// Of so many occluders it is looked at where they begin and end.
-const MOST_PARTED: usize = 12;
+/// A line of a rule.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    parameter: f64,
+    structure: Structure,
+    /// By how much the integral changes with the parameter.
+    seen: Triple,
+}
 
 struct Integrator<'a> {
     view: &'a View,
@@ -185,9 +264,16 @@ struct Integrator<'a> {
     occluders: &'a [Occluder],
     /// Whether each was found to hide something.
     hides: Vec<bool>,
+    /// How often it was asked whether one is in the way of a line, plus the lines.
     asked: usize,
-    /// Intervals of a line that are hidden.
-    found: Vec<[f64; 2]>,
+    /// What of a line is hidden.
+    found: Vec<Hidden>,
+    /// Lines where curves turn.
+    turns: Vec<f64>,
+    /// The size of parts that are not halved any more.
+    least: f64,
+    /// How often parts may still be parted where their lines differ.
+    partings: usize,
 }
 
 impl Integrator<'_> {
@@ -240,246 +326,125 @@ impl Integrator<'_> {
         graded(parameter, rows / slope.max(rows.sqrt()), range, places);
     }
 
-    /// Parts lines at both ends, and where occluders begin, end and are half passed, so that none of these falls between
-    /// the lines of a rule unseen: a corner that is hidden may be narrow.
-    fn part_around_occluders(&self, range: [f64; 2], places: &mut Vec<f64>) {
-        if self.occluders.is_empty() {
-            return;
-        }
-        let size = range[1] - range[0];
-        let mut around = |place: f64, parts: &[f64]| {
-            for part in parts {
-                places.extend([place - part * size, place + part * size]);
-            }
-        };
-        around(range[0], &[1e-4, 1e-3, 1e-2, 1e-1]);
-        around(range[1], &[1e-4, 1e-3, 1e-2, 1e-1]);
-        for occluder in self.occluders.iter().take(MOST_PARTED) {
-            let [first, last] = occluder.rows;
-            for row in [first, 0.5 * (first + last), last] {
-                if let Some(place) = self.parameter_of(row, range) {
-                    around(place, &[0.0, 1e-3, 3e-2]);
-                }
-            }
-        }
-    }
-
-    /// Where a row is, within a range, in which rows grow.
-    fn parameter_of(&self, row: f64, [mut low, mut high]: [f64; 2]) -> Option<f64> {
-        let is_below = |parameter: f64| self.line_at(parameter).row < row;
-        if !(row.is_finite() && is_below(low) && !is_below(high)) {
-            return None;
-        }
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if is_below(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(0.5 * (low + high))
-    }
-
     /// All lines.
-    fn over_lines(&mut self, range: [f64; 2], mut places: Vec<f64>, budget: usize) -> Integrals {
+    fn over_lines(&mut self, range: [f64; 2], mut places: Vec<f64>, effort: Effort) -> Integrals {
         places.extend(range);
-        self.part_around_occluders(range, &mut places);
         let places = sorted(places, range);
         let mut parts: Vec<Part> = Vec::with_capacity(places.len());
         for pair in places.windows(2) {
-            parts.push(self.part([pair[0], pair[1]]));
+            let ends = [pair[0], pair[1]];
+            let turns = |end: f64| {
+                let mut turns = self.turns.iter();
+                turns.any(|turn| (turn - end).abs() <= self.least)
+            };
+            let turns = ends.map(turns);
+            self.add_parts(Span { ends, turns }, effort.most, &mut parts);
         }
-        let least = NARROWEST * (range[1] - range[0]);
         loop {
             let mut sum = Sum::default();
             let mut worst: Option<(usize, f64)> = None;
             for (index, part) in parts.iter().enumerate() {
                 sum.add(&part.sum, 1.0);
                 let error = self.weighted(&part.sum.error);
-                let can_be_halved = part.ends[1] - part.ends[0] > least;
+                let can_be_halved = part.span.size() > self.least;
                 if can_be_halved && worst.is_none_or(|(_, most)| error > most) {
                     worst = Some((index, error));
                 }
             }
-            let is_enough = self.weighted(&sum.error) <= TOLERANCE * self.weighted(&sum.whole);
-            let Some((index, _)) = worst.filter(|_| !is_enough && self.asked < budget) else {
+            let is_enough =
+                self.weighted(&sum.error) <= effort.tolerance * self.weighted(&sum.whole);
+            let Some((index, _)) = worst.filter(|_| !is_enough && self.asked < effort.most) else {
                 return Integrals {
                     whole: sum.whole,
                     seen: sum.seen,
-                    error: sum.error,
+                    error: std::array::from_fn(|i| sum.error[i] + ROUNDING * sum.whole[i]),
                     occluders: Vec::new(),
                     peak: None,
                     nearest: self.view.middle,
                 };
             };
-            let [from, to] = parts[index].ends;
-            let middle = 0.5 * (from + to);
-            parts[index] = self.part([from, middle]);
-            parts.push(self.part([middle, to]));
+            let span = parts.swap_remove(index).span;
+            let middle = span.ends[0] + 0.5 * span.size();
+            for span in span.parted(&[middle]) {
+                self.add_parts(span, effort.most, &mut parts);
+            }
         }
     }
 
-    fn part(&mut self, ends: [f64; 2]) -> Part {
+    /// Integrates over lines, parted where these differ in structure.
+    fn add_parts(&mut self, span: Span, most: usize, parts: &mut Vec<Part>) {
+        let mut open = vec![span];
+        while let Some(span) = open.pop() {
+            let (mut part, lines) = self.part(span);
+            let differ = |pair: &[Sample]| pair[0].structure != pair[1].structure;
+            let is_one = !lines.windows(2).any(differ);
+            if is_one {
+                parts.push(part);
+                continue;
+            }
+            if self.partings > 0 && self.asked < most && span.size() > 1e3 * self.least {
+                self.partings -= 1;
+                let lines: Vec<_> = lines
+                    .iter()
+                    .map(|line| (line.parameter, line.structure))
+                    .collect();
+                let size = self.least / NARROWEST;
+                let places = sorted(
+                    span.ends
+                        .into_iter()
+                        .chain(self.changes(&lines, size))
+                        .collect(),
+                    span.ends,
+                );
+                if places.len() > 2 {
+                    open.extend(span.parted(&places[1..places.len() - 1]));
+                    continue;
+                }
+            }
+            // Wherever between two lines the change is.
+            for pair in lines.windows(2).filter(|pair| differ(pair)) {
+                let size = pair[1].parameter - pair[0].parameter;
+                for (i, error) in part.sum.error.iter_mut().enumerate() {
+                    *error += size * (pair[1].seen[i] - pair[0].seen[i]).abs();
+                }
+            }
+            parts.push(part);
+        }
+    }
+
+    /// By one rule, with its lines in order, and two more at the ends.
+    fn part(&mut self, span: Span) -> (Part, Vec<Sample>) {
         let (mut fine, mut coarse) = (Sum::default(), Sum::default());
-        for [parameter, of_fine, of_coarse] in nodes(ends) {
+        let mut lines = Vec::with_capacity(17);
+        for [u, of_fine, of_coarse] in nodes([0.0, 1.0]) {
+            let [parameter, speed] = span.at(u);
             let line = self.line_at(parameter);
-            let sum = self.line(&line);
-            fine.add(&sum, of_fine * line.slope);
-            coarse.add(&sum, of_coarse * line.slope);
+            let (sum, structure) = self.line(&line);
+            fine.add(&sum, of_fine * speed * line.slope);
+            coarse.add(&sum, of_coarse * speed * line.slope);
+            lines.push(Sample {
+                parameter,
+                structure,
+                seen: sum.seen.map(|seen| seen * line.slope),
+            });
         }
-        Part {
-            ends,
-            sum: fine.compared(&coarse),
-        }
-    }
-
-    /// One line.
-    fn line(&mut self, line: &Line) -> Sum {
-        self.asked += 1;
-        let mut total = Sum::default();
-        let [first, last] = line.ends;
-        if first >= last {
-            return total;
-        }
-        self.found.clear();
-        for (occluder, hides) in self.occluders.iter().zip(&mut self.hides) {
-            if occluder.is_in_row(line.row) {
-                self.asked += 1;
-                let before = self.found.len();
-                occluder.intervals(self.view, line, &mut self.found);
-                *hides |= self.found.len() > before;
-            }
-        }
-        self.found.sort_by(|a, b| a[0].total_cmp(&b[0]));
-
-        let mut places = Vec::with_capacity(8);
-        places.push(line.zero_of(self.kernel.normal, 0.0));
-        let range = [first, last];
-        let mut around = |s: f64, width: f64| {
-            let direction = line.at(s);
-            let step = width * length(direction) / angular(direction, line.along);
-            graded(s, step, range, &mut places);
-        };
-        around(line.nearest(), 1.0);
-        if let Some((way, exponent)) = self.kernel.lobe {
-            let peak = line.most_along(way);
-            around(peak, lobe_width(way, exponent, line.at(peak)));
-            places.push(line.zero_of(way, 0.0));
-        }
-        // Pieces that are hidden and that are not, in turns.
-        let mut from = first;
-        let mut pieces = Vec::with_capacity(2 * self.found.len() + 1);
-        for &[start, end] in &self.found {
-            if start > from {
-                pieces.push(([from, start], true));
-                from = start;
-            }
-            if end > from {
-                pieces.push(([from, end], false));
-                from = end;
-            }
-        }
-        if last > from {
-            pieces.push(([from, last], true));
-        }
-        let mut smooth = Vec::with_capacity(pieces.len() + places.len());
-        for (ends, is_seen) in pieces {
-            let inside = places.iter().copied();
-            let inside = inside.filter(|&s| s > ends[0] && s < ends[1]);
-            let cuts = sorted(inside.chain(ends).collect(), ends);
-            for pair in cuts.windows(2) {
-                let ends = [pair[0], pair[1]];
-                let (value, error) = self.piece(line, ends);
-                let expected = self.weighted(&value.map(f64::abs));
-                smooth.push((ends, is_seen, value, error, expected));
-            }
-        }
-        let allowed: f64 = LINE_TOLERANCE * smooth.iter().map(|piece| piece.4).sum::<f64>();
-        for (ends, is_seen, value, error, _) in smooth {
-            self.refined(
-                line,
-                ends,
-                is_seen,
-                (value, error),
-                allowed,
-                DEPTH,
-                &mut total,
-            );
-        }
-        total
-    }
-
-    /// Adds a piece, by halves where these are not what the whole is.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "what a piece is, and where it goes"
-    )]
-    fn refined(
-        &self,
-        line: &Line,
-        ends: [f64; 2],
-        is_seen: bool,
-        (value, error): (Triple, Triple),
-        allowed: f64,
-        depth: u32,
-        total: &mut Sum,
-    ) {
-        if depth == 0 || self.weighted(&error) <= allowed {
-            let seen = if is_seen { value } else { [0.0; 3] };
-            let part = Sum {
-                whole: value,
-                seen,
-                error,
+        lines.sort_by(|a, b| a.parameter.total_cmp(&b.parameter));
+        let within = (WITHIN * span.size()).max(WITHIN_ALL / NARROWEST * self.least);
+        if !self.occluders.is_empty() && within < 1e-3 * span.size() {
+            let [from, to] = span.ends;
+            let mut sample = |parameter: f64, like: Sample| Sample {
+                parameter,
+                structure: self.structure_at(parameter, NARROWEST),
+                ..like
             };
-            total.add(&part, 1.0);
-            return;
+            let first = sample(from + within, lines[0]);
+            let last = sample(to - within, lines[lines.len() - 1]);
+            lines.insert(0, first);
+            lines.push(last);
         }
-        let middle = 0.5 * (ends[0] + ends[1]);
-        for semi in [[ends[0], middle], [middle, ends[1]]] {
-            let of_half = self.piece(line, semi);
-            self.refined(line, semi, is_seen, of_half, allowed, depth - 1, total);
-        }
+        let sum = fine.compared(&coarse);
+        (Part { span, sum }, lines)
     }
-
-    /// A smooth piece of a line, by one rule, and how far the coarser one is from that.
-    fn piece(&self, line: &Line, ends: [f64; 2]) -> (Triple, Triple) {
-        let (mut fine, mut coarse) = ([0.0; 3], [0.0; 3]);
-        for [s, of_fine, of_coarse] in nodes(ends) {
-            let values = self.kernel.at(self.view, line.at(s));
-            for (i, value) in values.into_iter().enumerate() {
-                fine[i] += of_fine * value;
-                coarse[i] += of_coarse * value;
-            }
-        }
-        (fine, std::array::from_fn(|i| (fine[i] - coarse[i]).abs()))
-    }
-}
-
-impl Kernel {
-    fn at(&self, view: &View, direction: Vector) -> Triple {
-        let density = view.density(direction);
-        let cos = cosine(self.normal, direction).max(0.0);
-        let lobe = self.lobe.map_or(0.0, |(way, exponent)| {
-            let cos_lobe = cosine(way, direction);
-            let power = if cos_lobe <= 0.0 {
-                0.0
-            } else if cos_lobe < 0.5 {
-                cos_lobe.powf(exponent)
-            } else {
-                // Close to 1 its last digits are what a large n is about.
-                let sine = length(cross(way, direction)) / length(direction);
-                (0.5 * exponent * (-sine * sine).ln_1p()).exp()
-            };
-            power * if self.lobe_has_cosine { cos } else { 1.0 }
-        });
-        [density, density * cos, density * lobe]
-    }
-}
-
-/// ‖ω × way‖ for the unit vector ω of a direction: how fast a direction turns on that way, times its length.
-fn angular(direction: Vector, way: Vector) -> f64 {
-    length(cross(direction, way)) / length(direction)
 }
 
 /// Adds places around one, each step three times the one before.

@@ -10,10 +10,15 @@ use super::super::vector::{
     Vector, WideVector, add, cross, dot, length, narrowed, scale, subtract,
 };
 use super::super::wide::{Real, Wide};
+use super::curve::Curve;
+use super::polynomial::quadratic;
 use super::view::{Line, View};
 
 /// Of bounds, relative: far more than f64 is off.
 const ROOM: f64 = 1e-9;
+
+/// Sines of angles within which a point is looked at as if it were on an edge.
+const NEAR: f64 = 1e-7;
 
 /// A surface that may stand between p and a light, relative to p.
 #[derive(Clone, Debug)]
@@ -21,7 +26,11 @@ pub(super) struct Occluder {
     /// The index of its surface.
     pub(super) surface: usize,
     /// The rows of the light before which it may be.
-    pub(super) rows: [f64; 2],
+    rows: [f64; 2],
+    /// The same along the lines.
+    columns: [f64; 2],
+    /// Where it begins and ends on the light, and where it passes through the light.
+    pub(super) curves: Vec<Curve>,
     shape: Between,
     /// What coordinates may be off by.
     room: f64,
@@ -175,12 +184,35 @@ impl Occluder {
             }
         };
         let is_before = |[from, to]: [f64; 2]| from <= 1.0 + ROOM && to >= -1.0 - ROOM;
-        extents.into_iter().all(is_before).then_some(Self {
+        extents.into_iter().all(is_before).then(|| Self {
             surface: index,
             rows: extents[0],
+            columns: extents[1],
+            curves: shape.curves(view),
             shape,
             room,
         })
+    }
+
+    /// Whether it and another may be before the same points.
+    pub(super) fn may_meet(&self, other: &Self) -> bool {
+        let overlap = |a: [f64; 2], b: [f64; 2]| a[0] <= b[1] + ROOM && b[0] <= a[1] + ROOM;
+        overlap(self.rows, other.rows) && overlap(self.columns, other.columns)
+    }
+
+    /// Whether its shadow may begin or end at a point that is on one of its curves: others of its edges are not passed.
+    pub(super) fn may_end_at(&self, direction: Vector) -> bool {
+        let Between::Flat {
+            bounds: Bounds::Edges(edges),
+            ..
+        } = &self.shape
+        else {
+            return true;
+        };
+        let size = length(direction);
+        edges
+            .iter()
+            .all(|&edge| dot(edge, direction) >= -NEAR * size * length(edge))
     }
 
     /// Whether it may be before a row.
@@ -188,91 +220,28 @@ impl Occluder {
         self.rows[0] - ROOM <= row && row <= self.rows[1] + ROOM
     }
 
-    /// From where to where on a line it is in the way.
-    pub(super) fn intervals(&self, view: &View, line: &Line, found: &mut Vec<[f64; 2]>) {
+    /// From where to where on a line it is in the way; the shadows' curves are numbered from `number` on.
+    pub(super) fn intervals(&self, view: &View, line: &Line, number: u32, found: &mut Vec<Hidden>) {
         let [first, last] = line.ends;
-        let mut places = [0.0; 16];
+        let mut places = [(0.0, 0); 16];
         let mut count = 0;
-        let mut add = |s: f64| {
-            if s > first && s < last && count < places.len() {
-                places[count] = s;
-                count += 1;
-            }
-        };
-        match &self.shape {
-            Between::Flat {
-                normal,
-                offset,
-                bounds,
-            } => {
-                match bounds {
-                    Bounds::All => add(line.zero_of(*normal, 0.0)),
-                    Bounds::Edges(edges) => {
-                        for &edge in edges {
-                            add(line.zero_of(edge, 0.0));
-                        }
-                    }
-                    Bounds::Round { center, radius } => {
-                        circle(line, *normal, *offset, *center, *radius)
-                            .into_iter()
-                            .for_each(&mut add);
-                    }
-                }
-                match &view.sphere {
-                    None => add(line.zero_of(*normal, *offset)),
-                    Some(sphere) => circle(line, *normal, *offset, sphere.center, sphere.radius)
-                        .into_iter()
-                        .for_each(&mut add),
-                }
-            }
-            Between::Ball {
-                center,
-                radius,
-                power,
-                side,
-            } => {
-                if *side == Side::On {
-                    add(line.zero_of(*center, 0.0));
-                } else {
-                    // (d·m)² = ‖d‖² power
-                    let at = |v: Vector| dot(v, *center);
-                    let (a, b) = (at(line.along), at(line.start));
-                    quadratic(
-                        a * a - power * dot(line.along, line.along),
-                        a * b - power * dot(line.along, line.start),
-                        b * b - power * dot(line.start, line.start),
-                    )
-                    .into_iter()
-                    .for_each(&mut add);
-                }
-                match &view.sphere {
-                    None => {
-                        let from = subtract(line.start, *center);
-                        quadratic(
-                            dot(line.along, line.along),
-                            dot(line.along, from),
-                            dot(from, from) - radius * radius,
-                        )
-                        .into_iter()
-                        .for_each(&mut add);
-                    }
-                    Some(sphere) => {
-                        // Both spheres meet in a plane.
-                        let normal = subtract(*center, sphere.center);
-                        let offset = 0.5 * (power - sphere.power);
-                        circle(line, normal, offset, sphere.center, sphere.radius)
-                            .into_iter()
-                            .for_each(&mut add);
-                    }
+        for (curve, number) in self.curves.iter().zip(number..) {
+            for s in curve.on(line.row) {
+                if s > first && s < last && count < places.len() {
+                    places[count] = (s, number);
+                    count += 1;
                 }
             }
         }
         let places = &mut places[..count];
-        places.sort_by(f64::total_cmp);
-        let mut from = first;
-        for to in places.iter().copied().chain([last]) {
-            if to > from && self.stands_before(view, line.at(0.5 * (from + to))) {
-                found.push([from, to]);
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut from = (first, Hidden::END);
+        for to in places.iter().copied().chain([(last, Hidden::END)]) {
+            if to.0 > from.0 && self.stands_before(view, line.at(0.5 * (from.0 + to.0))) {
+                found.push(Hidden {
+                    ends: [from.0, to.0],
+                    curves: [from.1, to.1],
+                });
             }
             from = to;
         }
@@ -322,6 +291,69 @@ impl Occluder {
                 }
             }
         }
+    }
+}
+
+/// What is hidden of a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hidden {
+    pub(super) ends: [f64; 2],
+    /// The numbers of the curves at the ends.
+    pub(super) curves: [u32; 2],
+}
+
+impl Hidden {
+    /// The number of the end of a line.
+    pub(super) const END: u32 = u32::MAX;
+}
+
+impl Between {
+    fn curves(&self, view: &View) -> Vec<Curve> {
+        let mut curves = Vec::with_capacity(5);
+        match self {
+            Self::Flat {
+                normal,
+                offset,
+                bounds,
+            } => {
+                let plane = (*normal, *offset);
+                match bounds {
+                    Bounds::All => curves.push(Curve::straight(view, *normal, 0.0)),
+                    Bounds::Edges(edges) => {
+                        curves.extend(edges.iter().map(|&edge| Curve::straight(view, edge, 0.0)));
+                    }
+                    Bounds::Round { center, radius } => {
+                        curves.push(Curve::circle(view, plane, (*center, *radius)));
+                    }
+                }
+                curves.push(match &view.sphere {
+                    None => Curve::straight(view, *normal, *offset),
+                    Some(sphere) => Curve::circle(view, plane, (sphere.center, sphere.radius)),
+                });
+            }
+            Self::Ball {
+                center,
+                radius,
+                power,
+                side,
+            } => {
+                curves.push(if *side == Side::On {
+                    Curve::straight(view, *center, 0.0)
+                } else {
+                    Curve::cone(view, *center, *power)
+                });
+                curves.push(match &view.sphere {
+                    None => Curve::sphere(view, *center, *radius),
+                    Some(sphere) => {
+                        // Both spheres meet in a plane.
+                        let normal = subtract(*center, sphere.center);
+                        let offset = 0.5 * (power - sphere.power);
+                        Curve::circle(view, (normal, offset), (sphere.center, sphere.radius))
+                    }
+                });
+            }
+        }
+        curves
     }
 }
 
@@ -399,29 +431,4 @@ fn edges(corners: &[Vector]) -> Vec<Vector> {
             scale(normal, dot(normal, middle).signum())
         })
         .collect()
-}
-
-/// Where the directions to a line pass a circle: what a plane at `offset` has in common with a sphere.
-fn circle(line: &Line, normal: Vector, offset: f64, center: Vector, radius: f64) -> [f64; 2] {
-    // ‖offset d − (n·d) c‖² = R² (n·d)²
-    let part = |d: Vector| {
-        let along = dot(normal, d);
-        (
-            subtract(scale(d, offset), scale(center, along)),
-            radius * along,
-        )
-    };
-    let ((a, of_a), (b, of_b)) = (part(line.along), part(line.start));
-    quadratic(
-        dot(a, a) - of_a * of_a,
-        dot(a, b) - of_a * of_b,
-        dot(b, b) - of_b * of_b,
-    )
-}
-
-/// The roots of a s² + 2 b s + c; not a number where there are none.
-fn quadratic(a: f64, b: f64, c: f64) -> [f64; 2] {
-    let root = (b * b - a * c).sqrt();
-    let larger = -(b + root.copysign(b));
-    [larger / a, c / larger]
 }

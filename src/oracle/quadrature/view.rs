@@ -47,6 +47,8 @@ pub(super) struct Line {
     pub(super) start: Vector,
     pub(super) along: Vector,
     pub(super) ends: [f64; 2],
+    /// How long it is to both sides, where no horizon cuts it.
+    pub(super) semi: f64,
     /// Which one it is, −1 to 1.
     pub(super) row: f64,
     /// How fast the row changes.
@@ -190,6 +192,7 @@ impl View {
             start: add(self.middle, scale(self.across, row)),
             along: self.along,
             ends: [-semi, semi],
+            semi,
             row,
             slope,
         };

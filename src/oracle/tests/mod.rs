@@ -4,6 +4,7 @@ mod area;
 mod geometry;
 mod invariance;
 mod light;
+mod slivers;
 mod visibility;
 
 use std::sync::Arc;
