@@ -8,6 +8,7 @@ mod areas;
 mod bad_scenes;
 mod blessed;
 mod cameras;
+mod cie_171;
 mod cli;
 mod clients;
 mod closed_form;
