@@ -48,6 +48,7 @@ mod reading;
 mod relight;
 mod scenes_in_code;
 mod schema;
+mod soft_shadows;
 mod spectral_image;
 mod stated;
 mod streaming;
