@@ -363,7 +363,7 @@ fn scene_files_agree() {
     let scenes = scene_files().into_iter().map(|path| {
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let width = affordable_width(&scene);
-        (name_of(&path), at_width(&scene, width))
+        (name_of(&path), at_width(scene, width))
     });
     let (areas, points): (Vec<_>, Vec<_>) = scenes.partition(|(_, scene)| has_areas(scene));
     judge("scene files", WORST, &points);

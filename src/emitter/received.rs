@@ -46,22 +46,25 @@ impl Emitter {
     /// What a point receives where nothing is in the way. `None` where it sees nothing of the emitter: from
     /// behind, from its plane, from within a sphere, and where all of it is below the horizon.
     pub(crate) fn received(&self, point: Point, receiver: &Receiver) -> Option<Received> {
-        let part = self.above(point, receiver)?;
-        let received = match &part {
-            Part::Whole(corners) => receiver.of_polygon(corners),
-            Part::Cut(Outline::Polygon(polygon)) => receiver.of_polygon(polygon.corners()),
-            Part::Cut(Outline::Conic(conic)) => receiver.of_conic(conic),
+        let received = match self.seen_from(point)?.clipped(receiver.horizon)? {
+            Outline::Polygon(polygon) => receiver.of_polygon(polygon.corners()),
+            Outline::Conic(conic) => receiver.of_conic(&conic),
         };
         (received.solid_angle > 0.0).then_some(received)
     }
 
     /// The same, with a solid angle of 0 wherever there is an irradiance: that of all points that are shaded.
     pub(crate) fn received_by_lobes(&self, point: Point, receiver: &Receiver) -> Option<Received> {
-        let part = self.above(point, receiver)?;
-        let received = match &part {
-            Part::Whole(corners) => receiver.lobes_of_polygon(corners),
-            Part::Cut(Outline::Polygon(polygon)) => receiver.lobes_of_polygon(polygon.corners()),
-            Part::Cut(Outline::Conic(conic)) => receiver.lobes_of_conic(conic),
+        let horizon = receiver.horizon.get();
+        let is_above = |corner: &DVec3| horizon.dot(*corner) >= 0.0;
+        let whole = self.corners_from(point);
+        let received = match whole.filter(|corners| corners.iter().all(is_above)) {
+            // Of what is not cut, nothing is copied.
+            Some(corners) => receiver.lobes_of_polygon(&corners),
+            None => match self.seen_from(point)?.clipped(receiver.horizon)? {
+                Outline::Polygon(polygon) => receiver.lobes_of_polygon(polygon.corners()),
+                Outline::Conic(conic) => receiver.lobes_of_conic(&conic),
+            },
         };
         if received.irradiance > 0.0 {
             Some(received)
@@ -69,25 +72,6 @@ impl Emitter {
             self.received(point, receiver)
         }
     }
-
-    /// What is above the horizon.
-    fn above(&self, point: Point, receiver: &Receiver) -> Option<Part> {
-        let horizon = receiver.horizon.get();
-        if let Some(corners) = self.corners_from(point)
-            && corners.iter().all(|&corner| horizon.dot(corner) >= 0.0)
-        {
-            return Some(Part::Whole(corners));
-        }
-        let outline = self.seen_from(point)?.clipped(receiver.horizon)?;
-        Some(Part::Cut(outline))
-    }
-}
-
-/// What a point sees of an emitter above its horizon.
-enum Part {
-    /// All of a rectangle, of which nothing is copied.
-    Whole([DVec3; 4]),
-    Cut(Outline),
 }
 
 impl Receiver {

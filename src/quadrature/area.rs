@@ -106,7 +106,7 @@ pub(super) fn geometry(
     let Some(sight) = Sight::new(&light.emitter, &place, material) else {
         return unknown;
     };
-    let fixed = surface.fixed_normal().and_then(Normal::new);
+    let fixed = surface.plane().and_then(|[_, normal]| Normal::new(normal));
     let Some(models) = sight.models(&place, fixed, slopes) else {
         return unknown;
     };

@@ -226,8 +226,7 @@ impl Quadrature<'_> {
         (b, second): (u64, &Solid),
     ) -> Option<Edge> {
         let (to_first, to_second) = (first.approach(view)?, second.approach(view)?);
-        // 1/t is facing/height: of the nearer one it is larger.
-        let inside = to_first.facing * to_second.height - to_second.facing * to_first.height;
+        let inside = to_first.before(&to_second);
         let surfaces = (Surface::new(view, first)?, Surface::new(view, second)?);
         let (of_first, of_second) = (Beside::new(view, a, first), Beside::new(view, b, second));
         Some(Edge {

@@ -339,7 +339,7 @@ impl<'w> Quadrature<'w> {
 
     /// Asks what is not known yet of a part of a square.
     fn refine(&mut self, square: Square, view: &View, known: Told) -> (Told, Option<Surface>) {
-        let primary = self.primary(square, known.primary);
+        let primary = self.primary(square, view, known.primary);
         let Primary::One(shape) = primary else {
             let told = Told {
                 primary,

@@ -6,11 +6,12 @@ use super::area::Slopes;
 use super::light::geometry;
 use super::model::Model;
 use super::surface::{Square, Surface, View};
-use super::{Primary, Quadrature, Range, Reach, Told};
+use super::{List, Primary, Quadrature, Range, Reach, Told};
 use crate::camera::Projection;
 use crate::emitter::Surface as EmitterSurface;
 use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
 use crate::world::Light;
+use crate::world::light::AreaLight;
 
 impl<'w> Quadrature<'w> {
     /// L of a surface under some lights, per primary.
@@ -178,6 +179,13 @@ impl<'w> Quadrature<'w> {
                 self.light_share(surface, shape, light, Slopes::Left)
             };
             let limits = self.limits(Some(surface), shape, light);
+            let part = match reach {
+                // Nothing else is in the square, and how much of a light is seen has no jumps.
+                Reach::Several(list) if is_area && known.is_some() => {
+                    self.most_of_border(surface, light, list)
+                }
+                _ => 1.0,
+            };
             for (channel, (term, [lowest, highest])) in terms.iter().zip(limits).enumerate() {
                 let (least, most) = (term.least().max(lowest), term.most().min(highest));
                 range.add(
@@ -185,7 +193,7 @@ impl<'w> Quadrature<'w> {
                     if reach == Reach::Lit {
                         [least, most]
                     } else {
-                        [least.min(0.0), most.max(0.0)]
+                        [least.min(0.0) * part, most.max(0.0) * part]
                     },
                 );
             }
@@ -194,6 +202,33 @@ impl<'w> Quadrature<'w> {
         self.reaches.truncate(kept);
         let mut all = range.least.iter().chain(&range.most);
         all.all(|value| value.is_finite()).then_some(range)
+    }
+
+    /// How much of a light may come into view between two points of a surface, past shapes of a list: as a part of all
+    /// of it, for estimates. The border of a shadow that falls on the light moves across it as far as the points are
+    /// apart, the farther the nearer to them the shape is.
+    fn most_of_border(&self, surface: &Surface, light: usize, list: List) -> f64 {
+        let Some(AreaLight { emitter, .. }) = self.world.lights()[light].value.area() else {
+            return 1.0;
+        };
+        let (place, apart) = (surface.position.center(), 2.0 * surface.position.radius());
+        let distance = (emitter.center().0 - place).length();
+        let over_width = match emitter.surface() {
+            EmitterSurface::Rectangle([a, b, c, _]) => {
+                2.0 / (b - a).length() + 2.0 / (c - b).length()
+            }
+            EmitterSurface::Disk { radius, .. } | EmitterSurface::Sphere { radius } => 2.0 / radius,
+        };
+        let shapes = self.list(list).iter();
+        let parts = shapes.map(|&shape| {
+            let nearest = self.solid(shape).distance(place) - apart;
+            if nearest > 0.0 {
+                apart * (distance / nearest) * over_width
+            } else {
+                1.0
+            }
+        });
+        parts.fold(0.0, f64::max).min(1.0)
     }
 
     /// What a shape is anywhere, by its distance from the lights alone.

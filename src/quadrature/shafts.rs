@@ -143,7 +143,7 @@ impl Quadrature<'_> {
         }
     }
 
-    pub(super) fn primary(&mut self, square: Square, known: Primary) -> Primary {
+    pub(super) fn primary(&mut self, square: Square, view: &View, known: Primary) -> Primary {
         let shaft = match known {
             Primary::Background | Primary::One(_) => return known,
             Primary::Unasked | Primary::Several(_) | Primary::Many => self.window(square),
@@ -161,8 +161,28 @@ impl Quadrature<'_> {
         match answer {
             ShaftAnswer::Nothing => Primary::Background,
             ShaftAnswer::All(shape) => Primary::One(shape),
-            ShaftAnswer::These => Primary::Several(self.keep()),
+            ShaftAnswer::These => {
+                self.drop_hidden(view);
+                match self.space.list[..] {
+                    [shape] if self.solid(shape).is_all_over(view) => Primary::One(shape),
+                    _ => Primary::Several(self.keep()),
+                }
+            }
             ShaftAnswer::TooMany => Primary::Many,
+        }
+    }
+
+    /// Drops, of the list of the last answer, what is behind a shape that all rays meet: shafts tell that of boxes
+    /// around shapes, this of planes too, which all go on to where others end.
+    fn drop_hidden(&mut self, view: &View) {
+        let shapes = self.space.list.clone();
+        for &front in &shapes {
+            let solid = self.solid(front);
+            if self.space.list.contains(&front) && solid.is_all_over(view) {
+                self.drop_from_list(|quadrature, other| {
+                    other != front && quadrature.solid(other).is_behind(&solid, view)
+                });
+            }
         }
     }
 
@@ -419,8 +439,9 @@ impl Quadrature<'_> {
             };
         }
         // The horizon of what is flat cuts the light alike everywhere.
+        let plane = surface.plane();
         let is_above = |corner: DVec3| {
-            (surface.is_flat() || surface.height(corner).least() > room)
+            (plane.is_some() || surface.height(corner).least() > room)
                 && (!surface.is_smooth() || surface.shading_height(corner).least() > room)
         };
         let may_be_lit = nearest(emitter, bounds) > room && corners.clone().all(is_above);
@@ -449,18 +470,25 @@ impl Quadrature<'_> {
         match answer {
             ShaftAnswer::TooMany | ShaftAnswer::All(_) => Reach::Many,
             ShaftAnswer::Nothing if may_be_lit => Reach::Lit,
-            ShaftAnswer::Nothing => Reach::Many,
+            ShaftAnswer::Nothing => {
+                self.space.list.clear();
+                Reach::Several(self.keep())
+            }
             ShaftAnswer::These => {
                 let beside =
                     beside.filter(|beside| corners.clone().all(|corner| beside.is_before(corner)));
                 self.drop_from_list(|quadrature, other| {
                     quadrature.is_of(light, other)
                         || beside.is_some_and(|beside| beside.shape == other)
+                        // Below the horizon nothing is hidden.
+                        || plane.is_some_and(|[point, normal]| {
+                            quadrature.solid(other).is_above(point, -normal)
+                        })
                 });
-                match self.space.list.is_empty() {
-                    true if may_be_lit => Reach::Lit,
-                    true => Reach::Many,
-                    false => Reach::Several(self.keep()),
+                if self.space.list.is_empty() && may_be_lit {
+                    Reach::Lit
+                } else {
+                    Reach::Several(self.keep())
                 }
             }
         }

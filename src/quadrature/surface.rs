@@ -135,6 +135,12 @@ impl Solid {
 
     /// Whether all rays through a square meet it, as far as they get.
     pub(super) fn is_all_over(&self, view: &View) -> bool {
+        if !self
+            .approach(view)
+            .is_some_and(|approach| approach.is_met())
+        {
+            return false;
+        }
         match *self {
             Self::Sphere { .. } | Self::Disk { .. } => false,
             Self::Plane { .. } => true,
@@ -146,19 +152,40 @@ impl Solid {
         }
     }
 
+    /// Whether all of it is behind another one that all rays meet.
+    pub(super) fn is_behind(&self, front: &Self, view: &View) -> bool {
+        let Some((to_front, [point, _])) = front.approach(view).zip(front.plane()) else {
+            return false;
+        };
+        let is_plane_behind = || {
+            let to_plane = self.approach(view);
+            to_plane.is_some_and(|to_plane| to_front.before(&to_plane).least() > 0.0)
+        };
+        // What is in its plane may be seen in its place.
+        self.height_above(point, -to_front.normal) > 1.0 || is_plane_behind()
+    }
+
     /// Whether all of it is on the side of a plane that the normal points to, or in it.
     pub(super) fn is_above(&self, point: DVec3, normal: DVec3) -> bool {
-        let is_above =
-            |place: DVec3, reach: f64| normal.dot(place - point) - reach >= -rounding(place, point);
+        self.height_above(point, normal) >= -1.0
+    }
+
+    /// How high it is above a plane at least, in units of what rounding may make of 0.
+    fn height_above(&self, point: DVec3, normal: DVec3) -> f64 {
+        let height =
+            |place: DVec3, reach: f64| (normal.dot(place - point) - reach) / rounding(place, point);
         match *self {
-            Self::Sphere { center, radius } => is_above(center, radius),
-            Self::Plane { .. } => false,
+            Self::Sphere { center, radius } => height(center, radius),
+            Self::Plane { .. } => f64::NEG_INFINITY,
             Self::Disk {
                 center,
                 normal: across,
                 radius,
-            } => is_above(center, radius * normal.cross(across).length()),
-            Self::Triangle { corners, .. } => corners.iter().all(|&corner| is_above(corner, 0.0)),
+            } => height(center, radius * normal.cross(across).length()),
+            Self::Triangle { corners, .. } => {
+                let heights = corners.map(|corner| height(corner, 0.0));
+                heights.into_iter().fold(f64::INFINITY, f64::min)
+            }
         }
     }
 
@@ -262,9 +289,9 @@ enum Normal {
 /// How rays get to a plane, all from one side of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Approach {
-    /// Of their origins over the plane.
+    /// Of their origins over the plane: above 0.
     pub(super) height: Model,
-    /// −n·ω, above 0: the distance is height/facing.
+    /// −n·ω: the distance is height/facing where that is above 0, elsewhere they do not get there.
     pub(super) facing: Model,
     /// n, on the side that they come from.
     pub(super) normal: DVec3,
@@ -272,19 +299,27 @@ pub(super) struct Approach {
 
 impl Approach {
     fn new(view: &View, point: DVec3, normal: DVec3) -> Option<Self> {
-        let facing = -view.direction.along(normal);
-        let (facing, normal) = if facing.center < 0.0 {
-            (-facing, -normal)
-        } else {
-            (facing, normal)
-        };
         let height = view.origin.minus(point).along(normal);
-        let is_before = facing.least() > 0.0 && height.least() > 0.0;
-        is_before.then_some(Self {
+        let (height, normal) = if height.center < 0.0 {
+            (-height, -normal)
+        } else {
+            (height, normal)
+        };
+        (height.least() > 0.0).then(|| Self {
             height,
-            facing,
+            facing: -view.direction.along(normal),
             normal,
         })
+    }
+
+    /// Whether all rays get there.
+    fn is_met(&self) -> bool {
+        self.facing.least() > 0.0
+    }
+
+    /// Where rays get there before they get to another plane: 1/t is facing/height, and larger of the nearer one.
+    pub(super) fn before(&self, other: &Self) -> Model {
+        self.facing * other.height - other.facing * self.height
     }
 }
 
@@ -347,7 +382,7 @@ impl Surface {
             height,
             facing,
             normal,
-        } = Approach::new(view, point, normal)?;
+        } = Approach::new(view, point, normal).filter(Approach::is_met)?;
         let distance = height * facing.reciprocal();
         distance.is_known().then(|| Self {
             distance,
@@ -447,16 +482,11 @@ impl Surface {
         }
     }
 
-    /// Whether it is flat, whatever its normals.
-    pub(super) fn is_flat(&self) -> bool {
-        !matches!(self.normal, Normal::Round { .. })
-    }
-
-    /// The geometric normal, where it is the same everywhere.
-    pub(super) fn fixed_normal(&self) -> Option<DVec3> {
+    /// A point and the geometric normal of the plane that it is in, unless it is round.
+    pub(super) fn plane(&self) -> Option<[DVec3; 2]> {
         match self.normal {
-            Normal::Flat { normal, .. } => Some(normal),
-            Normal::Smooth { flat, .. } => Some(flat),
+            Normal::Flat { point, normal } => Some([point, normal]),
+            Normal::Smooth { point, flat, .. } => Some([point, flat]),
             Normal::Round { .. } => None,
         }
     }
