@@ -1,4 +1,6 @@
-//! L9 over a square of the image, of a light with an area of which nothing is hidden: a model of what arrives.
+//! L9 over a square of the image, of a light with an area: a model of what arrives.
+//!
+//! Where nothing of the light is hidden, it is proven.
 //!
 //! With x on the light, r = x − p, u = r/|r| and n_x the light's normal, both lobes are integrals of
 //!
@@ -16,12 +18,18 @@
 //! A part of a sphere comes into view as p moves. At its rim n_x·r is 0, so that the first derivatives are those of
 //! what is seen; the second ones have ∮ (n_x·p′)²/|r|³ dl/|∇(n_x·r)| more, where |∇(n_x·r)| is |r|/R on a sphere of
 //! radius R: at most 2πR² a²/d⁴.
+//!
+//! Past shapes that hide a part of the light, what arrives is computed in the middle of the square and at the middles of
+//! its sides (`Emitter::received_past`), and how it bends is an estimate from these. Where borders of shadows are
+//! wider than some squares, it is smooth enough for that, as nothing narrower can be in it.
 
 use std::f64::consts::{PI, TAU};
 
 use super::model::{Model, Vector};
 use super::surface::Surface;
-use crate::emitter::{Emitter, Gloss, Receiver, Surface as EmitterSurface};
+use crate::emitter::{
+    Accuracy, Emitter, Gloss, Occluder, Received, Receiver, ShadowSpace, Surface as EmitterSurface,
+};
 use crate::math::{DVec3, Direction, Normal, Point};
 use crate::world::light::AreaLight;
 use crate::world::material::Model as Reflection;
@@ -33,6 +41,21 @@ pub(super) enum Slopes {
     Told,
     Left,
 }
+
+/// What hides a part of a light.
+pub(super) struct Past<'a> {
+    pub(super) occluders: &'a [Occluder],
+    pub(super) space: &'a mut ShadowSpace,
+}
+
+/// How far what arrives past shapes may be off, as a part of what arrives with nothing in the way.
+const ACCURACY: Accuracy = Accuracy {
+    relative: 1e-6,
+    most_cells: 65_536,
+};
+
+/// Second differences of what arrives past shapes are taken to be larger by this.
+const BEND_MARGIN: f64 = 2.0;
 
 /// What the lobes are functions of.
 #[derive(Clone, Copy)]
@@ -91,6 +114,7 @@ pub(super) fn geometry(
     light: &AreaLight,
     material: &Material,
     slopes: Slopes,
+    past: Option<Past<'_>>,
 ) -> Lobes<Model> {
     let unknown = Lobes {
         diffuse: Model::UNKNOWN,
@@ -107,7 +131,11 @@ pub(super) fn geometry(
         return unknown;
     };
     let fixed = surface.plane().and_then(|[_, normal]| Normal::new(normal));
-    let Some(models) = sight.models(&place, fixed, slopes) else {
+    let models = match past {
+        None => sight.models(&place, fixed, slopes),
+        Some(mut past) => sight.estimates(&place, fixed, &mut past),
+    };
+    let Some(models) = models else {
         return unknown;
     };
     let [diffuse, specular] = models.map(|model| model.times(light.over_area()));
@@ -179,20 +207,89 @@ impl<'a> Sight<'a> {
         Some(models)
     }
 
+    /// The same past shapes, as an estimate.
+    fn estimates(
+        &self,
+        place: &Place,
+        fixed: Option<Normal>,
+        past: &mut Past<'_>,
+    ) -> Option<[Model; 2]> {
+        let mut at = |place_in_square| self.values_past(place, fixed, place_in_square, past);
+        let middle = at([0.0; 3])?;
+        let axes = 2 + usize::from(place.position.has_third());
+        let mut ends = [[middle; 2]; 3];
+        for (axis, ends) in ends.iter_mut().enumerate().take(axes) {
+            let mut end = [0.0; 3];
+            end[axis] = 1.0;
+            let after = at(end)?;
+            end[axis] = -1.0;
+            *ends = [after, at(end)?];
+        }
+        let beside = self.bounds(&place.speed(|vector| [vector.rest(), 0.0]));
+        let mut models = [Model::UNKNOWN; 2];
+        for (lobe, model) in models.iter_mut().enumerate() {
+            let slope = ends.map(|[after, before]| 0.5 * (after[lobe] - before[lobe]));
+            let bend = ends.map(|[after, before]| {
+                BEND_MARGIN * (after[lobe] - 2.0 * middle[lobe] + before[lobe]).abs()
+            });
+            let rest = 0.5 * bend.iter().sum::<f64>() + beside[lobe].0[1];
+            let first = [0, 1].map(|axis: usize| slope[axis].abs() + bend[axis]);
+            *model = Model::known(middle[lobe], slope, rest, first, [bend[0], bend[1]]);
+        }
+        Some(models)
+    }
+
+    /// Both integrals at a place, along the linear parts, past shapes.
+    fn values_past(
+        &self,
+        place: &Place,
+        fixed: Option<Normal>,
+        at: [f64; 3],
+        past: &mut Past<'_>,
+    ) -> Option<[f64; 2]> {
+        let horizon = match fixed {
+            Some(normal) => normal,
+            None => Normal::new(place.normal.at(at))?,
+        };
+        self.receive(place, horizon, at, |emitter, point, receiver| {
+            let size = (point.0.abs() + emitter.center().0.abs()).max_element();
+            let seen = emitter.received_past(
+                point,
+                receiver,
+                past.occluders,
+                1e-12 * size,
+                &ACCURACY,
+                past.space,
+            );
+            seen.map(|seen| seen.value)
+        })
+    }
+
     /// Both integrals at a place, along the linear parts.
     fn values(&self, place: &Place, fixed: Option<Normal>, at: [f64; 3]) -> Option<[f64; 2]> {
-        let position = Point(place.position.at(at));
-        let way = place.normal.at(at);
-        let normal = Normal::new(way)?;
+        let position = place.position.at(at);
         let horizon = match (fixed, self.emitter.normal()) {
             (Some(normal), _) => normal,
             // All of the light is above the horizon; this one has all of it above, too.
             (None, Some(across)) => {
-                let side = across.get().dot(self.emitter.center().0 - position.0);
+                let side = across.get().dot(self.emitter.center().0 - position);
                 Normal::new(across.get() * side.signum())?
             }
-            (None, None) => Normal::new(self.emitter.center().0 - position.0)?,
+            (None, None) => Normal::new(self.emitter.center().0 - position)?,
         };
+        self.receive(place, horizon, at, Emitter::received_by_lobes)
+    }
+
+    fn receive(
+        &self,
+        place: &Place,
+        horizon: Normal,
+        at: [f64; 3],
+        received: impl FnOnce(&Emitter, Point, &Receiver) -> Option<Received>,
+    ) -> Option<[f64; 2]> {
+        let position = Point(place.position.at(at));
+        let way = place.normal.at(at);
+        let normal = Normal::new(way)?;
         let axis = place.axis.at(at);
         let gloss = match &self.lobe {
             None => None,
@@ -207,8 +304,7 @@ impl<'a> Sight<'a> {
             normal,
             gloss,
         };
-        let received = self.emitter.received_by_lobes(position, &receiver);
-        let received = received.unwrap_or_default();
+        let received = received(self.emitter, position, &receiver).unwrap_or_default();
         let (size, scale) = (
             way.length(),
             gloss.map_or(1.0, |gloss| libm::pow(axis.length(), gloss.shininess)),

@@ -4,6 +4,7 @@
 use super::area::Slopes;
 use super::clip::Clip;
 use super::model::{Model, Vector};
+use super::radiance::Arriving;
 use super::shafts::Beside;
 use super::surface::{Silhouette, Solid, Square, Surface, View, one_of, within_rim};
 use super::{List, Mean, Primary, Quadrature, Reach, Told};
@@ -14,6 +15,8 @@ use crate::visibility::{ShaftAnswer, ShaftQuestion};
 struct Side {
     radiance: [Model; 3],
     alpha: f64,
+    /// Whether it is proven.
+    is_bound: bool,
 }
 
 /// An edge, and what is on its sides.
@@ -46,16 +49,17 @@ impl Quadrature<'_> {
     /// The border of one light's shadow of one shape, or the terminator of one light.
     fn shadow(&mut self, told: &Told, shape: u64, surface: &Surface) -> Option<Edge> {
         let count = self.world.lights().len();
+        // Shadows of lights with an area have no such border.
+        let is_open = |&light: &usize| {
+            let reach = self.reaches[told.reaches + light];
+            let has_area = self.world.lights()[light].value.area().is_some();
+            !has_area && !matches!(reach, Reach::Lit | Reach::Dark)
+        };
+        let mut open = (0..count).filter(is_open);
+        let (Some(light), None) = (open.next(), open.next()) else {
+            return None;
+        };
         let reaches = &self.reaches[told.reaches..][..count];
-        let is_open = |reach: &&Reach| !matches!(reach, Reach::Lit | Reach::Dark);
-        if reaches.iter().filter(is_open).count() != 1 {
-            return None;
-        }
-        let light = reaches.iter().position(|reach| is_open(&reach))?;
-        if self.world.lights()[light].value.area().is_some() {
-            // Its shadows have no border.
-            return None;
-        }
         let origin = self.origin(light, surface.position.bounds());
         let lit = match reaches[light] {
             Reach::Terminator => {
@@ -77,9 +81,13 @@ impl Quadrature<'_> {
             }
             _ => return None,
         };
-        let others = (0..count).filter(|&other| self.reaches[told.reaches + other] == Reach::Lit);
-        let dark = self.radiance(surface, shape, others, Slopes::Told);
-        let [r, g, b] = self.light_share(surface, shape, light, Slopes::Told);
+        let all = std::mem::replace(&mut self.reaches[told.reaches + light], Reach::Dark);
+        let others = self.arriving(told, surface, true);
+        self.reaches[told.reaches + light] = all;
+        let (others, is_bound) = others?;
+        let dark = self.radiance(surface, shape, &others, Slopes::Told);
+        let arriving = Arriving { light, past: None };
+        let [r, g, b] = self.light_share(surface, shape, arriving, Slopes::Told);
         Some(Edge {
             silhouette: Silhouette {
                 inside: lit,
@@ -88,10 +96,12 @@ impl Quadrature<'_> {
             inside: Side {
                 radiance: [dark[0] + r, dark[1] + g, dark[2] + b],
                 alpha: 1.0,
+                is_bound,
             },
             outside: Side {
                 radiance: dark,
                 alpha: 1.0,
+                is_bound,
             },
         })
     }
@@ -121,6 +131,7 @@ impl Quadrature<'_> {
                 None => Side {
                     radiance: self.world.background().0.0.map(Model::constant),
                     alpha: 0.0,
+                    is_bound: true,
                 },
                 Some(back) => {
                     let behind = self.solid(back);
@@ -239,7 +250,7 @@ impl Quadrature<'_> {
         })
     }
 
-    /// L of a surface that all lights reach all of, or none of.
+    /// L of a surface of which it is known how all lights reach it.
     fn side(&mut self, shape: u64, surface: &Surface, beside: Option<Beside>) -> Option<Side> {
         let reaches = self.reach_all(shape, surface, None, beside);
         let told = Told {
@@ -247,10 +258,12 @@ impl Quadrature<'_> {
             reaches,
             is_asked: true,
         };
-        let radiance = self.radiance(surface, shape, self.lit(&told)?, Slopes::Told);
+        let (lights, is_bound) = self.arriving(&told, surface, true)?;
+        let radiance = self.radiance(surface, shape, &lights, Slopes::Told);
         radiance.iter().all(Model::is_known).then_some(Side {
             radiance,
             alpha: 1.0,
+            is_bound,
         })
     }
 }
@@ -327,6 +340,7 @@ impl Edge {
         let mut mean = Mean {
             value: [0.0; 4],
             error: [0.0; 4],
+            is_bound: self.inside.is_bound && self.outside.is_bound,
         };
         for channel in 0..3 {
             let (f, g) = (

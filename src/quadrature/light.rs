@@ -1,6 +1,6 @@
 //! L5 to L8 over a square of the image: what a light does where rays meet a surface, as models.
 
-use super::area::{self, Slopes};
+use super::area::{self, Past, Slopes};
 use super::model::Model;
 use super::surface::Surface;
 use crate::math::DVec3;
@@ -16,9 +16,10 @@ pub(super) fn geometry(
     origin: DVec3,
     material: &Material,
     slopes: Slopes,
+    past: Option<Past<'_>>,
 ) -> Lobes<Model> {
     if let Light::Area(light) = light {
-        return area::geometry(surface, light, material, slopes);
+        return area::geometry(surface, light, material, slopes, past);
     }
     let to_light = -surface.position.minus(origin);
     let square = to_light.dot(to_light);

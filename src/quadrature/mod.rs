@@ -20,7 +20,10 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
+use std::cell::RefCell;
+
 use crate::camera::Camera;
+use crate::emitter::{Occluder, ShadowSpace};
 use crate::image::Window;
 use crate::math::DVec3;
 use crate::simd::SimdLevel;
@@ -86,11 +89,18 @@ pub(crate) enum Verdict {
     Smooth {
         side: u32,
         error: [f64; 3],
+        /// Whether that is proven; else it is estimated from some points.
+        is_bound: bool,
         /// The largest error over the larger of radiance and floor.
         relative: f64,
     },
     /// It is R, G, B, A, each at most `error` off.
-    Integrated { mean: [f64; 4], error: [f64; 4] },
+    Integrated {
+        mean: [f64; 4],
+        error: [f64; 4],
+        /// Whether that is proven; else it is estimated from some points.
+        is_bound: bool,
+    },
     /// Too little; but the radiance and the alpha of everything in it are within these, where that is known.
     Open {
         range: Option<Range>,
@@ -190,17 +200,27 @@ struct Mean {
     /// R, G, B, A, and how far each is off at most.
     value: [f64; 4],
     error: [f64; 4],
+    /// Whether that is proven.
+    is_bound: bool,
 }
 
 impl Mean {
     /// Over a square that is smooth.
-    fn of([r, g, b]: &[Model; 3], told: &Told) -> Self {
+    fn of([r, g, b]: &[Model; 3], is_bound: bool, told: &Told) -> Self {
         let alpha = f64::from(u8::from(told.primary != Primary::Background));
         Self {
             value: [r.center, g.center, b.center, alpha],
             error: [r.mean_error(), g.mean_error(), b.mean_error(), 0.0],
+            is_bound,
         }
     }
+}
+
+/// What is seen past shapes is computed in these.
+#[derive(Debug, Default)]
+struct Shadow {
+    shadow: ShadowSpace,
+    occluders: Vec<Occluder>,
 }
 
 /// Tells what is known of pixels; what a thread needs for that, to be used again and again.
@@ -215,6 +235,7 @@ pub(crate) struct Quadrature<'w> {
     /// The largest coordinate of spheres and triangles, if there is a sun.
     reach: f64,
     space: ShaftSpace,
+    shadow: RefCell<Shadow>,
     /// Shapes, list after list, and what is known of lights, square after square.
     lists: Vec<u64>,
     reaches: Vec<Reach>,
@@ -243,6 +264,7 @@ impl<'w> Quadrature<'w> {
                 0.0
             },
             space: ShaftSpace::default(),
+            shadow: RefCell::default(),
             lists: Vec::new(),
             reaches: Vec::new(),
             region: Region::NONE,
@@ -373,20 +395,26 @@ impl<'w> Quadrature<'w> {
 
     /// Of smooth radiance over a square, how far the mean over a part of it, half of whose side is `part` of the
     /// square's, is from the value in the middle of the part, if that is near enough.
-    fn flatness(&self, radiance: &[Model; 3], side: u32, part: f64) -> Option<Verdict> {
-        let error = radiance.map(|channel| channel.bend(part));
-        let least = radiance.map(|channel| channel.least());
+    fn flatness(
+        &self,
+        (radiance, is_bound): &([Model; 3], bool),
+        side: u32,
+        part: f64,
+    ) -> Option<Verdict> {
+        let error = [0, 1, 2].map(|channel: usize| radiance[channel].bend(part));
+        let least = [0, 1, 2].map(|channel: usize| radiance[channel].least());
         let relative = self.target.largest(&least, &error);
         (relative <= self.target.relative).then_some(Verdict::Smooth {
             side,
             error,
+            is_bound: *is_bound,
             relative,
         })
     }
 
     /// A square of whole pixels that is smooth, and bends so little that one sample a pixel will do.
     fn smooth(&self, square: Square, told: &Told, surface: Option<&Surface>) -> Option<Verdict> {
-        let radiance = self.smooth_radiance(told, surface)?;
+        let radiance = self.smooth_radiance(told, surface, false)?;
         self.flatness(&radiance, 1, 0.5 / square.half)
     }
 
@@ -398,28 +426,38 @@ impl<'w> Quadrature<'w> {
         told: &Told,
         surface: Option<&Surface>,
     ) -> Verdict {
-        let smooth = self.smooth_radiance(told, surface);
-        if let Some(radiance) = &smooth {
+        let smooth = self.smooth_radiance(told, surface, true);
+        let integrated = |quadrature: &Self, mean: Mean| {
+            let is_met = quadrature.target.is_met(mean.value, mean.error);
+            (quadrature.integrates && is_met).then_some(Verdict::Integrated {
+                mean: mean.value,
+                error: mean.error,
+                is_bound: mean.is_bound,
+            })
+        };
+        let of_smooth =
+            |(radiance, is_bound): &([Model; 3], bool)| Mean::of(radiance, *is_bound, told);
+        if let Some(smooth @ (_, is_bound)) = &smooth {
+            // What is estimated has been computed in the middle already.
+            if !is_bound && let Some(verdict) = integrated(self, of_smooth(smooth)) {
+                return verdict;
+            }
             let mut side = 1;
             while side <= self.target.most_side {
-                let verdict = self.flatness(radiance, side, 1.0 / f64::from(side));
+                let verdict = self.flatness(smooth, side, 1.0 / f64::from(side));
                 if let Some(verdict) = verdict {
                     return verdict;
                 }
                 side *= 2;
             }
         }
-        if self.integrates
-            && let Some(mean) = match &smooth {
-                Some(radiance) => Some(Mean::of(radiance, told)),
-                None => self.across_edge(square, view, told, surface),
-            }
-            && self.target.is_met(mean.value, mean.error)
-        {
-            return Verdict::Integrated {
-                mean: mean.value,
-                error: mean.error,
-            };
+        let mean = match &smooth {
+            Some(smooth) => Some(of_smooth(smooth)),
+            None if self.integrates => self.across_edge(square, view, told, surface),
+            None => None,
+        };
+        if let Some(verdict) = mean.and_then(|mean| integrated(self, mean)) {
+            return verdict;
         }
         Verdict::Open {
             range: self.range(square, view, told, surface),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::area::Slopes;
+use super::area::{Past, Slopes};
 use super::light::geometry;
 use super::model::Model;
 use super::surface::{Square, Surface, View};
@@ -13,17 +13,29 @@ use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
 use crate::world::Light;
 use crate::world::light::AreaLight;
 
-impl<'w> Quadrature<'w> {
+/// What arrives past shapes is estimated where no border of a shadow moves across more than this part of a light from one
+/// end of a pixel to the other.
+const WIDE_BORDER: f64 = 0.25;
+
+/// A light that reaches a square.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arriving {
+    pub(super) light: usize,
+    /// The shapes that hide a part of it.
+    pub(super) past: Option<List>,
+}
+
+impl Quadrature<'_> {
     /// L of a surface under some lights, per primary.
     pub(super) fn radiance(
         &self,
         surface: &Surface,
         shape: u64,
-        lights: impl Iterator<Item = usize>,
+        lights: &[Arriving],
         slopes: Slopes,
     ) -> [Model; 3] {
         let mut sums = self.emission(shape).map(Model::constant);
-        for light in lights {
+        for &light in lights {
             let terms = self.light_share(surface, shape, light, slopes);
             sums = [sums[0] + terms[0], sums[1] + terms[1], sums[2] + terms[2]];
         }
@@ -61,7 +73,7 @@ impl<'w> Quadrature<'w> {
         &self,
         surface: &Surface,
         shape: u64,
-        light: usize,
+        Arriving { light, past }: Arriving,
         slopes: Slopes,
     ) -> [Model; 3] {
         let (object, _) = object_and_triangle(shape);
@@ -69,7 +81,19 @@ impl<'w> Quadrature<'w> {
         let material = &self.world.materials()[index].value;
         let origin = self.origin(light, surface.position.bounds());
         let light_value = &self.world.lights()[light].value;
-        let lobes = geometry(surface, light_value, origin, material, slopes);
+        let space = &mut *self.shadow.borrow_mut();
+        let past = past.map(|list| {
+            let shapes = self.list(list).iter();
+            space.occluders.clear();
+            space
+                .occluders
+                .extend(shapes.map(|&shape| self.solid(shape).occluder()));
+            Past {
+                occluders: &space.occluders,
+                space: &mut space.shadow,
+            }
+        });
+        let lobes = geometry(surface, light_value, origin, material, slopes, past);
         let reflected = self.world.reflected(light, index);
         let (kd, ks) = (reflected.diffuse.0.0, reflected.specular.0.0);
         let of =
@@ -77,27 +101,51 @@ impl<'w> Quadrature<'w> {
         [of(0), of(1), of(2)]
     }
 
-    /// The lights that reach all of a square, if all others reach none of it.
-    pub(super) fn lit(&self, told: &Told) -> Option<impl Iterator<Item = usize> + use<'_, 'w>> {
-        let reaches = &self.reaches[told.reaches..][..self.world.lights().len()];
-        let is_told = reaches
-            .iter()
-            .all(|reach| matches!(reach, Reach::Lit | Reach::Dark));
-        let lights = reaches.iter().enumerate();
-        is_told.then(|| lights.filter_map(|(light, reach)| (*reach == Reach::Lit).then_some(light)))
+    /// The lights that reach a square, if it is known of all whether and how they do; and whether it is proven. Of lights
+    /// with an area of which shapes hide a part, only if the borders of their shadows `may_be_estimated`, and are wide.
+    pub(super) fn arriving(
+        &self,
+        told: &Told,
+        surface: &Surface,
+        may_be_estimated: bool,
+    ) -> Option<(Vec<Arriving>, bool)> {
+        let mut is_bound = true;
+        let mut arriving = Vec::new();
+        for light in 0..self.world.lights().len() {
+            match self.reaches[told.reaches + light] {
+                Reach::Dark => {}
+                Reach::Lit => arriving.push(Arriving { light, past: None }),
+                Reach::Several(list)
+                    if may_be_estimated
+                        && self.most_of_border(surface, light, list) <= WIDE_BORDER =>
+                {
+                    is_bound = false;
+                    let past = Some(list);
+                    arriving.push(Arriving { light, past });
+                }
+                _ => return None,
+            }
+        }
+        Some((arriving, is_bound))
     }
 
-    /// L over a square that is smooth, per primary: where nothing jumps, the border of a spot's cone included.
+    /// L over a square that is smooth, per primary: where nothing jumps, the border of a spot's cone included; and
+    /// whether it is proven.
     pub(super) fn smooth_radiance(
         &self,
         told: &Told,
         surface: Option<&Surface>,
-    ) -> Option<[Model; 3]> {
+        may_be_estimated: bool,
+    ) -> Option<([Model; 3], bool)> {
         match (told.primary, surface) {
-            (Primary::Background, _) => Some(self.world.background().0.0.map(Model::constant)),
+            (Primary::Background, _) => {
+                Some((self.world.background().0.0.map(Model::constant), true))
+            }
             (Primary::One(shape), Some(surface)) => {
-                let radiance = self.radiance(surface, shape, self.lit(told)?, Slopes::Left);
-                radiance.iter().all(Model::is_known).then_some(radiance)
+                let (lights, is_bound) = self.arriving(told, surface, may_be_estimated)?;
+                let radiance = self.radiance(surface, shape, &lights, Slopes::Left);
+                let is_known = radiance.iter().all(Model::is_known);
+                is_known.then_some((radiance, is_bound))
             }
             _ => None,
         }
@@ -176,13 +224,18 @@ impl<'w> Quadrature<'w> {
                 // What is below the horizon is not told from what is above.
                 [Model::UNKNOWN; 3]
             } else {
-                self.light_share(surface, shape, light, Slopes::Left)
+                let arriving = Arriving { light, past: None };
+                self.light_share(surface, shape, arriving, Slopes::Left)
             };
             let limits = self.limits(Some(surface), shape, light);
             let part = match reach {
-                // Nothing else is in the square, and how much of a light is seen has no jumps.
-                Reach::Several(list) if is_area && known.is_some() => {
-                    self.most_of_border(surface, light, list)
+                // Nothing else is in the square, and no border of a shadow is narrower: samples meet it.
+                Reach::Several(list)
+                    if is_area
+                        && known.is_some()
+                        && self.most_of_border(surface, light, list) < 1.0 =>
+                {
+                    0.0
                 }
                 _ => 1.0,
             };
@@ -209,7 +262,7 @@ impl<'w> Quadrature<'w> {
     /// apart, the farther the nearer to them the shape is.
     fn most_of_border(&self, surface: &Surface, light: usize, list: List) -> f64 {
         let Some(AreaLight { emitter, .. }) = self.world.lights()[light].value.area() else {
-            return 1.0;
+            return f64::INFINITY;
         };
         let (place, apart) = (surface.position.center(), 2.0 * surface.position.radius());
         let distance = (emitter.center().0 - place).length();
@@ -225,10 +278,10 @@ impl<'w> Quadrature<'w> {
             if nearest > 0.0 {
                 apart * (distance / nearest) * over_width
             } else {
-                1.0
+                f64::INFINITY
             }
         });
-        parts.fold(0.0, f64::max).min(1.0)
+        parts.fold(0.0, f64::max)
     }
 
     /// What a shape is anywhere, by its distance from the lights alone.

@@ -2,6 +2,7 @@
 
 use super::model::{Model, Vector};
 use crate::camera::Camera;
+use crate::emitter::Occluder;
 use crate::math::DVec3;
 use crate::world::geometry::from_shorter_edges;
 use crate::world::{Shape, World};
@@ -112,6 +113,24 @@ impl Solid {
                 let beside = (point.clamp(least, most) - point).length();
                 beside.max(normal.dot(point - a).abs())
             }
+        }
+    }
+
+    /// As what hides light.
+    pub(super) fn occluder(&self) -> Occluder {
+        match *self {
+            Self::Sphere { center, radius } => Occluder::Ball { center, radius },
+            Self::Plane { point, normal } => Occluder::Plane { point, normal },
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => Occluder::Disk {
+                center,
+                normal,
+                radius,
+            },
+            Self::Triangle { corners, .. } => Occluder::Triangle(corners),
         }
     }
 

@@ -87,7 +87,7 @@ fn bounds_hold_of(
                 let center = centers.pixels()[pixel].map(f64::from);
                 (center, [r, g, b, 0.0], 1e-5)
             }
-            Verdict::Integrated { mean, error } => {
+            Verdict::Integrated { mean, error, .. } => {
                 counts[1] += 1;
                 (mean, error, 4e-3)
             }
@@ -263,6 +263,7 @@ fn what_no_sample_meets_is_told() {
             == Verdict::Smooth {
                 side: 1,
                 error: [0.0; 3],
+                is_bound: true,
                 relative: 0.0,
             };
         // x = 2.3 is in column 10, y = 3.1 in row 4.

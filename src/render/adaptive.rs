@@ -89,14 +89,17 @@ impl<'w> Adaptive<'w> {
                 Verdict::Smooth {
                     side,
                     error: [r, g, b],
+                    is_bound,
                     relative,
                 } => {
                     smooth[side.trailing_zeros() as usize].insert(pixel);
-                    ([r, g, b, 0.0], relative, true)
+                    ([r, g, b, 0.0], relative, is_bound)
                 }
-                Verdict::Integrated { mean, error } => {
-                    (error, goal.target.largest(&mean, &error), true)
-                }
+                Verdict::Integrated {
+                    mean,
+                    error,
+                    is_bound,
+                } => (error, goal.target.largest(&mean, &error), is_bound),
                 Verdict::Open { .. } => {
                     open.insert(pixel);
                     ([f64::INFINITY; 4], f64::INFINITY, false)
@@ -106,7 +109,7 @@ impl<'w> Adaptive<'w> {
                 error,
                 relative,
                 is_bound,
-                is_met: is_bound,
+                is_met: !matches!(verdict, Verdict::Open { .. }),
             });
         }
         let mut counts = Counts::default();
