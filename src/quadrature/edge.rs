@@ -4,7 +4,7 @@
 use super::area::Slopes;
 use super::clip::Clip;
 use super::model::{Model, Vector};
-use super::radiance::Arriving;
+use super::radiance::{Arriving, WIDE_BORDER};
 use super::shafts::Beside;
 use super::surface::{Silhouette, Solid, Square, Surface, View, one_of, within_rim};
 use super::{List, Mean, Primary, Quadrature, Reach, Told};
@@ -82,7 +82,7 @@ impl Quadrature<'_> {
             _ => return None,
         };
         let all = std::mem::replace(&mut self.reaches[told.reaches + light], Reach::Dark);
-        let others = self.arriving(told, surface, true);
+        let others = self.arriving(told, surface, WIDE_BORDER);
         self.reaches[told.reaches + light] = all;
         let (others, is_bound) = others?;
         let dark = self.radiance(surface, shape, &others, Slopes::Told);
@@ -108,11 +108,12 @@ impl Quadrature<'_> {
 
     /// The silhouette of one shape before another or nothing, or where two meet.
     fn silhouette(&mut self, square: Square, view: &View, list: List) -> Option<Edge> {
-        let count = list.end - list.start;
+        let mut shapes = self.list(list).to_vec();
+        self.drop_covered(view, &mut shapes);
+        let count = shapes.len();
         if count > 3 {
             return None;
         }
-        let shapes = self.list(list).to_vec();
         for (place, &front) in shapes.iter().enumerate() {
             let others: Vec<u64> = (0..count)
                 .filter(|&other| other != place)
@@ -171,6 +172,39 @@ impl Quadrature<'_> {
         None
     }
 
+    /// Drops what is behind a triangle whose edge passes through a square wherever it is in the square, as a side of a
+    /// box behind the one that is seen, and what is behind two with a common edge.
+    fn drop_covered(&self, view: &View, shapes: &mut Vec<u64>) {
+        let told = |&shape: &u64| {
+            let solid = self.solid(shape);
+            let (edge, plane) = (solid.edge(view)?, solid.plane().zip(solid.approach(view))?);
+            let ([point, _], approach) = plane;
+            Some((shape, edge, point, approach.normal))
+        };
+        let fronts: Vec<_> = shapes.iter().filter_map(told).collect();
+        for (place, &(front, inside, point, normal)) in fronts.iter().enumerate() {
+            let is_behind = |shape: u64| self.solid(shape).is_above(point, -normal);
+            let twin = fronts[..place]
+                .iter()
+                .find(|(_, other, ..)| ratio(other, &-inside).is_some());
+            shapes.retain(|&shape| {
+                if shape == front || !is_behind(shape) {
+                    return true;
+                }
+                let solid = self.solid(shape);
+                // What is in its plane may be seen in its place.
+                let is_covered = !solid.is_above(point, normal)
+                    && solid
+                        .edge(view)
+                        .is_some_and(|other| is_within(&other, &inside));
+                let is_behind_both = twin.is_some_and(|&(twin, _, point, normal)| {
+                    shape != twin && solid.is_above(point, -normal)
+                });
+                !(is_covered || is_behind_both)
+            });
+        }
+    }
+
     /// What all rays through a square meet of some shapes; `None` where that is not one or nothing.
     #[expect(clippy::option_option, reason = "nothing is met, or it is not known")]
     fn alone(&mut self, square: Square, shapes: &[u64]) -> Option<Option<u64>> {
@@ -201,20 +235,9 @@ impl Quadrature<'_> {
         }
         let inside = match (first.silhouette(view), second.silhouette(view)) {
             (Some((first, _)), Some((second, _))) => {
-                let (e, f) = (first.inside, second.inside);
                 // The same line from both sides.
-                let (ratio, size) = (-f.center / e.center, e.magnitude());
-                let is_same = [
-                    (e.center, f.center),
-                    (e.slope[0], f.slope[0]),
-                    (e.slope[1], f.slope[1]),
-                ]
-                .iter()
-                .all(|(e, f)| (e * ratio + f).abs() <= 1e-9 * ratio.abs() * size);
-                if !(ratio > 0.0 && is_same) {
-                    return None;
-                }
-                e
+                ratio(&first.inside, &-second.inside)?;
+                first.inside
             }
             _ => return None,
         };
@@ -258,7 +281,7 @@ impl Quadrature<'_> {
             reaches,
             is_asked: true,
         };
-        let (lights, is_bound) = self.arriving(&told, surface, true)?;
+        let (lights, is_bound) = self.arriving(&told, surface, WIDE_BORDER)?;
         let radiance = self.radiance(surface, shape, &lights, Slopes::Told);
         radiance.iter().all(Model::is_known).then_some(Side {
             radiance,
@@ -310,6 +333,27 @@ fn occluded(surface: &Surface, light: DVec3, occluder: &Solid) -> Option<Model> 
             Some(end.times(-height.signum()))
         }
     }
+}
+
+/// What one linear function is of another, if that is a positive number.
+fn ratio(f: &Model, g: &Model) -> Option<f64> {
+    let (ratio, size) = (g.center / f.center, f.magnitude());
+    let is_same = [
+        (f.center, g.center),
+        (f.slope[0], g.slope[0]),
+        (f.slope[1], g.slope[1]),
+    ]
+    .iter()
+    .all(|(f, g)| (f * ratio - g).abs() <= 1e-9 * ratio.abs() * size);
+    (ratio > 0.0 && is_same).then_some(ratio)
+}
+
+/// Whether a linear function is above 0 only where another is.
+fn is_within(inner: &Model, outer: &Model) -> bool {
+    let steepness = |edge: &Model| edge.slope[0].hypot(edge.slope[1]);
+    let scale = steepness(outer) / steepness(inner);
+    let difference = *outer - inner.times(scale);
+    difference.least() >= -1e-9 * outer.magnitude()
 }
 
 /// Whether a light and points, by their heights over the plane of a flat shape, are on different sides of it.

@@ -30,6 +30,7 @@ use crate::simd::SimdLevel;
 use crate::visibility::{ShaftSpace, Visibility};
 use crate::world::{Light, World};
 use model::Model;
+use radiance::{NO_BORDER, WIDE_BORDER};
 use shafts::Region;
 use surface::{Square, Surface, View};
 
@@ -414,7 +415,7 @@ impl<'w> Quadrature<'w> {
 
     /// A square of whole pixels that is smooth, and bends so little that one sample a pixel will do.
     fn smooth(&self, square: Square, told: &Told, surface: Option<&Surface>) -> Option<Verdict> {
-        let radiance = self.smooth_radiance(told, surface, false)?;
+        let radiance = self.smooth_radiance(told, surface, NO_BORDER)?;
         self.flatness(&radiance, 1, 0.5 / square.half)
     }
 
@@ -426,7 +427,7 @@ impl<'w> Quadrature<'w> {
         told: &Told,
         surface: Option<&Surface>,
     ) -> Verdict {
-        let smooth = self.smooth_radiance(told, surface, true);
+        let smooth = self.smooth_radiance(told, surface, WIDE_BORDER);
         let integrated = |quadrature: &Self, mean: Mean| {
             let is_met = quadrature.target.is_met(mean.value, mean.error);
             (quadrature.integrates && is_met).then_some(Verdict::Integrated {
@@ -459,9 +460,15 @@ impl<'w> Quadrature<'w> {
         if let Some(verdict) = mean.and_then(|mean| integrated(self, mean)) {
             return verdict;
         }
+        // Borders of shadows as wide as the pixel are no edges.
+        let has_no_edge = || {
+            let surface = surface.filter(|_| told.is_asked)?;
+            self.arriving(told, surface, 1.0)
+        };
+        let is_smooth = smooth.is_some() || has_no_edge().is_some();
         Verdict::Open {
             range: self.range(square, view, told, surface),
-            is_smooth: smooth.is_some(),
+            is_smooth,
         }
     }
 }

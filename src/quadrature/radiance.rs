@@ -15,7 +15,10 @@ use crate::world::light::AreaLight;
 
 /// What arrives past shapes is estimated where no border of a shadow moves across more than this part of a light from one
 /// end of a pixel to the other.
-const WIDE_BORDER: f64 = 0.25;
+pub(super) const WIDE_BORDER: f64 = 0.25;
+
+/// Only where nothing is hidden.
+pub(super) const NO_BORDER: f64 = -1.0;
 
 /// A light that reaches a square.
 #[derive(Clone, Copy, Debug)]
@@ -101,13 +104,14 @@ impl Quadrature<'_> {
         [of(0), of(1), of(2)]
     }
 
-    /// The lights that reach a square, if it is known of all whether and how they do; and whether it is proven. Of lights
-    /// with an area of which shapes hide a part, only if the borders of their shadows `may_be_estimated`, and are wide.
+    /// The lights that reach a square, if it is known of all whether and how they do; and whether it is proven. Of a light
+    /// with an area of which shapes hide a part, only if no border of a shadow moves across more than a part of it, see
+    /// [`WIDE_BORDER`].
     pub(super) fn arriving(
         &self,
         told: &Told,
         surface: &Surface,
-        may_be_estimated: bool,
+        border: f64,
     ) -> Option<(Vec<Arriving>, bool)> {
         let mut is_bound = true;
         let mut arriving = Vec::new();
@@ -115,10 +119,7 @@ impl Quadrature<'_> {
             match self.reaches[told.reaches + light] {
                 Reach::Dark => {}
                 Reach::Lit => arriving.push(Arriving { light, past: None }),
-                Reach::Several(list)
-                    if may_be_estimated
-                        && self.most_of_border(surface, light, list) <= WIDE_BORDER =>
-                {
+                Reach::Several(list) if self.most_of_border(surface, light, list) <= border => {
                     is_bound = false;
                     let past = Some(list);
                     arriving.push(Arriving { light, past });
@@ -135,14 +136,14 @@ impl Quadrature<'_> {
         &self,
         told: &Told,
         surface: Option<&Surface>,
-        may_be_estimated: bool,
+        border: f64,
     ) -> Option<([Model; 3], bool)> {
         match (told.primary, surface) {
             (Primary::Background, _) => {
                 Some((self.world.background().0.0.map(Model::constant), true))
             }
             (Primary::One(shape), Some(surface)) => {
-                let (lights, is_bound) = self.arriving(told, surface, may_be_estimated)?;
+                let (lights, is_bound) = self.arriving(told, surface, border)?;
                 let radiance = self.radiance(surface, shape, &lights, Slopes::Left);
                 let is_known = radiance.iter().all(Model::is_known);
                 is_known.then_some((radiance, is_bound))

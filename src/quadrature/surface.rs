@@ -171,6 +171,14 @@ impl Solid {
         }
     }
 
+    /// The edge function of a triangle's edge that passes through a square, if it is one alone: above 0 inside.
+    pub(super) fn edge(&self, view: &View) -> Option<Model> {
+        match *self {
+            Self::Triangle { corners, .. } => one_edge(view, corners),
+            Self::Sphere { .. } | Self::Plane { .. } | Self::Disk { .. } => None,
+        }
+    }
+
     /// Whether all of it is behind another one that all rays meet.
     pub(super) fn is_behind(&self, front: &Self, view: &View) -> bool {
         let Some((to_front, [point, _])) = front.approach(view).zip(front.plane()) else {
