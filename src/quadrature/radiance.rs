@@ -15,7 +15,7 @@ use crate::world::light::AreaLight;
 
 /// What arrives past shapes is estimated where no border of a shadow moves across more than this part of a light from one
 /// end of a pixel to the other.
-pub(super) const WIDE_BORDER: f64 = 0.25;
+pub(super) const WIDE_BORDER: f64 = 0.5;
 
 /// Only where nothing is hidden.
 pub(super) const NO_BORDER: f64 = -1.0;
@@ -269,15 +269,15 @@ impl Quadrature<'_> {
         let distance = (emitter.center().0 - place).length();
         let over_width = match emitter.surface() {
             EmitterSurface::Rectangle([a, b, c, _]) => {
-                2.0 / (b - a).length() + 2.0 / (c - b).length()
+                1.0 / (b - a).length() + 1.0 / (c - b).length()
             }
-            EmitterSurface::Disk { radius, .. } | EmitterSurface::Sphere { radius } => 2.0 / radius,
+            EmitterSurface::Disk { radius, .. } | EmitterSurface::Sphere { radius } => 1.0 / radius,
         };
         let shapes = self.list(list).iter();
         let parts = shapes.map(|&shape| {
             let nearest = self.solid(shape).distance(place) - apart;
             if nearest > 0.0 {
-                apart * (distance / nearest) * over_width
+                apart * ((distance - nearest).max(0.0) / nearest) * over_width
             } else {
                 f64::INFINITY
             }
