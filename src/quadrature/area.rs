@@ -226,6 +226,10 @@ impl<'a> Sight<'a> {
             *ends = [after, at(end)?];
         }
         let beside = self.bounds(&place.speed(|vector| [vector.rest(), 0.0]));
+        // The ends are on lines: how p, n and w bend comes to it.
+        let bends = [0, 1].map(|axis: usize| {
+            self.bounds(&place.speed(|vector| [0.0, vector.derivatives(axis)[1]]))
+        });
         let mut models = [Model::UNKNOWN; 2];
         for (lobe, model) in models.iter_mut().enumerate() {
             let slope = ends.map(|[after, before]| 0.5 * (after[lobe] - before[lobe]));
@@ -233,8 +237,9 @@ impl<'a> Sight<'a> {
                 BEND_MARGIN * (after[lobe] - 2.0 * middle[lobe] + before[lobe]).abs()
             });
             let rest = 0.5 * bend.iter().sum::<f64>() + beside[lobe].0[1];
-            let first = [0, 1].map(|axis: usize| slope[axis].abs() + bend[axis]);
-            *model = Model::known(middle[lobe], slope, rest, first, [bend[0], bend[1]]);
+            let second = [0, 1].map(|axis: usize| bend[axis] + bends[axis][lobe].0[2]);
+            let first = [0, 1].map(|axis: usize| slope[axis].abs() + second[axis]);
+            *model = Model::known(middle[lobe], slope, rest, first, second);
         }
         Some(models)
     }

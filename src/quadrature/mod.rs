@@ -19,6 +19,7 @@ mod shafts;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod view;
 
 use std::cell::RefCell;
 
@@ -32,7 +33,8 @@ use crate::world::{Light, World};
 use model::Model;
 use radiance::{NO_BORDER, WIDE_BORDER};
 use shafts::Region;
-use surface::{Square, Surface, View};
+use surface::Surface;
+use view::{Square, View};
 
 /// Pixels along the side of the largest squares of which anything is told; they begin at multiples of it.
 const BLOCK: u32 = 16;
@@ -461,11 +463,11 @@ impl<'w> Quadrature<'w> {
             return verdict;
         }
         // Borders of shadows as wide as the pixel are no edges.
-        let has_no_edge = || {
-            let surface = surface.filter(|_| told.is_asked)?;
-            self.arriving(told, surface, 1.0)
-        };
-        let is_smooth = smooth.is_some() || has_no_edge().is_some();
+        let is_smooth = smooth.is_some()
+            || match (told.primary, surface) {
+                (Primary::One(shape), Some(surface)) => self.has_no_edge(shape, told, surface),
+                _ => false,
+            };
         Verdict::Open {
             range: self.range(square, view, told, surface),
             is_smooth,

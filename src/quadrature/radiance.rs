@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use super::area::{Past, Slopes};
 use super::light::geometry;
 use super::model::Model;
-use super::surface::{Square, Surface, View};
+use super::surface::Surface;
+use super::view::{Square, View};
 use super::{List, Primary, Quadrature, Range, Reach, Told};
 use crate::camera::Projection;
 use crate::emitter::Surface as EmitterSurface;
@@ -128,6 +129,20 @@ impl Quadrature<'_> {
             }
         }
         Some((arriving, is_bound))
+    }
+
+    /// Whether no border of a shadow in a square is narrower than that, and no light's cone ends in it.
+    pub(super) fn has_no_edge(&self, shape: u64, told: &Told, surface: &Surface) -> bool {
+        let Some((lights, _)) = self.arriving(told, surface, 1.0) else {
+            return false;
+        };
+        lights.into_iter().all(|arriving| {
+            let has_area = self.world.lights()[arriving.light].value.area().is_some();
+            has_area || {
+                let share = self.light_share(surface, shape, arriving, Slopes::Left);
+                share.iter().all(Model::is_known)
+            }
+        })
     }
 
     /// L over a square that is smooth, per primary: where nothing jumps, the border of a spot's cone included; and

@@ -3,7 +3,8 @@
 use fearless_simd::Simd;
 
 use super::area::nearest;
-use super::surface::{Solid, Square, Surface, View};
+use super::surface::{Solid, Surface};
+use super::view::{Square, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
 use crate::camera::Projection;
 use crate::math::DVec3;
