@@ -320,3 +320,26 @@ fn a_light_is_seen_from_its_front() {
         }
     }
 }
+
+/// An `up` along the way of the light is as if nothing were said: y, or -z along that.
+#[test]
+fn an_up_along_the_axis_is_the_default() {
+    for (direction, up) in [
+        ([0.0, -1.0, 0.0], [0.0, 3.0, 0.0]),
+        ([1.0, -1.0, 0.5], [-2.0, 2.0, -1.0]),
+    ] {
+        let scene = |up: &str| {
+            format!(
+                "[image]\nresolution = [24, 16]\n\
+                 [camera.perspective]\neye = [0.5, 2, 5]\nlook_at = [0, 0.4, 0]\nvertical_fov = 40\n\
+                 [materials.m.phong]\ndiffuse = 0.3\n\
+                 [objects.floor.plane]\nmaterial = \"m\"\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\n\
+                 [lights.l.rectangle]\ncenter = [-0.3, 1.5, 0]\ndirection = {direction:?}\nsize = [1, 0.2]\n\
+                 luminance = 3\n{up}"
+            )
+        };
+        let film = |up: &str| film_with(&scene(up), &Options::default());
+        let written = film(&format!("up = {up:?}"));
+        assert!(written.pixels() == film("").pixels(), "{direction:?}");
+    }
+}

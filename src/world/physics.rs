@@ -7,8 +7,9 @@ use std::fmt;
 
 use super::containment::contained;
 use super::material::Model;
-use super::{Light, Material, Shape, World};
+use super::{Light, Material, Object, Shape, World};
 use crate::ies::IesFile;
+use crate::math::DVec3;
 use crate::printable::counted;
 use crate::scene::ColorSpace;
 use crate::scene::ShadowTerminator;
@@ -41,6 +42,13 @@ pub enum Warning {
     },
     /// There is no light: every surface is black.
     NoLight,
+    /// A sun is below a plane that everything else is above: it lights nothing of that.
+    SunBelow {
+        /// The light's name.
+        light: String,
+        /// The plane's name.
+        object: String,
+    },
     /// A mesh has triangles without area, which were dropped.
     Degenerate {
         /// The mesh's name.
@@ -138,6 +146,10 @@ impl fmt::Display for Warning {
                 counted(*objects, "object was", "objects were"),
             ),
             Self::NoLight => write!(f, "the scene has no light, so every surface is black"),
+            Self::SunBelow { light, object } => write!(
+                f,
+                "light `{light}` comes from below plane `{object}`, which hides it from all that is above"
+            ),
             Self::Degenerate {
                 object,
                 triangles: 1,
@@ -252,6 +264,7 @@ pub fn warnings(world: &World) -> Vec<Warning> {
         });
     }
     warnings.extend(outside(world));
+    warnings.extend(suns_below(world));
     warnings.extend(long_layers(world));
     for light in world.lights() {
         if let Light::Ies(luminaire) = &light.value {
@@ -299,6 +312,62 @@ pub fn warnings(world: &World) -> Vec<Warning> {
         warnings.push(Warning::NotLookedInto {
             objects: contained.unknown,
         });
+    }
+    warnings
+}
+
+/// Suns that planes hide from everything else. What is above of a plane is where other shapes are, or, if there are none,
+/// where its normal points.
+fn suns_below(world: &World) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let objects = &world.objects()[..world.first_light_object];
+    for light in world.lights() {
+        let Light::Sun(sun) = &light.value else {
+            continue;
+        };
+        let to_sun = sun.to_light.get();
+        for object in objects {
+            let Shape::Plane(index) = object.shape else {
+                continue;
+            };
+            let plane = &world.planes()[index];
+            let normal = plane.normal.get();
+            let towards = if normal.dot(to_sun) < 0.0 {
+                -normal
+            } else {
+                normal
+            };
+            let height = |place: DVec3| towards.dot(place - plane.point.0);
+            let mut others = objects
+                .iter()
+                .filter(|other| !matches!(other.shape, Shape::Plane(_)));
+            let is_lit = |other: &Object| match other.shape {
+                Shape::Sphere(index) => {
+                    let sphere = &world.spheres()[index];
+                    height(sphere.center.0) > -sphere.radius
+                }
+                Shape::Mesh(index) => {
+                    let triangles = world.triangles();
+                    let mut own = triangles.meshes()[index].triangles.clone();
+                    own.any(|triangle| {
+                        let corners = triangles.vertices(triangle);
+                        corners.into_iter().any(|corner| height(corner) > 0.0)
+                    })
+                }
+                Shape::Disk(_) | Shape::Plane(_) => false,
+            };
+            let is_above = if others.clone().next().is_none() {
+                normal.dot(to_sun) >= 0.0
+            } else {
+                others.any(is_lit)
+            };
+            if !is_above {
+                warnings.push(Warning::SunBelow {
+                    light: light.name.clone(),
+                    object: object.name.clone(),
+                });
+            }
+        }
     }
     warnings
 }
@@ -409,6 +478,49 @@ mod tests {
             expected.push((format!("s{sphere}"), first, inside.len() - 1));
         }
         assert_eq!(found, expected);
+    }
+
+    /// A sun below a floor is told, with something on the floor or without, however its normal points; one above is not.
+    #[test]
+    fn suns_below_planes_are_told() {
+        for (sun, normal, ball, is_below) in [
+            ([0.2, -1.0, 0.1], [0.0, 1.0, 0.0], "", false),
+            ([0.2, 1.0, 0.1], [0.0, 1.0, 0.0], "", true),
+            ([0.2, 1.0, 0.1], [0.0, -2.0, 0.0], "", false),
+            (
+                [0.2, 1.0, 0.1],
+                [0.0, -2.0, 0.0],
+                "[objects.b.sphere]\nmaterial = 'm'\ncenter = [0, 1, 0]\nradius = 1",
+                true,
+            ),
+            (
+                [0.2, -1.0, 0.1],
+                [0.0, -2.0, 0.0],
+                "[objects.b.sphere]\nmaterial = 'm'\ncenter = [0, 1, 0]\nradius = 1",
+                false,
+            ),
+            // A part of it is below the floor.
+            (
+                [0.2, 1.0, 0.1],
+                [0.0, 1.0, 0.0],
+                "[objects.b.sphere]\nmaterial = 'm'\ncenter = [0, 1, 0]\nradius = 1.1",
+                false,
+            ),
+        ] {
+            let text = format!(
+                "[image]\nresolution = [1, 1]\n[camera.orthographic]\neye = [0, 9, 9]\nlook_at = [0, 0, 0]\n\
+                 height = 1\n[materials.m.phong]\n[lights.l.sun]\ndirection = {sun:?}\nilluminance = 1\n\
+                 [objects.f.plane]\nmaterial = 'm'\npoint = [0, 0, 0]\nnormal = {normal:?}\n{ball}\n"
+            );
+            let world = World::new(&Scene::parse(&text, "scene.toml").unwrap())
+                .unwrap()
+                .0;
+            let expected = is_below.then(|| Warning::SunBelow {
+                light: "l".to_owned(),
+                object: "f".to_owned(),
+            });
+            assert_eq!(warnings(&world), Vec::from_iter(expected), "{text}");
+        }
     }
 
     /// The closed form against a quadrature over the hemisphere, at normal incidence.
