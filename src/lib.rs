@@ -137,6 +137,7 @@ mod input;
 mod math;
 mod memory;
 pub mod mesh;
+mod optics;
 pub mod oracle;
 pub mod output;
 mod printable;

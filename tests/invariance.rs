@@ -295,7 +295,10 @@ fn has_upsampled_reflectances(scene: &Scene) -> bool {
     let mut materials = scene.materials.iter();
     is_spectral
         && materials.any(|material| {
-            let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) = &material.value;
+            let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) = &material.value
+            else {
+                return false;
+            };
             [&lobes.diffuse.value, &lobes.specular.value]
                 .iter()
                 .any(|value| matches!(value, Value::Rgb { .. } | Value::Srgb(_)))
@@ -315,7 +318,10 @@ fn linear_in_the_reflectance() {
             let mut scene = scene.clone();
             for material in &mut scene.materials {
                 let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) =
-                    &mut material.value;
+                    &mut material.value
+                else {
+                    continue;
+                };
                 lobes.diffuse.value = times(&lobes.diffuse.value, factor);
                 lobes.specular.value = times(&lobes.specular.value, factor);
             }

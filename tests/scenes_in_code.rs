@@ -33,6 +33,7 @@ fn material(diffuse: f64) -> Material {
         diffuse: Value::Uniform(diffuse).into(),
         specular: Value::Uniform(0.25).into(),
         shininess: Some(9.0.into()),
+        coat: None,
     })
 }
 
@@ -97,6 +98,7 @@ fn scene() -> Scene {
             background: Value::ZERO.into(),
             transport: Transport::default().into(),
             observer: Observer::default().into(),
+            max_depth: 8.0.into(),
         },
         camera: Camera::Orthographic {
             view: View {

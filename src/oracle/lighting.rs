@@ -98,6 +98,11 @@ impl Material {
         let (model, lobes) = match material {
             scene::Material::Phong(lobes) => (Model::Phong, lobes),
             scene::Material::NormalizedPhong(lobes) => (Model::NormalizedPhong, lobes),
+            // These have no lobes.
+            scene::Material::Mirror(_)
+            | scene::Material::Metal(_)
+            | scene::Material::Glass(_)
+            | scene::Material::Pane(_) => return Self::black(palette),
         };
         Self {
             model,

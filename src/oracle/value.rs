@@ -7,7 +7,9 @@ use super::components::Components;
 use super::spectrum::{blackbody, curve, daylight, flat, illuminant, lines};
 use super::upsampling;
 use super::vector::{Vector, scale};
-use crate::scene::{ColorSpace, Image, Light, Material, Mixture, Scene, Transport, Unit, Value};
+use crate::scene::{
+    ColorSpace, Entry, Image, Light, Material, Mixture, Scene, Transport, Unit, Value,
+};
 
 /// What the brightest channel of a color is made before its smooth reflectance is looked for, one
 /// after the other until there is one: light has no upper limit, reflectances have.
@@ -207,17 +209,35 @@ fn is_spectral(scene: &Scene) -> bool {
         Light::Area { luminance, .. } => &luminance.value,
         Light::Sun { illuminance, .. } => &illuminance.value,
     });
-    let materials = scene.materials.iter().flat_map(|material| {
-        let (Material::Phong(lobes) | Material::NormalizedPhong(lobes)) = &material.value;
-        [&lobes.diffuse.value, &lobes.specular.value]
-    });
+    let needs_dispersion = |material: &Entry<Material>| match &material.value {
+        Material::Metal(_) => true,
+        Material::Glass(glass) => glass.dispersion,
+        Material::Phong(_)
+        | Material::NormalizedPhong(_)
+        | Material::Mirror(_)
+        | Material::Pane(_) => false,
+    };
+    let materials = scene
+        .materials
+        .iter()
+        .flat_map(|material| match &material.value {
+            Material::Phong(lobes) | Material::NormalizedPhong(lobes) => {
+                vec![&lobes.diffuse.value, &lobes.specular.value]
+            }
+            Material::Mirror(mirror) => vec![&mirror.reflectance.value],
+            Material::Glass(glass) => vec![&glass.absorption.value],
+            Material::Metal(_) | Material::Pane(_) => Vec::new(),
+        });
     match scene.image.transport.value {
         Transport::Rgb => false,
         Transport::Spectral => true,
-        Transport::Auto => lights
-            .chain(materials)
-            .chain([&scene.image.background.value])
-            .any(needs_spectra),
+        Transport::Auto => {
+            scene.materials.iter().any(needs_dispersion)
+                || lights
+                    .chain(materials)
+                    .chain([&scene.image.background.value])
+                    .any(needs_spectra)
+        }
     }
 }
 

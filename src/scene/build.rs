@@ -8,8 +8,9 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use super::{
-    Aim, AreaShape, Camera, ColorSpace, Entry, Falloff, Image, LIGHT_SAMPLES, Light, Lobes,
-    Material, Object, Scene, ShadowTerminator, Source, Span, Transport, Unit, Value, View,
+    Aim, AreaShape, Camera, ColorSpace, DEFAULT_DEPTH, Entry, Falloff, Glass, GlassIndex, Image,
+    LIGHT_SAMPLES, Light, Lobes, Material, Mirror, Object, Pane, Scene, ShadowTerminator, Source,
+    Span, Transport, Unit, Value, View,
 };
 use crate::mesh::MeshFile;
 use crate::spectrum::{Curve, Illuminant, Lines, Observer};
@@ -98,6 +99,7 @@ impl Image {
             background: Value::ZERO.into(),
             transport: Transport::default().into(),
             observer: Observer::default().into(),
+            max_depth: f64::from(DEFAULT_DEPTH).into(),
         }
     }
 
@@ -201,8 +203,39 @@ impl Material {
                 lobes.specular = specular.into().into();
                 lobes.shininess = Some(shininess.into());
             }
+            // These have no lobes.
+            Self::Mirror(_) | Self::Metal(_) | Self::Glass(_) | Self::Pane(_) => {}
         }
         self
+    }
+
+    /// A perfect mirror of reflectance R.
+    ///
+    /// ```
+    /// use candela::scene::Material;
+    ///
+    /// let silvered = Material::mirror(0.95);
+    /// # assert_ne!(silvered, Material::glass(1.5));
+    /// ```
+    pub fn mirror(reflectance: impl Into<Value>) -> Self {
+        Self::Mirror(Mirror {
+            reflectance: reflectance.into().into(),
+            schlick: false,
+        })
+    }
+
+    /// Clear glass of the refractive index n.
+    pub fn glass(n: f64) -> Self {
+        Self::Glass(Glass {
+            index: GlassIndex::Value(Value::Uniform(n).into()),
+            absorption: Value::ZERO.into(),
+            dispersion: false,
+        })
+    }
+
+    /// A thin pane of glass of the refractive index n.
+    pub fn pane(n: f64) -> Self {
+        Self::Pane(Pane { n: n.into() })
     }
 }
 
@@ -212,6 +245,7 @@ impl Lobes {
             diffuse: diffuse.into(),
             specular: Value::ZERO.into(),
             shininess: None,
+            coat: None,
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod build;
 mod curve;
+mod delta;
 #[doc(hidden)]
 pub mod diagnostic;
 mod inputs;
@@ -21,6 +22,7 @@ use std::sync::Arc;
 pub use build::{NotAColor, Placement};
 #[doc(hidden)]
 pub use curve::CurveError;
+pub use delta::{DEFAULT_DEPTH, Glass, GlassIndex, LARGEST_DEPTH, Metal, Mirror, Pane};
 pub use diagnostic::{Diagnostic, Diagnostics, IncludeError, Problem, Span, Spanned};
 #[doc(hidden)]
 pub use inputs::Input;
@@ -110,6 +112,9 @@ pub struct Image {
     pub transport: Spanned<Transport>,
     /// Whose color matching functions make colors of spectra. Default the 2° observer of 1931.
     pub observer: Spanned<Observer>,
+    /// How often light may be reflected by mirrors and refracted by glass on its way to the viewer. Range: 0 to
+    /// [`LARGEST_DEPTH`]. Default [`DEFAULT_DEPTH`].
+    pub max_depth: Spanned<f64>,
 }
 
 /// The largest width and height of an image in pixels: 65 536 square is 69 GB of film.
@@ -163,6 +168,14 @@ pub enum Material {
     /// `[materials.NAME.normalized_phong]`:
     /// r = cos(n, ω_i) [ρ_d/π + ρ_s (n+2)/(2π) cosⁿ(ω_o, ω_r)], with ρ_d + ρ_s at most 1.
     NormalizedPhong(Lobes),
+    /// `[materials.NAME.mirror]`: L = R L_r, what is seen along the mirrored ray.
+    Mirror(Mirror),
+    /// `[materials.NAME.metal]`: a mirror whose R is Fresnel's for n + ik.
+    Metal(Metal),
+    /// `[materials.NAME.glass]`: L = F L_r + (1 − F) L_t, with Fresnel's F.
+    Glass(Glass),
+    /// `[materials.NAME.pane]`: L = R L_r + T L_t, along the ray itself, by both faces of a thin sheet.
+    Pane(Pane),
 }
 
 /// The two lobes of a Phong material.
@@ -174,6 +187,8 @@ pub struct Lobes {
     pub specular: Spanned<Value>,
     /// n. Range: above 0. Needed where `specular` is not 0.
     pub shininess: Option<Spanned<f64>>,
+    /// A clear coat over the lobes: L = R L_r + (1 − R) L_lobes. Its reflectance is one number. Default: none.
+    pub coat: Option<Mirror>,
 }
 
 /// `[lights.NAME.VARIANT]`: where light comes from.

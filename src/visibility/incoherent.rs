@@ -9,6 +9,7 @@
 mod batch;
 mod candidates;
 mod free;
+mod leave;
 mod nearest;
 
 use fearless_simd::Simd;

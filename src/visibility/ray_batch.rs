@@ -32,12 +32,37 @@ pub(crate) enum RayBatch<'r, F> {
     Any(&'r IncoherentRays),
 }
 
-/// Rays, each with a start and a direction of its own, ray by ray in columns.
+/// Rays, each with an origin and a direction of its own, ray by ray in columns.
 #[derive(Clone, Debug)]
 pub(crate) struct IncoherentRays {
     origin: [Column; 3],
     direction: [Column; 3],
+    /// Where each starts, if any starts at a surface.
+    starts: Option<Box<Starts>>,
     count: usize,
+}
+
+/// Where rays leave surfaces.
+#[derive(Clone, Debug)]
+struct Starts {
+    /// t of each start: nothing before it is met.
+    t: Column,
+    position: [Column; 3],
+    error: Column,
+    primitive: [u64; BATCH],
+}
+
+/// Where a ray leaves a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayStart {
+    /// t there: nothing before it is met. 0 for a ray whose origin is its start; one that comes out of a plane mirror
+    /// has the image of its eye in that mirror for an origin.
+    pub(crate) t: f64,
+    pub(crate) position: DVec3,
+    /// A bound on the rounding error of the position: flat shapes whose planes are no further away are not met.
+    pub(crate) error: f64,
+    /// What it is on: a flat shape is not met again, a sphere at its other side alone.
+    pub(crate) primitive: u64,
 }
 
 impl<F> RayBatch<'_, F> {
@@ -73,6 +98,7 @@ impl Default for IncoherentRays {
         Self {
             origin: [Column::ZERO; 3],
             direction: [Column::ZERO; 3],
+            starts: None,
             count: 0,
         }
     }
@@ -92,6 +118,38 @@ impl IncoherentRays {
             self.direction[axis][self.count] = direction[axis];
         }
         self.count += 1;
+    }
+
+    /// Puts a ray that leaves a surface to the others, all of which do.
+    pub(crate) fn push_from(&mut self, origin: DVec3, direction: DVec3, start: &RayStart) {
+        let ray = self.count;
+        self.push(origin, direction);
+        let starts = self.starts.get_or_insert_with(|| {
+            Box::new(Starts {
+                t: Column::ZERO,
+                position: [Column::ZERO; 3],
+                error: Column::ZERO,
+                primitive: [u64::MAX; BATCH],
+            })
+        });
+        starts.t[ray] = start.t;
+        for axis in 0..3 {
+            starts.position[axis][ray] = start.position[axis];
+        }
+        starts.error[ray] = start.error;
+        starts.primitive[ray] = start.primitive;
+    }
+
+    /// Where a ray leaves a surface, if it does.
+    #[inline(always)]
+    pub(super) fn start(&self, ray: usize) -> Option<RayStart> {
+        let starts = self.starts.as_ref()?;
+        Some(RayStart {
+            t: starts.t[ray],
+            position: vector(&starts.position, ray),
+            error: starts.error[ray],
+            primitive: starts.primitive[ray],
+        })
     }
 
     /// How many there are.

@@ -26,6 +26,16 @@ pub enum Model {
 }
 
 impl Material {
+    /// Without lobes: a mirror, or glass.
+    pub(super) const BLACK: Self = Self {
+        model: Model::Phong,
+        reflectance: Lobes {
+            diffuse: Reflectance(Rgb([0.0; 3])),
+            specular: Reflectance(Rgb([0.0; 3])),
+        },
+        shininess: 1.0,
+    };
+
     /// `phong`: k_d and k_s as they are.
     pub(super) fn phong(diffuse: [f64; 3], specular: [f64; 3], shininess: f64) -> Self {
         Self {

@@ -14,6 +14,8 @@ mod build;
 pub mod colorimetry;
 mod containment;
 #[doc(hidden)]
+pub mod delta;
+#[doc(hidden)]
 pub mod difference;
 pub(crate) mod geometry;
 #[doc(hidden)]
@@ -31,6 +33,8 @@ pub mod spectra;
 use std::path::Path;
 use std::sync::Arc;
 
+#[doc(hidden)]
+pub use delta::Delta;
 #[doc(hidden)]
 pub use geometry::{Disk, Mesh, MeshNormals, Plane, Sphere, Triangles};
 #[doc(hidden)]
@@ -66,6 +70,10 @@ pub struct World {
     background: Radiance,
     anchor: DVec3,
     materials: Vec<Named<Material>>,
+    /// What each of them reflects like a mirror or lets through.
+    deltas: Vec<Option<Delta>>,
+    /// How often light is followed through mirrors and glass.
+    max_depth: u32,
     lights: Vec<Named<Light>>,
     /// The group of each.
     light_groups: Vec<Option<String>>,
@@ -274,6 +282,26 @@ impl World {
     #[doc(hidden)]
     pub fn materials(&self) -> &[Named<Material>] {
         &self.materials
+    }
+
+    /// What a material reflects like a mirror or lets through, if it does.
+    #[inline]
+    #[doc(hidden)]
+    pub fn delta(&self, material: usize) -> Option<&Delta> {
+        self.deltas[material].as_ref()
+    }
+
+    /// Whether any object is perfectly smooth.
+    #[doc(hidden)]
+    pub fn has_deltas(&self) -> bool {
+        let mut objects = self.objects.iter();
+        objects.any(|object| self.deltas[object.material].is_some())
+    }
+
+    /// How often light is followed through mirrors and glass.
+    #[doc(hidden)]
+    pub fn max_depth(&self) -> u32 {
+        self.max_depth
     }
 
     /// The lights in the order of the file, which is the order of the sum (L9).

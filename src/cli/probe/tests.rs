@@ -29,6 +29,7 @@ fn scene() -> Scene {
         diffuse: Spanned::from(diffuse),
         specular: Value::Uniform(specular).into(),
         shininess: shininess.map(Spanned::from),
+        coat: None,
     };
     let light = |position: [f64; 3], intensity| Light::Point {
         position: position.into(),
@@ -44,6 +45,7 @@ fn scene() -> Scene {
             background: rgb([0.01, 0.02, 0.03]).into(),
             transport: Transport::default().into(),
             observer: Observer::default().into(),
+            max_depth: 8.0.into(),
         },
         camera: Camera::Perspective {
             view: View {

@@ -66,6 +66,7 @@ pub(super) fn lobes(diffuse: f64, specular: f64, shininess: Option<f64>) -> Lobe
         diffuse: Value::Uniform(diffuse).into(),
         specular: Value::Uniform(specular).into(),
         shininess: shininess.map(Spanned::from),
+        coat: None,
     }
 }
 
@@ -84,6 +85,7 @@ impl Builder {
                 background: Value::ZERO.into(),
                 transport: Transport::default().into(),
                 observer: Observer::default().into(),
+                max_depth: 8.0.into(),
             },
             camera: camera.into(),
             materials: Vec::new(),

@@ -60,6 +60,8 @@ pub(in crate::scene) enum Kind {
     Sides,
     /// A whole number from 1 to this.
     Whole(u32),
+    /// A whole number from 0 to this.
+    Count(u32),
     Boolean,
     Text,
     /// A name as those of lights.
@@ -97,6 +99,10 @@ pub(in crate::scene) enum Purpose {
     Background,
     /// A reflectance.
     Surface,
+    /// A refractive index, or its imaginary part.
+    Index,
+    /// A refractive index of what lets light through.
+    GlassIndex,
 }
 
 /// The largest coordinate, length and factor.
@@ -131,6 +137,27 @@ pub(in crate::scene) struct Elsewhere {
     pub(in crate::scene) key: Option<&'static str>,
     /// The way out: a sentence without a full stop.
     pub(in crate::scene) advice: &'static str,
+}
+
+impl Purpose {
+    /// The least number that may stand there.
+    pub(in crate::scene) const fn least(self) -> f64 {
+        match self {
+            Self::GlassIndex => 1.0,
+            Self::Light
+            | Self::Illuminance
+            | Self::Luminance
+            | Self::Color
+            | Self::Background
+            | Self::Surface
+            | Self::Index => 0.0,
+        }
+    }
+
+    /// Whether it is a number at each wavelength and no color.
+    pub(in crate::scene) const fn is_index(self) -> bool {
+        matches!(self, Self::Index | Self::GlassIndex)
+    }
 }
 
 impl Key {

@@ -214,7 +214,16 @@ impl Notation {
                 "is a color without a size; write `{ nits = 3000, color = … }` (or `lumens`, `candela`, \
                      `watts_per_steradian`, `watts`)",
             ),
-            (Self::Rgb | Self::Curve | Self::File, _)
+            (Self::Curve | Self::File, _)
+            | (
+                Self::Rgb,
+                Purpose::Light
+                | Purpose::Illuminance
+                | Purpose::Luminance
+                | Purpose::Color
+                | Purpose::Background
+                | Purpose::Surface,
+            )
             | (
                 Self::Lines,
                 Purpose::Light
@@ -264,6 +273,16 @@ impl Notation {
                 "is for lights; a surface has a reflectance: a number, `[r, g, b]`, \
                      `\"#rrggbb\"` or a curve from 0 to 1",
             ),
+            (
+                Self::Rgb
+                | Self::Illuminant
+                | Self::Daylight
+                | Self::Blackbody
+                | Self::Lines
+                | Self::Sized(_)
+                | Self::Density,
+                Purpose::Index | Purpose::GlassIndex,
+            ) => Err("is a color; a refractive index is a number, or a curve over the wavelength"),
         }
     }
 }

@@ -74,6 +74,10 @@ impl Reader<'_> {
             DeValue::Integer(_) | DeValue::Float(_) => {
                 self.number(key, key.name, node).map(Value::Uniform)
             }
+            DeValue::Array(_) | DeValue::String(_) if purpose.is_index() => {
+                self.wrong_type(key.name, node, key.value);
+                None
+            }
             DeValue::Array(_) => {
                 let rgb = self.numbers(key, key.name, node)?;
                 Some(Value::Rgb {
@@ -145,12 +149,19 @@ impl Reader<'_> {
             Purpose::Light => Some(&SIZE),
             Purpose::Illuminance => Some(&SIZE_OF_SUN),
             Purpose::Luminance => Some(&SIZE_OF_AREA),
-            Purpose::Color | Purpose::Background | Purpose::Surface => None,
+            Purpose::Color
+            | Purpose::Background
+            | Purpose::Surface
+            | Purpose::Index
+            | Purpose::GlassIndex => None,
         };
         let missing = if table.contains_key(COLOR.name) && size.is_some() {
             keys.push(&COLOR);
             size
         } else if table.contains_key(VALUES.name) {
+            keys.push(&VALUES);
+            Some(&WAVELENGTHS)
+        } else if purpose.is_index() {
             keys.push(&VALUES);
             Some(&WAVELENGTHS)
         } else if table.is_empty() || table.contains_key(SPACE.name) {

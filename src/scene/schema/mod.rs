@@ -74,6 +74,14 @@ pub fn schema() -> String {
             Purpose::Surface,
             (Bound::Included(0.0), Bound::Included(1.0)),
         ),
+        (
+            Purpose::Index,
+            (Bound::Included(0.0), Bound::Included(100.0)),
+        ),
+        (
+            Purpose::GlassIndex,
+            (Bound::Included(1.0), Bound::Included(4.0)),
+        ),
     ];
     let definitions =
         purposes.map(|(purpose, range)| (definition(purpose, range), value(purpose, range)));
@@ -259,6 +267,7 @@ fn holds(kind: Kind, channels: Range) -> Members {
         Kind::Value(..)
         | Kind::Pixels
         | Kind::Whole(_)
+        | Kind::Count(_)
         | Kind::Boolean
         | Kind::Text
         | Kind::LightName
@@ -370,6 +379,11 @@ fn holds_still(kind: Kind, channels: Range) -> Members {
             ("minimum", Json::from(1.0)),
             ("maximum", Json::from(f64::from(most))),
         ],
+        Kind::Count(most) => vec![
+            ("type", Json::text("integer")),
+            ("minimum", Json::from(0.0)),
+            ("maximum", Json::from(f64::from(most))),
+        ],
         Kind::Boolean => vec![("type", Json::text("boolean"))],
         Kind::Text => vec![("type", Json::text("string"))],
         Kind::LightName => {
@@ -388,7 +402,7 @@ fn holds_still(kind: Kind, channels: Range) -> Members {
         }
         Kind::Name(all) => vec![("enum", names(all()))],
         Kind::Value(purpose, most) => {
-            let range = (Bound::Included(0.0), Bound::Included(most));
+            let range = (Bound::Included(purpose.least()), Bound::Included(most));
             let place = format!("#/definitions/{}", definition(purpose, range));
             // Beside a `$ref` nothing else counts in this draft.
             vec![("allOf", list([object([("$ref", Json::text(&place))])]))]
@@ -450,23 +464,31 @@ fn definition(purpose: Purpose, (_, most): Range) -> &'static str {
         Purpose::Background => "background",
         Purpose::Surface if most == Bound::Included(1.0) => "reflectance_to_1",
         Purpose::Surface => "reflectance",
+        Purpose::Index => "index",
+        Purpose::GlassIndex => "index_of_glass",
     }
 }
 
-/// A value for light or color, in every notation that may stand there.
+/// A value for light, color or a refractive index, in every notation that may stand there.
 ///
 /// What is said of numbers, arrays and text stands side by side, as each applies to its type alone:
 /// an editor then names the number that is out of range instead of a list of notations.
 fn value(purpose: Purpose, range: Range) -> Json {
-    let flat = ["number", "array", "string"];
+    let flat: &[&str] = if purpose.is_index() {
+        &["number"]
+    } else {
+        &["number", "array", "string"]
+    };
     let mut members = number(range);
     members.retain(|(name, _)| name != "type");
-    members.extend(holds_still(Kind::Channels, range));
-    members.retain(|(name, _)| name != "type");
-    let all = names(flat.into_iter().chain(["object"]));
+    if !purpose.is_index() {
+        members.extend(holds_still(Kind::Channels, range));
+        members.retain(|(name, _)| name != "type");
+        let coded = Json::text("^#[0-9A-Fa-f]{6}$");
+        members.push(("pattern".to_owned(), coded));
+    }
+    let all = names(flat.iter().copied().chain(["object"]));
     members.insert(0, ("type".to_owned(), all));
-    let coded = Json::text("^#[0-9A-Fa-f]{6}$");
-    members.push(("pattern".to_owned(), coded));
     let notations = Notation::ALL.into_iter();
     let tables = notations
         .filter(|notation| notation.is_for(purpose).is_ok())
@@ -476,7 +498,7 @@ fn value(purpose: Purpose, range: Range) -> Json {
             table.insert(0, ("description".to_owned(), about));
             Json::Object(table)
         });
-    let flat = object([("type", names(flat))]);
+    let flat = object([("type", names(flat.iter().copied()))]);
     let place = format!("#/definitions/{}", definition(purpose, range));
     let moving = moving(&object([("$ref", Json::text(&place))]));
     let choices = std::iter::once(flat).chain(tables);

@@ -4,6 +4,8 @@ use fearless_simd::Simd;
 
 use super::batch::Hits;
 use super::candidates::{Candidates, CurrentRay, Pair};
+use super::leave;
+use crate::math::DVec3;
 use crate::simd::{DVec3x16, LANES, ones};
 use crate::visibility::batch::first_lanes;
 use crate::visibility::primitive::Primitive;
@@ -11,8 +13,9 @@ use crate::visibility::question::NearestHit;
 use crate::visibility::ray_batch::IncoherentRays;
 use crate::visibility::rays::{Rays, ShearedRays};
 use crate::visibility::search::{Along, DESCENTS, Way};
-use crate::visibility::shape::{SphereBlock, TriangleBlock, disk, plane};
+use crate::visibility::shape::{Block, SphereBlock, TriangleBlock, disk, plane};
 use crate::visibility::shapes::Shapes;
+use crate::world::geometry::area_vector;
 
 /// L2 for spheres.
 struct NearestSpheres<'b> {
@@ -32,6 +35,16 @@ impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
     fn show(&mut self, simd: S, place: usize, block: &SphereBlock, bits: u32) -> Option<f64> {
         let ray = self.current[place];
         let way = self.rays.way(ray, 0.0);
+        if let Some(start) = self.rays.start(ray) {
+            for place in ones(bits) {
+                let (center, radius) = block.sphere(place);
+                let primitive = block.primitive(place);
+                if let Some(t) = leave::sphere(&way, &start, primitive, center, radius) {
+                    self.hits.offer(ray, t, primitive);
+                }
+            }
+            return Some(self.hits.t[ray]);
+        }
         let lanes = Rays::new(
             DVec3x16::splat(simd, way.origin),
             DVec3x16::splat(simd, way.direction),
@@ -79,9 +92,11 @@ impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
             return Some(*limit);
         };
         let reach = met.reach();
+        let start = self.rays.start(*ray);
+        let first = start.as_ref().map_or(0.0, |start| start.t);
         for place in ones(met.maybe) {
             let [least, most] = reach.of(place);
-            if most < 0.0 || least > *limit {
+            if most < first || least > *limit {
                 continue;
             }
             if list.len == LANES {
@@ -94,7 +109,8 @@ impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
                 *limit = limit.min(self.hits.t[*ray]);
             }
             list.push(least, block.number(place));
-            if met.surely >> place & 1 == 1 && least > 0.0 && most < *limit {
+            let is_own = start.is_some_and(|start| start.primitive == block.primitive(place).0);
+            if met.surely >> place & 1 == 1 && least > first && most < *limit && !is_own {
                 *limit = most;
             }
         }
@@ -155,6 +171,10 @@ impl Shapes<'_> {
             let lanes = packet * LANES..(packet + 1) * LANES;
             let packet_of_rays = rays.packet(simd, packet);
             let mut nearest = NearestHit::new(simd, first_lanes(rays.count(), packet));
+            if rays.start(0).is_some() {
+                self.meet_planes_from(simd, rays, packet, hits);
+                continue;
+            }
             for plane in self.world.planes() {
                 plane::intersect(simd, plane, &packet_of_rays, &mut nearest);
             }
@@ -163,6 +183,45 @@ impl Shapes<'_> {
             }
             nearest.t.store(&mut hits.t[lanes.clone()]);
             hits.primitive[lanes].copy_from_slice(&nearest.primitive.to_array());
+        }
+    }
+
+    /// The same for rays of a packet that leave surfaces.
+    #[inline(always)]
+    fn meet_planes_from<S: Simd>(
+        &self,
+        simd: S,
+        rays: &IncoherentRays,
+        packet: usize,
+        hits: &mut Hits,
+    ) {
+        let lanes = packet * LANES..(packet + 1) * LANES;
+        hits.t[lanes.clone()].fill(f64::INFINITY);
+        hits.primitive[lanes].fill(u64::MAX);
+        let asked = first_lanes(rays.count(), packet);
+        let packet_of_rays = rays.packet(simd, packet);
+        let mut offer = |found: NearestHit<S>, object: u32, point: DVec3, normal: DVec3| {
+            let t = found.t.to_array();
+            for lane in ones(asked) {
+                let ray = packet * LANES + lane;
+                let primitive = Primitive::whole(object);
+                if t[lane] < f64::INFINITY
+                    && let Some(start) = rays.start(ray)
+                    && leave::flat(&start, t[lane], primitive, point, normal)
+                {
+                    hits.offer(ray, t[lane], primitive);
+                }
+            }
+        };
+        for plane in self.world.planes() {
+            let mut found = NearestHit::new(simd, asked);
+            plane::intersect(simd, plane, &packet_of_rays, &mut found);
+            offer(found, plane.object, plane.point.0, plane.normal.get());
+        }
+        for disk in self.world.disks() {
+            let mut found = NearestHit::new(simd, asked);
+            disk::intersect(simd, disk, &packet_of_rays, &mut found);
+            offer(found, disk.object, disk.center.0, disk.normal.get());
         }
     }
 
@@ -178,7 +237,15 @@ impl Shapes<'_> {
                 let t = t.to_array();
                 for lane in ones(found.to_bits()) {
                     let ray = pairs[lane].ray as usize;
-                    hits.offer(ray, t[lane], Primitive(primitives[lane]));
+                    let primitive = Primitive(primitives[lane]);
+                    if let Some(start) = rays.start(ray) {
+                        let vertices = self.triangles.get(pairs[lane].triangle).vertices();
+                        let normal = area_vector(vertices);
+                        if !leave::flat(&start, t[lane], primitive, vertices[0], normal) {
+                            continue;
+                        }
+                    }
+                    hits.offer(ray, t[lane], primitive);
                 }
             },
         );

@@ -3,6 +3,7 @@
 use super::color::{Bound, Reflection};
 use super::{Builder, as_written, listed};
 use crate::scene::{self, Problem};
+use crate::world::colorimetry::SpectralReflectance;
 use crate::world::spectra::ScaledReflectance;
 use crate::world::{Lobes, Material};
 
@@ -24,6 +25,10 @@ impl Builder<'_> {
             // since a narrow lobe with a large k_s still reflects little in all.
             scene::Material::Phong(lobes) => (lobes, Bound::None),
             scene::Material::NormalizedPhong(lobes) => (lobes, Bound::Albedo),
+            scene::Material::Mirror(_)
+            | scene::Material::Metal(_)
+            | scene::Material::Glass(_)
+            | scene::Material::Pane(_) => return (Material::BLACK, self.black()),
         };
         let name = || format!("material `{}`", entry.name);
         self.note_spectra([&lobes.diffuse.value, &lobes.specular.value], name);
@@ -56,7 +61,7 @@ impl Builder<'_> {
         };
         let material = match entry.value {
             scene::Material::Phong(_) => Material::phong(diffuse.rgb, specular.rgb, shininess),
-            scene::Material::NormalizedPhong(_) => {
+            _ => {
                 self.check_albedo(lobes, &diffuse, &specular);
                 Material::normalized_phong(diffuse.rgb, specular.rgb, shininess)
             }
@@ -80,6 +85,18 @@ impl Builder<'_> {
                 }
             });
         (material, reflectances)
+    }
+
+    /// The lobes of what has none, where light is carried spectrally.
+    fn black(&self) -> Option<Lobes<ScaledReflectance>> {
+        let black = || ScaledReflectance {
+            reflectance: SpectralReflectance::Flat(0.0),
+            factor: 1.0,
+        };
+        self.is_spectral.then(|| Lobes {
+            diffuse: black(),
+            specular: black(),
+        })
     }
 
     /// ρ_d + ρ_s is at most 1, in every channel or, of spectra, at every wavelength: the channels of

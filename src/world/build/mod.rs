@@ -3,6 +3,7 @@
 mod area;
 mod camera;
 mod color;
+mod delta;
 mod light;
 mod material;
 mod mesh;
@@ -201,17 +202,21 @@ impl<'a> Builder<'a> {
 
     fn world(&mut self) -> World {
         self.entry = Some(Entry::Image);
+        let max_depth = self.max_depth();
         let background = &self.scene.image.background;
         self.note_spectra([&background.value], || "the background".to_owned());
         let background = self.emission("background", background, color::Spread::EVERYWHERE);
         let mut reflectances = Vec::new();
         let mut materials = Vec::new();
+        let mut deltas = Vec::new();
         self.each(
             "material",
             "a material",
             &self.scene.materials,
             |builder, entry| {
                 let (material, lobes) = builder.material(entry);
+                builder.reserve(&mut deltas, 1)?;
+                deltas.push(builder.delta(entry));
                 builder.reserve(&mut materials, 1)?;
                 materials.push(named(entry, material));
                 builder.reserve(&mut reflectances, 1)?;
@@ -250,6 +255,8 @@ impl<'a> Builder<'a> {
             background: Radiance(Rgb(background.rgb)),
             anchor: self.anchor,
             materials,
+            deltas,
+            max_depth,
             lights,
             light_groups,
             objects: Vec::new(),
@@ -287,6 +294,8 @@ impl<'a> Builder<'a> {
             let (material, lobes) = builder.material(entry);
             builder.reserve(&mut world.materials, 1)?;
             world.materials.push(named(entry, material));
+            builder.reserve(&mut world.deltas, 1)?;
+            world.deltas.push(None);
             builder.reserve(&mut reflectances, 1)?;
             reflectances.extend(lobes);
             Ok(())
@@ -311,6 +320,16 @@ impl<'a> Builder<'a> {
             world.spectra = Some(spectra);
         }
         world
+    }
+
+    fn max_depth(&mut self) -> u32 {
+        let legal = |depth: f64| {
+            (0.0..=f64::from(scene::LARGEST_DEPTH)).contains(&depth) && depth.fract() == 0.0
+        };
+        let written = self.scene.image.max_depth;
+        let expected = "a whole number from 0 to 1000";
+        let depth = self.number("max_depth", written, legal, expected);
+        depth.map_or(scene::DEFAULT_DEPTH, |depth| depth as u32)
     }
 
     /// A scene has an object.
@@ -541,11 +560,8 @@ fn is_spectral(scene: &Scene) -> bool {
         Transport::Rgb => false,
         Transport::Spectral => true,
         Transport::Auto => {
-            let materials = scene.materials.iter().any(|entry| {
-                let (scene::Material::Phong(lobes) | scene::Material::NormalizedPhong(lobes)) =
-                    &entry.value;
-                lobes.diffuse.value.is_spectral() || lobes.specular.value.is_spectral()
-            });
+            let mut materials = scene.materials.iter();
+            let materials = materials.any(|entry| delta::is_spectral(&entry.value));
             let lights = scene.lights.iter();
             let mut lights = lights.map(|entry| &entry.value.size().value);
             let lights = lights.any(Value::is_spectral);

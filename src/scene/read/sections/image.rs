@@ -4,7 +4,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::super::super::diagnostic::{Problem, Span, Spanned};
 use super::super::super::value::{Transport, Value};
-use super::super::super::{Image, MAX_RESOLUTION};
+use super::super::super::{DEFAULT_DEPTH, Image, LARGEST_DEPTH, MAX_RESOLUTION};
 use super::super::Node;
 use super::super::fields::{Fields, Reader, spanned};
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
@@ -41,6 +41,26 @@ const OBSERVER: Key = key!("observer", "the year of a CIE observer", "\"1931\"")
     .or("\"1931\"")
     .about("Whose eye sees spectra: the CIE's 2° observer of 1931 or its 10° observer of 1964.");
 
+const MAX_DEPTH: Key = key!("max_depth", "a whole number from 0 to 1000", "8")
+    .of(Kind::Count(LARGEST_DEPTH))
+    .or("8")
+    .about(
+        "How often light may be reflected by mirrors and refracted by glass on its way to the viewer: 0 to 1000. What \
+         is left out has a bound, which the image's metadata say.",
+    )
+    .also(&[
+        "depth",
+        "bounces",
+        "maxdepth",
+        "max_bounces",
+        "max_trace_level",
+        "ray_depth",
+        "specular_depth",
+    ]);
+
+/// The default of `max_depth` as text.
+const _: () = assert!(DEFAULT_DEPTH == 8);
+
 /// `[image]`
 pub(in crate::scene::read) const IMAGE: Form<'_> = Form::new(&[
     &RESOLUTION,
@@ -48,6 +68,7 @@ pub(in crate::scene::read) const IMAGE: Form<'_> = Form::new(&[
     &BACKGROUND,
     &TRANSPORT,
     &OBSERVER,
+    &MAX_DEPTH,
 ])
 .elsewhere(&[
     Elsewhere {
@@ -77,10 +98,9 @@ pub(in crate::scene::read) const IMAGE: Form<'_> = Form::new(&[
         advice: "that is chosen for each run; see `candela render --help`",
     },
     Elsewhere {
-        words: &["max_depth", "depth", "bounces", "integrator"],
+        words: &["integrator", "max_diffuse_bounces", "diffuse_depth"],
         key: None,
-        advice: "only light that comes straight from a lamp is computed, so that there is no depth to \
-                 choose",
+        advice: "surfaces are lit by lamps alone; `max_depth` is how often mirrors and glass are followed",
     },
     Elsewhere {
         words: &["ambient"],
@@ -126,6 +146,10 @@ pub(in crate::scene::read) fn image(
     let background = fields.value_or(&BACKGROUND, Purpose::Background, Value::ZERO);
     let transport = fields.choice(&TRANSPORT, "transport", &Transport::ALL, Transport::name);
     let observer = fields.choice(&OBSERVER, "observer", &Observer::ALL, Observer::name);
+    let max_depth = match fields.get(&MAX_DEPTH) {
+        Some(node) => spanned(fields.reader.number(&MAX_DEPTH, MAX_DEPTH.name, node), node),
+        None => Some(Spanned::new(f64::from(DEFAULT_DEPTH), fields.header)),
+    };
     fields.finish()?;
     sound.then_some(Image {
         resolution: resolution?,
@@ -133,6 +157,7 @@ pub(in crate::scene::read) fn image(
         background: background?,
         transport: transport?,
         observer: observer?,
+        max_depth: max_depth?,
     })
 }
 

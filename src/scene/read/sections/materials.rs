@@ -7,6 +7,7 @@ use super::super::super::{Lobes, Material};
 use super::super::entries::{Section, Variant, Variants};
 use super::super::fields::Fields;
 use super::super::key::{BRIGHTEST, Elsewhere, Form, Key, Kind, Purpose, key};
+use super::delta::{COAT, GLASS, METAL, MIRROR, PANE, SCHLICK, coat};
 
 pub(in crate::scene::read) const MATERIALS: Section<Material> = Section {
     key: "materials",
@@ -28,7 +29,8 @@ pub(in crate::scene::read) const MATERIALS: Section<Material> = Section {
                     "blinn_phong",
                     "plastic",
                 ],
-                form: Form::new(&[&DIFFUSE, &SPECULAR, &SHININESS]).elsewhere(NOT_IN_MATERIALS),
+                form: Form::new(&[&DIFFUSE, &SPECULAR, &SHININESS, &COAT, &SCHLICK])
+                    .elsewhere(NOT_IN_MATERIALS),
                 read: |fields| lobes(fields).map(Material::Phong),
             },
             Variant {
@@ -36,18 +38,23 @@ pub(in crate::scene::read) const MATERIALS: Section<Material> = Section {
                 about: "r = cos(n, ω_i) [ρ_d/π + ρ_s (n+2)/(2π) cosⁿ(ω_o, ω_r)]: it never reflects \
                         more than it receives, so that ρ_d + ρ_s is at most 1.",
                 also: &["modified_phong", "phong_normalized", "physical_phong"],
-                form: Form::new(&[&DIFFUSE_ALBEDO, &SPECULAR_ALBEDO, &SHININESS])
-                    .elsewhere(NOT_IN_MATERIALS),
+                form: Form::new(&[
+                    &DIFFUSE_ALBEDO,
+                    &SPECULAR_ALBEDO,
+                    &SHININESS,
+                    &COAT,
+                    &SCHLICK,
+                ])
+                .elsewhere(NOT_IN_MATERIALS),
                 read: |fields| lobes(fields).map(Material::NormalizedPhong),
             },
+            MIRROR,
+            METAL,
+            GLASS,
+            PANE,
         ],
         elsewhere: &[Elsewhere {
             words: &[
-                "mirror",
-                "metal",
-                "conductor",
-                "glass",
-                "dielectric",
                 "emissive",
                 "emission",
                 "principled",
@@ -58,8 +65,8 @@ pub(in crate::scene::read) const MATERIALS: Section<Material> = Section {
                 "oren_nayar",
             ],
             key: None,
-            advice: "materials are `phong` or `normalized_phong`: a diffuse and a specular lobe, without \
-                     mirrors, glass or light of their own",
+            advice: "materials are `phong` or `normalized_phong`, a diffuse and a specular lobe, or perfectly \
+                     smooth: `mirror`, `metal`, `glass` and `pane`; none gives light of its own",
         }],
     },
 };
@@ -83,7 +90,6 @@ const DIFFUSE: Key = key!(
     "base_color",
     "basecolor",
     "diffuse_color",
-    "reflectance",
     "rgb",
 ]);
 const DIFFUSE_ALBEDO: Key =
@@ -141,10 +147,10 @@ const NOT_IN_MATERIALS: &[Elsewhere] = &[
             "opacity",
             "transparency",
             "sheen",
-            "clearcoat",
         ],
         key: None,
-        advice: "a material is a diffuse and a specular lobe: `diffuse`, `specular` and `shininess`",
+        advice: "this material is a diffuse and a specular lobe, `diffuse`, `specular` and `shininess`, under a \
+                 coat, `reflectance`; others are `mirror`, `metal`, `glass` and `pane`",
     },
     Elsewhere {
         words: &[
@@ -162,8 +168,8 @@ const NOT_IN_MATERIALS: &[Elsewhere] = &[
     Elsewhere {
         words: &["type", "model", "bsdf", "shader", "kind"],
         key: None,
-        advice: "the kind stands in the header: `[materials.NAME.phong]` or \
-                 `[materials.NAME.normalized_phong]`",
+        advice: "the kind stands in the header: `[materials.NAME.phong]`, `normalized_phong`, `mirror`, \
+                 `metal`, `glass` or `pane`",
     },
 ];
 
@@ -171,9 +177,11 @@ fn lobes(fields: &mut Fields<'_, '_, '_>) -> Option<Lobes> {
     let diffuse = fields.value_or(&DIFFUSE, Purpose::Surface, Value::ZERO);
     let specular = fields.value_or(&SPECULAR, Purpose::Surface, Value::ZERO);
     let shininess = fields.optional_number(&SHININESS);
+    let coat = coat(fields);
     Some(Lobes {
         diffuse: diffuse?,
         specular: specular?,
         shininess: shininess?,
+        coat: coat?,
     })
 }

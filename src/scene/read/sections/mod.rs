@@ -3,6 +3,7 @@
 mod aim;
 mod areas;
 mod camera;
+mod delta;
 mod image;
 mod lights;
 mod materials;

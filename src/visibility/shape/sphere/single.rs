@@ -4,6 +4,7 @@ use fearless_simd::Simd;
 
 use super::conic::SphereLanes;
 use super::{Crossings, SphereBlock, crossings, is_between};
+use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, Mask64x16};
 use crate::visibility::primitive::Primitive;
 use crate::visibility::question::End;
@@ -12,6 +13,13 @@ use crate::visibility::rays::{ROUNDING, Rays};
 impl SphereBlock {
     pub(in crate::visibility) fn primitive(&self, place: usize) -> Primitive {
         Primitive::whole(self.object[place])
+    }
+
+    /// The center and the radius of the one at a place.
+    #[inline(always)]
+    pub(in crate::visibility) fn sphere(&self, place: usize) -> (DVec3, f64) {
+        let [x, y, z] = &self.center;
+        (DVec3::new(x[place], y[place], z[place]), self.radius[place])
     }
 
     /// L2: which of the spheres with a bit a ray meets at t above 0, from outside or inside, and where first;
