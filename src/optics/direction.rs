@@ -13,12 +13,15 @@ pub(crate) fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
 /// t = (d + c n)/η − c_t n: the direction that `direction` is refracted into, `None` at total reflection (Snell).
 ///
 /// Both vectors have unit length, and the normal is on the side that light comes from: c = −n·d is in 0..=1. Light
-/// along the normal stays so. d + c n, the part along the surface, is made before it is divided by η, so that what
-/// cancels in it is not enlarged; t has unit length to 1e-15 for η in 0.25..=4.
+/// along the normal stays so.
+///
+/// What a unit vector lacks of its length is multiplied by up to 1/η² on its way. t (3 − |t|²)/2, a step of Newton's,
+/// restores it: t has unit length to 5e-16 for η in 0.25..=4, through any number of boundaries.
 pub(crate) fn refracted(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
     // The dot product of unit vectors may be above 1 in its last digit.
     let cos_incident = (-normal.dot(direction)).clamp(0.0, 1.0);
     let cos_transmitted = cos_transmitted(cos_incident, eta)?;
     let along = direction + normal * cos_incident;
-    Some(along / eta - normal * cos_transmitted)
+    let refracted = along / eta - normal * cos_transmitted;
+    Some(refracted * (1.5 - 0.5 * refracted.dot(refracted)))
 }

@@ -91,9 +91,11 @@ fn unpolarized(c: f64, [a, b]: [f64; 2], w: f64) -> f64 {
 /// [R, T] of a thin pane, both of its faces and all inner reflections summed: R = 2 F/(1 + F), T = (1 − F)/(1 + F) with
 /// F = [`dielectric`]`(cos_incident, n)`, without absorption or interference (Stokes 1862).
 ///
-/// F here is the mean of both polarizations, as everywhere in this room, and inner reflections have it too. n is the
-/// index of the pane over that of what is around it. Both numbers are in 0..=1, R + T = 1 to the last digit, and what is
-/// transmitted keeps its direction.
+/// F is the mean of both polarizations, and inner reflections have it too, as if each began unpolarized. A real pane
+/// keeps them apart, ½ Σ 2 r²/(1 + r²): its R is less, for n = 1.5 by up to 0.0222, at 74°.
+///
+/// n is the index of the pane over that of what is around it. Both numbers are in 0..=1, R + T = 1 to the last digit,
+/// and what is transmitted keeps its direction.
 #[inline]
 pub(crate) fn pane(cos_incident: f64, n: f64) -> [f64; 2] {
     let face = dielectric(cos_incident, n);

@@ -2,8 +2,7 @@
 //!
 //! Numbers are the published ones, as the database of refractiveindex.info (M. N. Polyanskiy, Scientific Data 11, 94,
 //! 2024; CC0 1.0) has them; the file of each is below, under its folder `database/data`. Those of Schott are its catalog
-//! of 20 January 2017, at 20 °C. All are relative to air but that of water, which is relative to vacuum (1.00027 times as
-//! large).
+//! of 20 January 2017, at 20 °C. Glasses and silica are relative to air, water to vacuum (1.00027 times as large).
 
 use super::sellmeier::Sellmeier;
 
@@ -163,7 +162,8 @@ impl Glass {
             fitted: [230.0, 9700.0],
             source: "Malitson 1963",
         },
-        // main/Al2O3/nk/Malitson-o.yml: J. Opt. Soc. Am. 62, 1405, and Dodge, Handbook of Laser Science and Technology IV, 1986: the ordinary ray; 20 °C.
+        // main/Al2O3/nk/Malitson-o.yml: J. Opt. Soc. Am. 62, 1405, and Dodge, Handbook of Laser Science and Technology
+        // IV, 1986: the ordinary ray; 20 °C.
         Self {
             name: "sapphire",
             dispersion: Sellmeier::three(

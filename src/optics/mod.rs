@@ -21,7 +21,6 @@ mod tests;
 
 pub(crate) use absorption::absorbed;
 pub(crate) use direction::{reflected, refracted};
-pub(crate) use fresnel::{conductor, cos_transmitted, dielectric, pane, schlick};
+pub(crate) use fresnel::{conductor, dielectric, pane, schlick};
 pub(crate) use glass::Glass;
 pub(crate) use metal::Metal;
-pub(crate) use sellmeier::Sellmeier;

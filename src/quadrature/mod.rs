@@ -28,7 +28,7 @@ use crate::emitter::{Occluder, ShadowSpace};
 use crate::image::Window;
 use crate::math::DVec3;
 use crate::simd::SimdLevel;
-use crate::visibility::{ShaftSpace, Visibility};
+use crate::visibility::{ShaftSpace, Visibility, object_and_triangle};
 use crate::world::{Light, World};
 use model::Model;
 use radiance::{NO_BORDER, WIDE_BORDER};
@@ -110,6 +110,14 @@ pub(crate) enum Verdict {
         /// Whether there is certainly no edge in it.
         is_smooth: bool,
     },
+}
+
+impl Verdict {
+    /// Nothing is known.
+    const OPEN: Self = Self::Open {
+        range: None,
+        is_smooth: false,
+    };
 }
 
 /// The least and the largest R, G, B, A anywhere.
@@ -290,13 +298,11 @@ impl<'w> Quadrature<'w> {
     /// Tells what is known of the pixels of a window, row by row.
     pub(crate) fn tell(&mut self, window: Window, verdicts: &mut Vec<Verdict>) {
         verdicts.clear();
-        verdicts.resize(
-            window.count() as usize,
-            Verdict::Open {
-                range: None,
-                is_smooth: false,
-            },
-        );
+        verdicts.resize(window.count() as usize, Verdict::OPEN);
+        // A pane lets light pass, of which shafts do not know how much.
+        if self.world.has_panes() {
+            return;
+        }
         let blocks = |start: u32, size: u32| start / BLOCK..=(start + size - 1) / BLOCK;
         for row in blocks(window.y, window.height) {
             for column in blocks(window.x, window.width) {
@@ -321,7 +327,11 @@ impl<'w> Quadrature<'w> {
         let (lists, reaches) = (self.lists.len(), self.reaches.len());
         let view = View::new(self.camera, square);
         let (told, surface) = self.refine(square, &view, known);
-        let verdict = if square.half > 0.5 {
+        let verdict = if self.shows_delta(told.primary) {
+            // Of what is seen in mirrors and glass nothing is told.
+            let is_told = square.half <= 0.5 || matches!(told.primary, Primary::One(_));
+            is_told.then_some(Verdict::OPEN)
+        } else if square.half > 0.5 {
             self.smooth(square, &told, surface.as_ref())
         } else {
             Some(self.pixel(square, &view, &told, surface.as_ref()))
@@ -333,10 +343,7 @@ impl<'w> Quadrature<'w> {
         } else {
             is_small && (is_many || self.is_shadow_crowded(&told))
         };
-        let verdict = verdict.or(is_crowded.then_some(Verdict::Open {
-            range: None,
-            is_smooth: false,
-        }));
+        let verdict = verdict.or(is_crowded.then_some(Verdict::OPEN));
         match verdict {
             Some(verdict) => {
                 for [x, y] in pixels.pixels() {
@@ -352,6 +359,26 @@ impl<'w> Quadrature<'w> {
         }
         self.lists.truncate(lists);
         self.reaches.truncate(reaches);
+    }
+
+    /// Whether any of what is met is perfectly smooth.
+    fn shows_delta(&self, primary: Primary) -> bool {
+        if !self.world.has_deltas() {
+            return false;
+        }
+        let is_smooth = |shape: u64| {
+            let (object, _) = object_and_triangle(shape);
+            let material = self.world.objects()[object as usize].material;
+            self.world.delta(material).is_some()
+        };
+        match primary {
+            Primary::One(shape) => is_smooth(shape),
+            Primary::Several(list) => {
+                let shapes = self.list(list);
+                shapes.iter().any(|&shape| is_smooth(shape))
+            }
+            Primary::Unasked | Primary::Background | Primary::Many => false,
+        }
     }
 
     /// Whether there are more shapes between a square and a light than are told one by one.

@@ -221,6 +221,7 @@ mod tests {
             members: 0b11,
             reflectance: 0,
             weights: None,
+            filter: 0,
         };
         let mut of_light = LightTerms::default();
         of_light.geometry.diffuse.fill(f64::MAX);

@@ -15,7 +15,16 @@ pub(super) const BEYOND_WHITE: f32 = 1.009 * SCREEN_WHITE;
 pub struct Counts {
     /// Camera rays.
     pub primary_rays: u64,
-    /// Of these, those that hit an object.
+    /// Rays that have left a mirror or glass.
+    pub secondary_rays: u64,
+    /// Of these, those that were not followed: beyond the largest depth, or as next to nothing of them arrives.
+    pub cut_rays: u64,
+    /// How much of their radiance would have arrived at most in any sample: what is left out is below that times the
+    /// brightest radiance of the scene.
+    pub cut: f64,
+    /// A bound of what is left out of any pixel by that, in cd/m².
+    pub depth_rest: f64,
+    /// Of the camera rays, those that hit an object.
     pub hits: u64,
     /// Points asked for a light's visibility: those that the light is not below.
     pub shadow_rays: u64,
@@ -43,6 +52,10 @@ impl Counts {
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             primary_rays: self.primary_rays + other.primary_rays,
+            secondary_rays: self.secondary_rays + other.secondary_rays,
+            cut_rays: self.cut_rays + other.cut_rays,
+            cut: self.cut.max(other.cut),
+            depth_rest: self.depth_rest.max(other.depth_rest),
             hits: self.hits + other.hits,
             shadow_rays: self.shadow_rays + other.shadow_rays,
             lit: self.lit + other.lit,
@@ -53,6 +66,16 @@ impl Counts {
             errors: self.errors.and(other.errors),
             work: self.work.and(other.work),
         }
+    }
+
+    /// What the header of a file says of rays that were not followed, by name.
+    pub(super) fn depth_provenance(&self) -> impl Iterator<Item = (String, String)> {
+        [
+            ("cut_rays", self.cut_rays.to_string()),
+            ("depth_rest", self.depth_rest.to_string()),
+        ]
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value))
     }
 
     /// Of a pixel that has no samples.

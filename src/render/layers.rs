@@ -29,6 +29,11 @@ pub struct Layers {
     /// What lights that are seen send themselves, in cd/m²: `emission.R`, … It comes with `lights`, `diffuse` and
     /// `specular` where any light is seen, so that these add up to R, G and B.
     pub emission: bool,
+    /// What comes by mirrors, in cd/m²: `reflection.R`, … It and `refraction` come with `diffuse` and `specular` where
+    /// anything is perfectly smooth, so that these add up to R, G and B.
+    pub reflection: bool,
+    /// What comes through glass, in cd/m²: `refraction.R`, …
+    pub refraction: bool,
     /// k_d: `albedo.R`, …, through the box filter with 0 where nothing is hit.
     pub albedo: bool,
     /// `irradiance`: the illuminance E = Σ I (n·ω_i) V / d² of the surface in lux, through the box filter with 0 where
@@ -117,6 +122,8 @@ pub(super) enum Content {
     Specular,
     Background,
     Emission,
+    Reflection,
+    Refraction,
     Albedo,
     Irradiance,
     Normal,
@@ -146,6 +153,8 @@ impl Layers {
             (self.diffuse, "diffuse"),
             (self.specular, "specular"),
             (self.emission, "emission"),
+            (self.reflection, "reflection"),
+            (self.refraction, "refraction"),
             (self.albedo, "albedo"),
             (self.irradiance, "irradiance"),
             (self.depth, "depth"),
@@ -198,6 +207,8 @@ impl Layers {
                 Content::Specular,
                 Content::Background,
                 Content::Emission,
+                Content::Reflection,
+                Content::Refraction,
             ]));
         }
         let mut attributes = self.spectral.map(spectral_attributes).unwrap_or_default();
@@ -245,6 +256,7 @@ impl Layers {
         let has_background = (self.diffuse || self.specular) && has_background_share(world);
         let is_part = (self.lights && self.only.is_none()) || self.diffuse || self.specular;
         let has_emission = self.emission || (is_part && world.has_emission());
+        let has_branches = (self.diffuse || self.specular) && world.has_deltas();
         let mut contents = Vec::new();
         let mut add = |is_asked: bool, content, channels: &dyn Fn() -> Vec<Channel>| {
             if is_asked {
@@ -264,6 +276,16 @@ impl Layers {
             rgb(BACKGROUND_LIGHT)
         });
         add(has_emission, Content::Emission, &|| rgb("emission"));
+        add(
+            has_branches || self.reflection,
+            Content::Reflection,
+            &|| rgb("reflection"),
+        );
+        add(
+            has_branches || self.refraction,
+            Content::Refraction,
+            &|| rgb("refraction"),
+        );
         add(self.albedo, Content::Albedo, &|| {
             let name = |c| channel(format!("albedo.{c}"), ChannelKind::Relative);
             RGB.map(name).to_vec()
@@ -323,7 +345,8 @@ impl Layers {
 
     /// The reflectances that shares are kept apart by for lights of other colors, where they are.
     pub(super) fn relighting<'w>(&self, world: &'w World) -> Option<Reflectances<'w>> {
-        let spectra = world.spectra()?;
+        // What a colored mirror shows is not a sum over reflectances.
+        let spectra = world.spectra().filter(|_| !world.has_deltas())?;
         let is_wanted = match self.relight {
             Relight::Always => true,
             Relight::Auto => self.lights,

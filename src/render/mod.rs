@@ -25,6 +25,7 @@ mod job;
 mod layer_sums;
 mod layers;
 mod options;
+mod paths;
 mod renderer;
 mod sampling;
 mod scheduler;

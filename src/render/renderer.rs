@@ -213,12 +213,15 @@ impl<'w> Renderer<'w> {
         if options.target.is_some() {
             film.add_provenance(counts.errors.provenance());
         }
+        if self.world.has_deltas() {
+            film.add_provenance(counts.depth_provenance());
+        }
         Ok((film, counts))
     }
 
     /// Renders and writes OpenEXR into `sink`, from the sink's start: blocks are compressed and written
     /// while others are still being rendered, and the film is never there as a whole, unless it is rendered to an
-    /// error, where the header, which comes first, says what came of it, or written with
+    /// error, or through mirrors and glass, where the header, which comes first, says what came of it, or written with
     /// [`ExrOptions::full_window`]. The bytes are those that [`Renderer::film`] and
     /// [`Film::write_exr_to`] make one after the other.
     ///
@@ -234,7 +237,8 @@ impl<'w> Renderer<'w> {
         sink: &mut (impl Write + Seek + Send),
     ) -> Result<RenderedExr, RenderError> {
         let spec = self.spec(camera, options)?;
-        if options.target.is_some() || exr.full_window {
+        let is_whole = options.target.is_some() || exr.full_window || self.world.has_deltas();
+        if is_whole {
             let (film, counts) = self.film_of_file(camera, options, exr, job)?;
             let (report, image) = film.write_exr_and_keep(sink, exr, preserve)?;
             return Ok(RenderedExr {
@@ -326,7 +330,7 @@ impl<'w> Renderer<'w> {
             error: options.layers.error,
             samples: options.layers.samples,
         };
-        let counts = self.set_up(camera, options, Kept::Sums, |setup, window| {
+        let mut counts = self.set_up(camera, options, Kept::Sums, |setup, window| {
             let goal = options.target.map(|target| {
                 let floor = target.floor.unwrap_or_else(|| self.floor(setup));
                 Goal::new(&target, floor, channels == about_errors.count())
@@ -343,6 +347,9 @@ impl<'w> Renderer<'w> {
         // Black is exact; what is not black needs something to be relative to.
         if options.target.is_some() && counts.errors.floor == 0.0 && counts.errors.unmet > 0 {
             return Err(RenderError::TooDark);
+        }
+        if counts.cut > 0.0 {
+            counts.depth_rest = counts.cut * self.world.brightest();
         }
         Ok(counts)
     }

@@ -10,6 +10,7 @@ use super::bands::Further;
 use super::batch::{Batch, PIXELS, Selection, TilePixels};
 use super::counts::Counts;
 use super::layer_sums::{LayerSums, RequestedLayers};
+use super::paths::Paths;
 use super::sampling::Sampler;
 use super::sink::RenderedTile;
 use super::statistics::Statistics;
@@ -86,6 +87,7 @@ pub(super) struct Space {
     points: Points,
     shaded: Shaded,
     terms: LightTerms,
+    paths: Paths,
 }
 
 impl Space {
@@ -287,9 +289,11 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
         points,
         shaded,
         terms,
+        paths,
         ..
     } = space;
-    visibility.nearest(simd, &batch.rays(simd, camera), tracing, points);
+    let rays = batch.rays(simd, camera);
+    visibility.nearest(simd, &rays, tracing, points);
     if let Some(layers) = &mut tile.layers {
         layers.see(simd, batch.numbered(), points);
     }
@@ -305,13 +309,19 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
         }
         _ => shading::radiance(simd, world, visibility, points, tracing, shaded),
     }
-    Counts {
+    let counts = Counts {
         primary_rays: batch.len() as u64,
         shadow_rays: shaded.shadow_rays,
         lit: shaded.lit_points,
         singular: shaded.singular,
         ..Counts::default()
+    };
+    if !world.has_deltas() {
+        return counts;
     }
+    let layers = tile.layers.as_mut();
+    let samples = batch.numbered();
+    counts.and(paths.follow(simd, setup, &rays, points, shaded, samples, tracing, layers))
 }
 
 /// Ends a pass for the pixels before `end`.

@@ -108,6 +108,8 @@ pub(super) struct Asked<'a, 'w> {
     pub(super) number: usize,
     /// Whether it is cut by up to [`MOST_CUT_FOR_ERROR`] shapes.
     pub(super) cuts_all: bool,
+    /// For each packet one bit for each point with lobes.
+    pub(super) lobed: &'a [u32; PACKETS],
 }
 
 impl Asked<'_, '_> {
@@ -152,7 +154,7 @@ impl Asked<'_, '_> {
         let mut sampled = [0; PACKETS];
         area.free.clear();
         for (packet, sampled) in sampled.iter_mut().enumerate() {
-            let hit = points.hit[packet];
+            let hit = self.lobed[packet];
             if hit == 0 {
                 continue;
             }

@@ -1,9 +1,10 @@
 //! What the points of a packet are made of: lobes, and weights over reflectances.
 
 use super::power::whole_exponent;
+use crate::optics;
 use crate::simd::{LANES, ones};
 use crate::world::material::Model;
-use crate::world::{Material, World};
+use crate::world::{Delta, Material, World};
 
 /// The specular lobe of a material.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +24,16 @@ pub(super) enum Shininess {
     /// So that its powers come by multiplication.
     Whole(u32),
     Any(f64),
+}
+
+/// R of a coat at a cosine between the normal and the viewer.
+#[inline]
+pub(crate) fn coat_reflectance(reflectance: f64, schlick: bool, cos_viewer: f64) -> f64 {
+    if schlick {
+        optics::schlick(reflectance, cos_viewer.clamp(0.0, 1.0))
+    } else {
+        reflectance
+    }
 }
 
 impl Gloss {
@@ -66,6 +77,8 @@ pub(crate) struct Share {
     /// The weight at each point of the packet; `None` is 1 at all of them, which multiplies nothing. Where it
     /// is 0, the reflectance is left out.
     pub(crate) weights: Option<[f64; LANES]>,
+    /// The number of the filter that its light is seen through; 0 is none.
+    pub(crate) filter: u16,
 }
 
 /// The points of a packet, material by material.
@@ -73,8 +86,8 @@ pub(crate) struct Share {
 pub(super) struct Groups {
     groups: Vec<Group>,
     shares: Vec<Share>,
-    /// The material of each group while they are taken.
-    materials: Vec<u32>,
+    /// The material and the filter of each group while they are taken.
+    kinds: Vec<(u32, u16)>,
 }
 
 impl Groups {
@@ -87,25 +100,52 @@ impl Groups {
 
     /// Takes the points with a bit, and forgets all others.
     #[inline(always)]
-    pub(super) fn take(&mut self, world: &World, materials: &[u32], bits: u32, are_uniform: bool) {
-        if are_uniform {
+    pub(super) fn take(
+        &mut self,
+        world: &World,
+        materials: &[u32],
+        filters: Option<&[u16]>,
+        bits: u32,
+        are_uniform: bool,
+    ) {
+        if are_uniform && filters.is_none() {
             self.take_one(world, materials[bits.trailing_zeros() as usize], bits);
             return;
         }
         self.clear();
-        self.materials.clear();
+        self.kinds.clear();
         for lane in ones(bits) {
-            let material = materials[lane];
-            let known = self.materials.iter().position(|&known| known == material);
+            let filter = filters.map_or(0, |filters| filters[lane]);
+            let kind = (materials[lane], filter);
+            let known = self.kinds.iter().position(|&known| known == kind);
             match known {
                 Some(place) => {
                     self.groups[place].members |= 1 << lane;
                     self.shares[place].members |= 1 << lane;
                 }
                 None => {
-                    self.materials.push(material);
-                    self.push(world, material, 1 << lane);
+                    self.kinds.push(kind);
+                    self.push(world, kind, 1 << lane);
                 }
+            }
+        }
+    }
+
+    /// Has the lobes of points under a coat count 1 − R times, R of each.
+    #[inline(never)]
+    pub(super) fn coat(&mut self, world: &World, cos_viewer: &[f64]) {
+        for share in &mut self.shares {
+            if let Some(Delta::Coat {
+                reflectance,
+                schlick,
+            }) = world.delta(share.reflectance as usize)
+            {
+                let mut weights = [0.0; LANES];
+                for lane in ones(share.members) {
+                    weights[lane] =
+                        1.0 - coat_reflectance(*reflectance, *schlick, cos_viewer[lane]);
+                }
+                share.weights = Some(weights);
             }
         }
     }
@@ -116,17 +156,18 @@ impl Groups {
         if let ([group], [share]) = (&mut self.groups[..], &mut self.shares[..])
             && share.reflectance == material
             && share.weights.is_none()
+            && share.filter == 0
         {
             (group.members, share.members) = (members, members);
         } else {
             self.clear();
-            self.push(world, material, members);
+            self.push(world, (material, 0), members);
         }
     }
 
     /// A material: one reflectance of weight 1.
     #[inline(always)]
-    fn push(&mut self, world: &World, material: u32, members: u32) {
+    fn push(&mut self, world: &World, (material, filter): (u32, u16), members: u32) {
         self.groups.push(Group {
             members,
             gloss: Gloss::of(&world.materials()[material as usize].value),
@@ -135,6 +176,7 @@ impl Groups {
             members,
             reflectance: material,
             weights: None,
+            filter,
         });
     }
 

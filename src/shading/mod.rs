@@ -1,6 +1,8 @@
 //! L3 and L5 to L9: how much light each point sends to the viewer.
 
 mod area;
+mod delta;
+mod filters;
 mod groups;
 mod power;
 mod reflectance;
@@ -13,6 +15,8 @@ use fearless_simd::Simd;
 
 pub(crate) use area::{AreaSpace, area_illuminance};
 use area::{AreaTerms, Asked};
+pub(crate) use delta::{Arriving, BANDS, Branch, absorbed, leave};
+pub(crate) use filters::Filters;
 use groups::Groups;
 pub(crate) use groups::Share;
 use reflectance::{Ends, geometry};
@@ -25,7 +29,7 @@ use crate::visibility::{
     Column, Facing, PACKETS, Points, SegmentBatch, Visibility, Workspace, columns,
 };
 use crate::world::light::{AreaLight, IesLight};
-use crate::world::{Light, Lobes, RecentProducts, World};
+use crate::world::{Delta, Light, Lobes, RecentProducts, World};
 
 /// The light of a batch of points, and what it took.
 #[derive(Debug)]
@@ -38,8 +42,12 @@ pub(crate) struct Shaded {
     pub lit_points: u64,
     /// Whether what is seen of lights with an area is computed past many shapes too, not sampled.
     pub cuts_areas: bool,
+    /// What the light of each point is seen through.
+    pub filters: Filters,
     /// How often a light was at the very point it should light, d = 0, and added nothing.
     pub singular: u64,
+    /// For each packet one bit for each point with lobes.
+    lobed: [u32; PACKETS],
     lit: Vec<Lit>,
     groups: Groups,
     /// What each packet is made of, where light is told light by light.
@@ -71,7 +79,9 @@ impl Default for Shaded {
             shadow_rays: 0,
             lit_points: 0,
             cuts_areas: false,
+            filters: Filters::default(),
             singular: 0,
+            lobed: [0; PACKETS],
             lit: Vec::new(),
             groups: Groups::default(),
             packets: Vec::new(),
@@ -156,6 +166,10 @@ impl Shaded {
         if points.none_hit() {
             return;
         }
+        self.lobed = lobed(world, points);
+        if self.lobed == [0; PACKETS] {
+            return;
+        }
         let mut next_number = 0;
         for (index, light) in world.lights().iter().enumerate() {
             let numbers = next_number..;
@@ -187,8 +201,8 @@ impl Shaded {
             };
             for (number, origin) in numbers.zip(light.value.origins()) {
                 let Facing { mut above, at } = points.facing(simd, world, origin);
-                for (above, inside) in above.iter_mut().zip(inside) {
-                    *above &= inside;
+                for ((above, inside), lobed) in above.iter_mut().zip(inside).zip(self.lobed) {
+                    *above &= inside & lobed;
                 }
                 let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
                 self.shadow_rays += u64::from(asked);
@@ -235,6 +249,7 @@ impl Shaded {
             light,
             number,
             cuts_all: self.cuts_areas,
+            lobed: &self.lobed,
         };
         let Some(lit) = asked.terms(simd, &mut self.area, space) else {
             return;
@@ -259,7 +274,11 @@ impl Shaded {
         if hit != 0 {
             let materials = &points.material[first..first + LANES];
             let is_uniform = points.is_uniform[packet];
-            self.groups.take(world, materials, hit, is_uniform);
+            let filters = self.filters.numbers(first);
+            self.groups.take(world, materials, filters, hit, is_uniform);
+            if world.has_coats() {
+                self.groups.coat(world, &points.cos_viewer[first..]);
+            }
         }
         let sums = if hit == 0 {
             [F64x16::splat(simd, 0.0); 3]
@@ -273,8 +292,11 @@ impl Shaded {
             let radiance = is_hit.select(sums[channel], background);
             radiance.store(&mut self.radiance[channel][first..]);
         }
+        if self.filters.numbers(first).is_some() {
+            filter_background(world, &self.filters, hit, first, &mut self.radiance);
+        }
         if world.has_emission() {
-            add_emission(world, points, packet, &mut self.radiance);
+            add_emission(world, points, packet, &self.filters, &mut self.radiance);
         }
     }
 
@@ -293,6 +315,7 @@ impl Shaded {
             lit,
             groups,
             recent,
+            filters,
             ..
         } = self;
         for lit in lit.iter() {
@@ -303,7 +326,12 @@ impl Shaded {
             let geometry = lit.geometry(simd, world, &ends, groups, packet);
             let mut reflected = world.reflected_from(lit.light, Some(recent));
             for share in groups.shares() {
-                let reflected = reflected(share.reflectance as usize);
+                let reflected = match filters.get(share.filter) {
+                    None => reflected(share.reflectance as usize),
+                    Some(filter) => {
+                        world.reflected_through(lit.light, share.reflectance as usize, filter)
+                    }
+                };
                 let is_lit = Mask64x16::from_bits(simd, bits & share.members);
                 add_share(simd, share, is_lit, &geometry, &reflected, &mut sums);
             }
@@ -324,7 +352,11 @@ impl Shaded {
                 groups.clear();
             } else {
                 let materials = &points.material[first..first + LANES];
-                groups.take(world, materials, hit, points.is_uniform[packet]);
+                let filters = self.filters.numbers(first);
+                groups.take(world, materials, filters, hit, points.is_uniform[packet]);
+                if world.has_coats() {
+                    groups.coat(world, &points.cos_viewer[first..]);
+                }
             }
             let is_hit = Mask64x16::from_bits(simd, hit);
             for channel in 0..3 {
@@ -332,8 +364,11 @@ impl Shaded {
                 let radiance = is_hit.select(zero, background);
                 radiance.store(&mut self.radiance[channel][first..]);
             }
+            if self.filters.numbers(first).is_some() {
+                filter_background(world, &self.filters, hit, first, &mut self.radiance);
+            }
             if world.has_emission() {
-                add_emission(world, points, packet, &mut self.radiance);
+                add_emission(world, points, packet, &self.filters, &mut self.radiance);
             }
         }
     }
@@ -354,6 +389,7 @@ impl Shaded {
             packets,
             recent,
             radiance,
+            filters,
             ..
         } = self;
         let lit = &all[lit];
@@ -384,7 +420,12 @@ impl Shaded {
                     F64x16::load(simd, b),
                 ];
                 for share in groups.shares() {
-                    let reflected = reflected(share.reflectance as usize);
+                    let reflected = match filters.get(share.filter) {
+                        None => reflected(share.reflectance as usize),
+                        Some(filter) => {
+                            world.reflected_through(lit.light, share.reflectance as usize, filter)
+                        }
+                    };
                     let is_lit = Mask64x16::from_bits(simd, bits & share.members);
                     add_share(simd, share, is_lit, &geometry, &reflected, &mut sums);
                     if detail.has_radiance {
@@ -464,14 +505,70 @@ impl Lit {
     }
 }
 
+/// One bit for each point with lobes, which lights light: mirrors and glass have none.
+#[inline(always)]
+fn lobed(world: &World, points: &Points) -> [u32; PACKETS] {
+    let mut bits = points.hit;
+    if world.has_deltas() {
+        for (packet, bits) in bits.iter_mut().enumerate() {
+            for lane in ones(*bits) {
+                let material = points.material[packet * LANES + lane] as usize;
+                let has_lobes = world.delta(material).is_none_or(Delta::has_lobes);
+                *bits &= !(u32::from(!has_lobes) << lane);
+            }
+        }
+    }
+    bits
+}
+
 /// Adds what lights that are seen send themselves: L from the side that shines.
 #[inline(never)]
-fn add_emission(world: &World, points: &Points, packet: usize, radiance: &mut [Column; 3]) {
+fn add_emission(
+    world: &World,
+    points: &Points,
+    packet: usize,
+    filters: &Filters,
+    radiance: &mut [Column; 3],
+) {
     for lane in ones(points.hit[packet]) {
         let slot = packet * LANES + lane;
-        if let Some((_, light)) = emitter_seen(world, points, slot) {
-            for (column, channel) in radiance.iter_mut().zip(light.luminance()) {
+        if let Some((_, luminance)) = emission(world, points, filters, slot) {
+            for (column, channel) in radiance.iter_mut().zip(luminance) {
                 column[slot] += channel;
+            }
+        }
+    }
+}
+
+/// The light that a point is on, if it is seen from the side that shines, and its luminance as it is seen.
+pub(crate) fn emission(
+    world: &World,
+    points: &Points,
+    filters: &Filters,
+    slot: usize,
+) -> Option<(usize, [f64; 3])> {
+    let (index, light) = emitter_seen(world, points, slot)?;
+    let luminance = match filters.get(filters.number(slot)) {
+        None => light.luminance(),
+        Some(filter) => world.luminance_through(index, light, filter),
+    };
+    Some((index, luminance))
+}
+
+/// The background as it is seen through filters, where nothing is hit.
+#[inline(never)]
+fn filter_background(
+    world: &World,
+    filters: &Filters,
+    hit: u32,
+    first: usize,
+    radiance: &mut [Column; 3],
+) {
+    for lane in ones(!hit & ((1 << LANES) - 1)) {
+        if let Some(filter) = filters.get(filters.number(first + lane)) {
+            let background = world.background_through(filter).0.0;
+            for (column, channel) in radiance.iter_mut().zip(background) {
+                column[first + lane] = channel;
             }
         }
     }

@@ -171,6 +171,7 @@ fn share(reflectance: u32, weight: impl Fn(usize) -> f64) -> Share {
         members: 0xffff,
         reflectance,
         weights: Some(std::array::from_fn(weight)),
+        filter: 0,
     }
 }
 
@@ -179,6 +180,7 @@ fn whole(reflectance: u32) -> Share {
         members: 0xffff,
         reflectance,
         weights: None,
+        filter: 0,
     }
 }
 

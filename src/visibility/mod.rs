@@ -52,7 +52,7 @@ pub(crate) use batch::{Column, columns};
 pub(crate) use incoherent::IncoherentSegments;
 pub(crate) use points::Facing;
 pub(crate) use points::{Points, Start};
-pub(crate) use ray_batch::{IncoherentRays, RayBatch};
+pub(crate) use ray_batch::{IncoherentRays, RayBatch, RayStart};
 pub(crate) use shaft::{Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace};
 pub(crate) use work::MetLeaves;
 pub use work::{RayWork, Work};

@@ -380,6 +380,18 @@ impl Points {
         }
     }
 
+    /// The normals of the surfaces, turned towards the viewer.
+    #[inline(always)]
+    pub(crate) fn geometric_normals(&self) -> &[Column; 3] {
+        &self.geometric_normal
+    }
+
+    /// The geometric normal of a point on a flat shape times any point of its plane.
+    #[inline]
+    pub(crate) fn plane(&self, slot: usize) -> f64 {
+        self.plane[slot]
+    }
+
     /// Where the shadow rays of a point that is hit start.
     #[inline]
     pub(crate) fn start(&self, slot: usize) -> Start {

@@ -2,10 +2,10 @@
 
 use fearless_simd::Simd;
 
-use super::batch::{BATCH, Column, columns, first_lanes, vector};
+use super::batch::{BATCH, Column, columns, columns_mut, first_lanes, vector};
 use super::rays::Rays;
 use crate::math::{DVec3, Point};
-use crate::simd::DVec3x16;
+use crate::simd::{DVec3x16, LANES};
 
 /// At most [`BATCH`] rays r(t) = o + t ω, ω of any length but zero, with what they have in common, if anything.
 ///
@@ -28,7 +28,6 @@ pub(crate) enum RayBatch<'r, F> {
         count: usize,
     },
     /// Nothing.
-    #[cfg_attr(not(test), expect(dead_code, reason = "curved mirrors are to ask"))]
     Any(&'r IncoherentRays),
 }
 
@@ -120,6 +119,26 @@ impl IncoherentRays {
         self.count += 1;
     }
 
+    /// Takes all rays of a batch.
+    #[inline(always)]
+    pub(crate) fn take<S: Simd>(
+        &mut self,
+        simd: S,
+        batch: &RayBatch<'_, impl Fn(usize) -> DVec3x16<S>>,
+    ) {
+        self.count = match batch {
+            RayBatch::FromPoint { count, .. } | RayBatch::Along { count, .. } => *count,
+            RayBatch::Any(rays) => rays.count,
+        };
+        self.starts = None;
+        for packet in 0..self.count.div_ceil(LANES) {
+            let rays = batch.packet(simd, packet);
+            rays.origin.store(columns_mut(&mut self.origin, packet));
+            rays.direction
+                .store(columns_mut(&mut self.direction, packet));
+        }
+    }
+
     /// Puts a ray that leaves a surface to the others, all of which do.
     pub(crate) fn push_from(&mut self, origin: DVec3, direction: DVec3, start: &RayStart) {
         let ray = self.count;
@@ -142,7 +161,7 @@ impl IncoherentRays {
 
     /// Where a ray leaves a surface, if it does.
     #[inline(always)]
-    pub(super) fn start(&self, ray: usize) -> Option<RayStart> {
+    pub(crate) fn start(&self, ray: usize) -> Option<RayStart> {
         let starts = self.starts.as_ref()?;
         Some(RayStart {
             t: starts.t[ray],
@@ -166,7 +185,7 @@ impl IncoherentRays {
 
     /// Where one starts, and where it goes.
     #[inline(always)]
-    pub(super) fn ray(&self, ray: usize) -> [DVec3; 2] {
+    pub(crate) fn ray(&self, ray: usize) -> [DVec3; 2] {
         [vector(&self.origin, ray), vector(&self.direction, ray)]
     }
 

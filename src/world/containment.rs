@@ -228,7 +228,7 @@ impl Node {
 /// The solid angle of a triangle with corners a, b, c around the point is
 /// 2 atan2(a · (b × c), |a||b||c| + (a·b)|c| + (a·c)|b| + (b·c)|a|)
 /// (Van Oosterom & Strackee 1983).
-fn winding_number(world: &World, mesh: &Mesh, point: Point) -> f64 {
+pub(super) fn winding_number(world: &World, mesh: &Mesh, point: Point) -> f64 {
     let solid_angle = |index: u32| {
         let [a, b, c] = world
             .triangles()

@@ -9,6 +9,9 @@
 //! The anchor is the scene's, whatever camera looks: a camera that is moved in a world shows
 //! the bits that it shows in a world that was made anew.
 
+#[doc(hidden)]
+pub mod body;
+mod brightness;
 mod build;
 #[doc(hidden)]
 pub mod colorimetry;
@@ -30,9 +33,13 @@ mod reflectances;
 #[doc(hidden)]
 pub mod spectra;
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+#[doc(hidden)]
+pub use body::Body;
+pub(crate) use body::Media;
 #[doc(hidden)]
 pub use delta::Delta;
 #[doc(hidden)]
@@ -53,8 +60,8 @@ pub use spectra::{Bands, Spectra};
 use crate::camera::Camera;
 use crate::math::DVec3;
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
-use crate::spectrum::Observer;
-use crate::units::{Radiance, ReflectedIntensity};
+use crate::spectrum::{Observer, Spectrum};
+use crate::units::{Radiance, ReflectedIntensity, Rgb};
 use spectra::Products;
 
 /// A legal scene.
@@ -72,6 +79,15 @@ pub struct World {
     materials: Vec<Named<Material>>,
     /// What each of them reflects like a mirror or lets through.
     deltas: Vec<Option<Delta>>,
+    /// Whether one of these is a coat.
+    has_coats: bool,
+    /// Whether any object is perfectly smooth.
+    has_deltas: bool,
+    /// Whether any of these disperses light, which is carried spectrally.
+    has_dispersion: bool,
+    bodies: Vec<Body>,
+    /// The place of each body among them, by its object.
+    body_ranks: HashMap<u32, u32>,
     /// How often light is followed through mirrors and glass.
     max_depth: u32,
     lights: Vec<Named<Light>>,
@@ -93,6 +109,8 @@ pub struct World {
     /// What in the scene is spectral.
     spectral_values: Vec<String>,
     spectra: Option<Spectra>,
+    /// How the observer sees light, in the working space.
+    colorimetry: Arc<colorimetry::Colorimetry>,
     /// The curves that leave out a part of the visible range, by the names of their entries, with
     /// their ranges in nm.
     gaps: Vec<Named<[f64; 2]>>,
@@ -294,8 +312,25 @@ impl World {
     /// Whether any object is perfectly smooth.
     #[doc(hidden)]
     pub fn has_deltas(&self) -> bool {
-        let mut objects = self.objects.iter();
-        objects.any(|object| self.deltas[object.material].is_some())
+        self.has_deltas
+    }
+
+    /// Whether any body of glass disperses light.
+    #[inline]
+    pub(crate) fn has_dispersion(&self) -> bool {
+        self.has_dispersion
+    }
+
+    /// Whether any material is a thin pane, which light passes.
+    pub(crate) fn has_panes(&self) -> bool {
+        let mut deltas = self.deltas.iter().flatten();
+        deltas.any(|delta| matches!(delta, Delta::Pane { .. }))
+    }
+
+    /// Whether any material has a coat.
+    #[inline]
+    pub(crate) fn has_coats(&self) -> bool {
+        self.has_coats
     }
 
     /// How often light is followed through mirrors and glass.
@@ -499,6 +534,41 @@ impl World {
                 }
             }
         }
+    }
+
+    /// [`World::reflected`] of light that goes through a filter on its way to the viewer. Only where light is carried
+    /// spectrally.
+    pub(crate) fn reflected_through(
+        &self,
+        light: usize,
+        material: usize,
+        filter: &Spectrum,
+    ) -> Lobes<ReflectedIntensity> {
+        let spectra = self.spectra.as_ref().expect("filters are of spectra");
+        spectra.filtered_product(light, material, filter)
+    }
+
+    /// R, G, B of a reflectance under white light.
+    pub(crate) fn color_of_reflectance(&self, reflectance: &Spectrum) -> [f64; 3] {
+        self.colorimetry.reflectance(reflectance)
+    }
+
+    /// The background as it is seen through a filter.
+    pub(crate) fn background_through(&self, filter: &Spectrum) -> Radiance {
+        let spectra = self.spectra.as_ref().expect("filters are of spectra");
+        Radiance(Rgb(spectra.filtered(&spectra.background, filter)))
+    }
+
+    /// The luminance of a light with an area as it is seen through a filter.
+    pub(crate) fn luminance_through(
+        &self,
+        light: usize,
+        area: &AreaLight,
+        filter: &Spectrum,
+    ) -> [f64; 3] {
+        let spectra = self.spectra.as_ref().expect("filters are of spectra");
+        let intensity = spectra.filtered(spectra.light(light), filter);
+        intensity.map(|channel| channel * area.over_area())
     }
 
     /// A product that is not known yet.

@@ -105,6 +105,39 @@ impl Spectra {
     }
 }
 
+impl Spectra {
+    /// R, G, B of light that has gone through a filter: of a lamp's intensity, or of radiance.
+    pub(super) fn filtered(&self, light: &Spectrum, filter: &Spectrum) -> [f64; 3] {
+        let seen = self.colorimetry.seen(light);
+        [0, 1, 2].map(|channel: usize| filter.integral(seen[channel].values()))
+    }
+
+    /// I · k of a light on a material, through a filter.
+    pub(super) fn filtered_product(
+        &self,
+        light: usize,
+        material: usize,
+        filter: &Spectrum,
+    ) -> Lobes<ReflectedIntensity> {
+        let filtered = self.lights[light].times(filter);
+        let seen = self.colorimetry.seen(&filtered);
+        let integrated = |lobe: &ScaledReflectance| {
+            let channel = |channel: usize| match &lobe.reflectance {
+                SpectralReflectance::Flat(value) => seen[channel].total() * (value * lobe.factor),
+                SpectralReflectance::Spectrum(reflectance) => {
+                    reflectance.integral(seen[channel].values()) * lobe.factor
+                }
+            };
+            ReflectedIntensity(Rgb([0, 1, 2].map(channel)))
+        };
+        let Lobes { diffuse, specular } = &self.materials[material];
+        Lobes {
+            diffuse: integrated(diffuse),
+            specular: integrated(specular),
+        }
+    }
+}
+
 impl Products {
     /// Bytes of the table.
     pub(super) fn memory(&self) -> u64 {

@@ -25,6 +25,8 @@ enum Layer {
     Diffuse,
     Specular,
     Emission,
+    Reflection,
+    Refraction,
     Albedo,
     Irradiance,
     Depth,
@@ -38,7 +40,7 @@ enum Layer {
 }
 
 impl Layer {
-    const ALL: [Self; 18] = [
+    const ALL: [Self; 20] = [
         Self::Lights,
         Self::LightDiffuse,
         Self::LightSpecular,
@@ -47,6 +49,8 @@ impl Layer {
         Self::Diffuse,
         Self::Specular,
         Self::Emission,
+        Self::Reflection,
+        Self::Refraction,
         Self::Albedo,
         Self::Irradiance,
         Self::Depth,
@@ -67,6 +71,8 @@ impl Layer {
             Self::Relight => "relight",
             Self::NoRelight => "no-relight",
             Self::Emission => "emission",
+            Self::Reflection => "reflection",
+            Self::Refraction => "refraction",
             Self::Diffuse => "diffuse",
             Self::Specular => "specular",
             Self::Albedo => "albedo",
@@ -91,6 +97,8 @@ impl Layer {
             | Self::Diffuse
             | Self::Specular
             | Self::Emission
+            | Self::Reflection
+            | Self::Refraction
             | Self::Albedo
             | Self::Irradiance
             | Self::Depth
@@ -129,8 +137,8 @@ enum Mattes {
 #[derive(Debug, clap::Args)]
 pub(super) struct LayerArguments {
     /// What the EXR holds beside R, G, B and A, separated by commas: `lights`, `diffuse`, `specular`, `emission`,
-    /// `albedo`, `irradiance`, `depth`, `position`, `normal`, `shadow`, `cryptomatte`, `spectral`, `error`, `samples`, and for
-    /// each light `light-diffuse`, `light-specular`
+    /// `reflection`, `refraction`, `albedo`, `irradiance`, `depth`, `position`, `normal`, `shadow`, `cryptomatte`, `spectral`,
+    /// `error`, `samples`, and for each light `light-diffuse`, `light-specular`
     ///
     /// All are made in the same pass as R, G, B and A, and leave these as they are. docs/layers.md says more of each.
     ///
@@ -146,6 +154,9 @@ pub(super) struct LayerArguments {
     ///
     /// emission: what lights that are seen send themselves, `emission.R`, … It comes with `lights`, `diffuse` and
     /// `specular` where any light is seen, so that these add up to R, G and B.
+    ///
+    /// reflection, refraction: what comes by mirrors and through glass, `reflection.R`, … They come with `diffuse` and
+    /// `specular` where anything is perfectly smooth, so that these add up to R, G and B.
     ///
     /// albedo: k_d, `albedo.R`, …, 0 where nothing is hit. irradiance: the illuminance of the surface in lux,
     /// `irradiance`; always FLOAT. shadow: V of each light, `shadow_NAME`, 0 to 1; `=key,fill` as well. All through
@@ -283,6 +294,8 @@ impl LayerArguments {
                 Relight::Auto
             },
             emission: self.has(Layer::Emission),
+            reflection: self.has(Layer::Reflection),
+            refraction: self.has(Layer::Refraction),
             diffuse: self.has(Layer::Diffuse),
             specular: self.has(Layer::Specular),
             albedo: self.has(Layer::Albedo),

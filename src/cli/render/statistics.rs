@@ -27,6 +27,11 @@ pub(super) struct Statistics<'a> {
     primary_rays: u64,
     /// Camera rays that hit an object.
     hits: u64,
+    /// Rays that have left mirrors and glass, and of these those that were not followed.
+    secondary_rays: u64,
+    cut_rays: u64,
+    /// A bound of what these would have added to any pixel, in cd/m².
+    depth_rest: f64,
     shadow_rays: u64,
     /// Points that a light reaches, of the shadow rays.
     lit: u64,
@@ -129,6 +134,9 @@ impl<'a> Statistics<'a> {
             threads: rayon::current_num_threads(),
             primary_rays: counts.primary_rays,
             hits: counts.hits,
+            secondary_rays: counts.secondary_rays,
+            cut_rays: counts.cut_rays,
+            depth_rest: counts.depth_rest,
             shadow_rays: counts.shadow_rays,
             lit: counts.lit,
             singular_lights: counts.singular,

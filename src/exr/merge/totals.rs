@@ -16,8 +16,10 @@ enum Rule {
     LargestFloat,
 }
 
-/// All that differ from tile to tile. Those of `--max-error` and of layers that add up to the image.
-const RULES: [(&str, Rule); 6] = [
+/// All that differ from tile to tile. Those of mirrors, of `--max-error` and of layers that add up to the image.
+const RULES: [(&str, Rule); 8] = [
+    ("candela:cut_rays", Rule::Sum),
+    ("candela:depth_rest", Rule::Largest),
     ("candela:bound_pixels", Rule::Sum),
     ("candela:estimated_pixels", Rule::Sum),
     ("candela:unmet_pixels", Rule::Sum),

@@ -1,6 +1,7 @@
 //! A legal world, built from a scene as written.
 
 mod area;
+mod body;
 mod camera;
 mod color;
 mod delta;
@@ -21,7 +22,7 @@ pub(super) use camera::place;
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
 use super::spectra::{Products, Spectra};
-use super::{Loaded, Named, Object, World};
+use super::{Delta, Loaded, Named, Object, World};
 use crate::camera::Camera;
 use crate::math::{Normal, Point};
 use crate::memory::{self, OutOfMemory};
@@ -255,7 +256,12 @@ impl<'a> Builder<'a> {
             background: Radiance(Rgb(background.rgb)),
             anchor: self.anchor,
             materials,
+            has_coats: deltas.iter().flatten().any(Delta::has_lobes),
             deltas,
+            has_deltas: false,
+            has_dispersion: false,
+            bodies: Vec::new(),
+            body_ranks: HashMap::new(),
             max_depth,
             lights,
             light_groups,
@@ -272,6 +278,7 @@ impl<'a> Builder<'a> {
             observer: self.scene.image.observer.value,
             spectral_values: std::mem::take(&mut self.spectral_values),
             spectra: None,
+            colorimetry: Arc::clone(&self.colorimetry),
             gaps: std::mem::take(&mut self.gaps),
         };
         self.each(
@@ -300,6 +307,17 @@ impl<'a> Builder<'a> {
             reflectances.extend(lobes);
             Ok(())
         });
+        let mut objects = world.objects.iter();
+        world.has_deltas = objects.any(|object| world.deltas[object.material].is_some());
+        let disperses = |delta: &Option<Delta>| match delta {
+            Some(Delta::Glass(glass)) => glass.dispersion.is_some(),
+            _ => false,
+        };
+        world.has_dispersion = self.is_spectral && world.deltas.iter().any(disperses);
+        // After an error an object may be missing; then the world is dropped.
+        if world.has_deltas && self.diagnostics.is_empty() {
+            self.bodies(&mut world);
+        }
         self.look_for_objects();
         self.check_heights();
         // After an error a spectrum may be missing; then the world is dropped.

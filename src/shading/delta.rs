@@ -1,0 +1,462 @@
+//! What perfectly smooth surfaces make of a ray: where its reflection and its refraction go, and how much of the light
+//! from there arrives.
+//!
+//! | material | L |
+//! | --- | --- |
+//! | mirror, metal | R L_r |
+//! | coat | R L_r + (1 − R) L_lobes |
+//! | glass | F L_r + (1 − F) (n_i/n_t)² L_t |
+//! | pane | R L_r + T L along the ray |
+//!
+//! What leaves a flat surface by reflection is measured from the image of its eye in that mirror: so the image in a
+//! plane mirror is that of the mirrored eye, to the bit where the mirrored numbers are exact.
+
+use super::groups::coat_reflectance;
+use crate::math::DVec3;
+use crate::optics;
+use crate::spectrum::{FIRST, Spectrum};
+use crate::visibility::{Column, Points, RayStart, object_and_triangle};
+use crate::world::colorimetry::SpectralReflectance;
+use crate::world::delta::{Absorption, ComplexIndex, Glass, Tint};
+use crate::world::geometry::area_vector;
+use crate::world::{Delta, Media, Shape, World};
+
+/// How many wavelengths a ray is split into where a glass disperses it.
+pub(crate) const BANDS: u16 = 32;
+
+/// The wavelengths in nm between which bands are: beyond them little is seen.
+const BANDED: [f64; 2] = [380.0, 740.0];
+
+/// Which of the rays that leave a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Branch {
+    Reflected,
+    /// Refracted, or straight on.
+    Transmitted,
+    /// Refracted where the glass disperses light: one of [`BANDS`].
+    Dispersed(u16),
+}
+
+/// A ray before it meets a point, and what it has been through.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arriving {
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
+    /// The bodies that it is inside of.
+    pub(crate) media: Media,
+    /// Which of [`BANDS`] it is, plus 1; 0 where it has all wavelengths.
+    pub(crate) band: u16,
+}
+
+/// A ray that leaves a point.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaving {
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
+    pub(crate) start: RayStart,
+    /// How much of its radiance arrives, per channel; where light is carried spectrally all three are the same.
+    pub(crate) weight: [f64; 3],
+    /// What of it arrives at each wavelength besides.
+    pub(crate) filter: Option<Spectrum>,
+    pub(crate) media: Media,
+    pub(crate) band: u16,
+}
+
+/// How much of the radiance arrives, before it is known whether light is carried spectrally.
+enum Factor<'w> {
+    Gray(f64),
+    Tinted(&'w Tint, f64),
+    Metal(&'w ComplexIndex, f64),
+    /// F of a boundary that disperses light, from one medium to another; or 1 − F and its n².
+    Boundary {
+        from: Option<&'w Glass>,
+        to: Option<&'w Glass>,
+        cos_incident: f64,
+    },
+}
+
+/// Where the bodies are before and beyond a boundary.
+struct Boundary {
+    before: Media,
+    beyond: Media,
+}
+
+/// A ray that leaves a point of a smooth surface; `None` where there is none.
+pub(crate) fn leave(
+    world: &World,
+    points: &Points,
+    slot: usize,
+    arriving: &Arriving,
+    branch: Branch,
+) -> Option<Leaving> {
+    let delta = world.delta(points.material[slot] as usize)?;
+    let surface = Surface::new(world, points, slot);
+    let cosine = surface.cos_viewer();
+    let reflected = |factor| surface.reflected(world, arriving, arriving.media, factor);
+    let straight = |factor, media| surface.straight(world, arriving, media, factor);
+    match (delta, branch) {
+        (Delta::Mirror(tint), Branch::Reflected) => reflected(Factor::Tinted(tint, cosine)),
+        (Delta::Metal(index), Branch::Reflected) => reflected(Factor::Metal(index, cosine)),
+        (
+            Delta::Coat {
+                reflectance,
+                schlick,
+            },
+            Branch::Reflected,
+        ) => reflected(Factor::Gray(coat_reflectance(
+            *reflectance,
+            *schlick,
+            cosine,
+        ))),
+        (Delta::Pane { n }, Branch::Reflected) => {
+            reflected(Factor::Gray(optics::pane(cosine, *n)[0]))
+        }
+        (Delta::Pane { n }, Branch::Transmitted) => {
+            straight(Factor::Gray(optics::pane(cosine, *n)[1]), arriving.media)
+        }
+        (Delta::Glass(_), _) => {
+            let object = points.object(slot);
+            let Boundary { before, beyond } = surface.boundary(world, object, arriving)?;
+            let [from, to] = [before, beyond].map(|media| body_of(world, media));
+            if before.top() == beyond.top() {
+                return match branch {
+                    Branch::Transmitted => straight(Factor::Gray(1.0), beyond),
+                    Branch::Reflected | Branch::Dispersed(_) => None,
+                };
+            }
+            let disperses =
+                |glass: Option<&Glass>| glass.is_some_and(|glass| glass.dispersion.is_some());
+            let is_split = world.spectra().is_some() && (disperses(from) || disperses(to));
+            let band = match (is_split && arriving.band == 0, branch) {
+                (true, Branch::Reflected) => {
+                    return surface.reflected(
+                        world,
+                        arriving,
+                        before,
+                        Factor::Boundary {
+                            from,
+                            to,
+                            cos_incident: cosine,
+                        },
+                    );
+                }
+                (true, Branch::Transmitted) | (false, Branch::Dispersed(_)) => return None,
+                (true, Branch::Dispersed(band)) => band + 1,
+                (false, Branch::Reflected | Branch::Transmitted) => arriving.band,
+            };
+            let eta = index(to, band) / index(from, band);
+            let reflectance = optics::dielectric(cosine, eta);
+            if branch == Branch::Reflected {
+                return surface.reflected(world, arriving, before, Factor::Gray(reflectance));
+            }
+            let mut leaving = surface.refracted(beyond, eta, 1.0 - reflectance)?;
+            leaving.band = band;
+            leaving.filter = (arriving.band != band).then(|| hat(to.or(from), band));
+            Some(leaving)
+        }
+        _ => None,
+    }
+}
+
+/// What of the light that has gone so far through a medium is left: factors per channel, and where light is carried
+/// spectrally a filter besides.
+pub(crate) fn absorbed(
+    world: &World,
+    media: Media,
+    distance: f64,
+) -> Option<([f64; 3], Option<Spectrum>)> {
+    let Absorption { rgb, spectrum } = body_of(world, media)?.absorption.as_ref()?;
+    let left = |sigma: f64| {
+        if sigma == 0.0 {
+            1.0
+        } else {
+            optics::absorbed(sigma, distance)
+        }
+    };
+    Some(match spectrum {
+        None => (rgb.map(left), None),
+        Some(SpectralReflectance::Flat(sigma)) => ([left(*sigma); 3], None),
+        Some(SpectralReflectance::Spectrum(sigma)) => {
+            let mut sigma = sigma.values().iter();
+            let filter = Spectrum::from_fn(|_| left(sigma.next().copied().unwrap_or_default()));
+            ([1.0; 3], Some(filter))
+        }
+    })
+}
+
+/// The glass that fills a place; `None` is air.
+fn body_of(world: &World, media: Media) -> Option<&Glass> {
+    let body = world.bodies()[media.top()? as usize];
+    match world.delta(world.objects()[body.object as usize].material) {
+        Some(Delta::Glass(glass)) => Some(glass),
+        _ => None,
+    }
+}
+
+/// The refractive index of a medium for a band; of all wavelengths that at 587.6 nm.
+fn index(glass: Option<&Glass>, band: u16) -> f64 {
+    match glass {
+        None => 1.0,
+        Some(glass) => match &glass.dispersion {
+            Some(dispersion) if band > 0 => dispersion.at(center(Some(dispersion), band)),
+            Some(_) | None => glass.n,
+        },
+    }
+}
+
+/// The wavelength of a band in nm: bands are as far apart in the refractive index as each other.
+fn center(dispersion: Option<&Spectrum>, band: u16) -> f64 {
+    let part = f64::from(band - 1) / f64::from(BANDS - 1);
+    let [first, last] = BANDED;
+    let Some(dispersion) = dispersion else {
+        return first + (last - first) * part;
+    };
+    let [from, to] = BANDED.map(|nm| dispersion.at(nm));
+    let wanted = from + (to - from) * part;
+    // The index falls with the wavelength, or where a curve does not, any place with that index will do.
+    let (mut short, mut long) = (first, last);
+    for _ in 0..50 {
+        let middle = 0.5 * (short + long);
+        if (dispersion.at(middle) - wanted) * (to - from) <= 0.0 {
+            short = middle;
+        } else {
+            long = middle;
+        }
+    }
+    0.5 * (short + long)
+}
+
+/// The share of each wavelength that goes the way of a band: linear from the one before to the next, so that together
+/// they are 1.
+fn hat(glass: Option<&Glass>, band: u16) -> Spectrum {
+    let dispersion = glass.and_then(|glass| glass.dispersion.as_deref());
+    let at = |band| center(dispersion, band);
+    let middle = at(band);
+    let before = (band > 1).then(|| at(band - 1));
+    let after = (band < BANDS).then(|| at(band + 1));
+    Spectrum::from_fn(|nm| {
+        let (end, is_last) = if nm < middle {
+            (before, before.is_none())
+        } else {
+            (after, after.is_none())
+        };
+        match end {
+            Some(end) => (1.0 - (nm - middle) / (end - middle)).max(0.0),
+            None => f64::from(u8::from(is_last)),
+        }
+    })
+}
+
+/// A point of a smooth surface.
+struct Surface {
+    position: DVec3,
+    error: f64,
+    primitive: u64,
+    to_viewer: DVec3,
+    geometric_normal: DVec3,
+    normal: DVec3,
+    /// n·q of the plane through the point.
+    plane: f64,
+    is_flat: bool,
+}
+
+impl Surface {
+    fn new(world: &World, points: &Points, slot: usize) -> Self {
+        let at = |columns: &[Column; 3]| {
+            let [x, y, z] = columns;
+            DVec3::new(x[slot], y[slot], z[slot])
+        };
+        let geometric_normal = at(points.geometric_normals());
+        let normal = at(points.shading_normals());
+        let shape = world.objects()[points.object(slot) as usize].shape;
+        Self {
+            position: at(&points.position),
+            error: points.error[slot],
+            primitive: points.primitive[slot],
+            to_viewer: at(&points.to_viewer),
+            geometric_normal,
+            normal,
+            plane: points.plane(slot),
+            is_flat: !matches!(shape, Shape::Sphere(_)) && normal == geometric_normal,
+        }
+    }
+
+    fn cos_viewer(&self) -> f64 {
+        self.normal.dot(self.to_viewer).clamp(0.0, 1.0)
+    }
+
+    /// The start of a ray with that origin.
+    fn start(&self, t: f64) -> RayStart {
+        RayStart {
+            t,
+            position: self.position,
+            error: self.error,
+            primitive: self.primitive,
+        }
+    }
+
+    fn t_of(&self, arriving: &Arriving) -> f64 {
+        let Arriving {
+            origin, direction, ..
+        } = *arriving;
+        (self.position - origin).dot(direction) / direction.length_squared()
+    }
+
+    fn reflected(
+        &self,
+        world: &World,
+        arriving: &Arriving,
+        media: Media,
+        factor: Factor<'_>,
+    ) -> Option<Leaving> {
+        let direction = optics::reflected(-self.to_viewer, self.normal);
+        // An interpolated normal may send it below the surface.
+        if direction.dot(self.geometric_normal) <= 0.0 {
+            return None;
+        }
+        let (weight, filter) = factor.apart(world)?;
+        let (origin, direction, start) = if self.is_flat {
+            let n = self.normal;
+            let height = n.dot(arriving.origin) - self.plane;
+            (
+                arriving.origin - n * (2.0 * height),
+                optics::reflected(arriving.direction, n),
+                self.start(self.t_of(arriving)),
+            )
+        } else {
+            (self.position, direction, self.start(0.0))
+        };
+        Some(Leaving {
+            origin,
+            direction,
+            start,
+            weight,
+            filter,
+            media,
+            band: arriving.band,
+        })
+    }
+
+    fn straight(
+        &self,
+        world: &World,
+        arriving: &Arriving,
+        media: Media,
+        factor: Factor<'_>,
+    ) -> Option<Leaving> {
+        let (weight, filter) = factor.apart(world)?;
+        Some(Leaving {
+            origin: arriving.origin,
+            direction: arriving.direction,
+            start: self.start(self.t_of(arriving)),
+            weight,
+            filter,
+            media,
+            band: arriving.band,
+        })
+    }
+
+    fn refracted(&self, media: Media, eta: f64, transmittance: f64) -> Option<Leaving> {
+        let direction = optics::refracted(-self.to_viewer, self.normal, eta)?;
+        if transmittance == 0.0 || direction.dot(self.geometric_normal) >= 0.0 {
+            return None;
+        }
+        Some(Leaving {
+            origin: self.position,
+            direction,
+            start: self.start(0.0),
+            // Radiance over n² is what stays.
+            weight: [transmittance / (eta * eta); 3],
+            filter: None,
+            media,
+            band: 0,
+        })
+    }
+
+    /// What is before a boundary of glass and what is beyond it.
+    fn boundary(&self, world: &World, object: u32, arriving: &Arriving) -> Option<Boundary> {
+        let rank = world.body_rank(object)?;
+        let outwards = match world.objects()[object as usize].shape {
+            Shape::Sphere(index) => self.position - world.spheres()[index].center.0,
+            Shape::Mesh(_) => {
+                let (_, triangle) = object_and_triangle(self.primitive);
+                let normal = area_vector(world.triangles().vertices(triangle));
+                if world.bodies()[rank as usize].is_inside_out {
+                    -normal
+                } else {
+                    normal
+                }
+            }
+            Shape::Plane(_) | Shape::Disk(_) => return None,
+        };
+        let with = arriving.media.with(rank);
+        Some(if outwards.dot(self.geometric_normal) > 0.0 {
+            Boundary {
+                before: arriving.media.without(rank),
+                beyond: with,
+            }
+        } else {
+            Boundary {
+                before: with,
+                beyond: arriving.media.without(rank),
+            }
+        })
+    }
+}
+
+impl Factor<'_> {
+    /// Its weight per channel, and its filter where light is carried spectrally; `None` where nothing arrives.
+    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Spectrum>)> {
+        let (weight, filter) = match *self {
+            Self::Gray(weight) => ([weight; 3], None),
+            Self::Tinted(tint, cosine) => {
+                let at = |r0: f64| {
+                    if tint.schlick {
+                        optics::schlick(r0, cosine)
+                    } else {
+                        r0
+                    }
+                };
+                match &tint.reflectance {
+                    None => (tint.rgb.map(at), None),
+                    Some(SpectralReflectance::Flat(r0)) => ([at(*r0); 3], None),
+                    Some(SpectralReflectance::Spectrum(r0)) => {
+                        let mut r0 = r0.values().iter();
+                        let value = |_| at(r0.next().copied().unwrap_or_default());
+                        ([1.0; 3], Some(Spectrum::from_fn(value)))
+                    }
+                }
+            }
+            Self::Metal(index, cosine) => {
+                let mut nk = index.n.values().iter().zip(index.k.values());
+                let reflectance = Spectrum::from_fn(|_| {
+                    let (&n, &k) = nk.next().unwrap_or((&1.0, &0.0));
+                    optics::conductor(cosine, n, k)
+                });
+                match world.spectra() {
+                    Some(_) => ([1.0; 3], Some(reflectance)),
+                    None => (world.color_of_reflectance(&reflectance), None),
+                }
+            }
+            Self::Boundary {
+                from,
+                to,
+                cos_incident,
+            } => {
+                let at = |glass: Option<&Glass>, place: usize| match glass {
+                    None => 1.0,
+                    Some(glass) => glass
+                        .dispersion
+                        .as_ref()
+                        .map_or(glass.n, |dispersion| dispersion.values()[place]),
+                };
+                let filter = Spectrum::from_fn(|nm| {
+                    let place = (nm - f64::from(FIRST)) as usize;
+                    optics::dielectric(cos_incident, at(to, place) / at(from, place))
+                });
+                ([1.0; 3], Some(filter))
+            }
+        };
+        (weight != [0.0; 3]).then_some((weight, filter))
+    }
+}
