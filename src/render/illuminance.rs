@@ -3,11 +3,13 @@
 
 use fearless_simd::Simd;
 
-use crate::math::{DVec3, Normal, Point};
+use crate::math::{DVec3, Direction, Normal, Point};
 use crate::memory::OutOfMemory;
-use crate::shading::{AreaSpace, area_illuminance};
+use crate::shading::{AreaSpace, Crossing, Opaque, PaneSpace, area_illuminance};
 use crate::simd::{Kernel, LANES, SimdLevel};
-use crate::visibility::{BATCH, IncoherentSegments, SegmentBatch, Visibility, Workspace};
+use crate::visibility::{
+    BATCH, Column, IncoherentSegments, RayStart, SegmentBatch, Visibility, Workspace,
+};
 use crate::world::{Plan, World};
 
 /// Direct illuminance in lux at points of a surface with the unit normal n:
@@ -54,6 +56,7 @@ impl Kernel for Meter<'_> {
         } = self;
         let mut space = Workspace::default();
         let mut area_space = AreaSpace::default();
+        let mut panes = PaneSpace::default();
         let mut segments = Box::<IncoherentSegments>::default();
         let mut sums = vec![0.0; points.len()];
         for (light, entry) in world.lights().iter().enumerate() {
@@ -71,6 +74,7 @@ impl Kernel for Meter<'_> {
                         (Point(point), normal),
                         rounding,
                         &mut area_space,
+                        &mut space,
                     );
                     *sum += per_candela * candela;
                 }
@@ -95,14 +99,47 @@ impl Kernel for Meter<'_> {
                     segments.count += 1;
                 }
                 let free = visibility.free(simd, SegmentBatch::Any(&segments), &mut space);
+                let is_free = |segment: usize| free[segment / LANES] >> (segment % LANES) & 1 == 1;
+                let to_light = entry.value.direction();
+                panes.crossings.clear();
                 for segment in 0..segments.count {
-                    if free[segment / LANES] >> (segment % LANES) & 1 == 1 {
+                    if is_free(segment) {
                         sums[asked[segment]] += arriving[segment];
+                    } else if world.has_panes() {
+                        panes.crossings.push(crossing(&segments, segment, to_light));
                     }
+                }
+                panes.cross(simd, world, visibility, Opaque::Hides, &mut space);
+                let hidden = (0..segments.count).filter(|&segment| !is_free(segment));
+                for (segment, crossing) in hidden.zip(&panes.crossings) {
+                    sums[asked[segment]] += arriving[segment] * crossing.passed;
                 }
             }
         }
         sums
+    }
+}
+
+/// A segment to a light, as panes ask it.
+fn crossing(
+    segments: &IncoherentSegments,
+    segment: usize,
+    to_light: Option<Direction>,
+) -> Crossing {
+    let at = |columns: &[Column; 3]| {
+        let [x, y, z] = columns;
+        DVec3::new(x[segment], y[segment], z[segment])
+    };
+    let position = at(&segments.start.position);
+    let start = RayStart {
+        t: 0.0,
+        position,
+        error: segments.start.error[segment],
+        primitive: u64::MAX,
+    };
+    match to_light {
+        Some(to_light) => Crossing::new(start, to_light.get(), f64::INFINITY),
+        None => Crossing::new(start, at(&segments.end.position) - position, 1.0),
     }
 }
 

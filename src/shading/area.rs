@@ -11,15 +11,13 @@
 use fearless_simd::Simd;
 
 use super::groups::Gloss;
-use crate::emitter::{
-    Accuracy, Emitter, Gloss as EmitterGloss, Occluder, Received, Receiver, ShadowSpace,
-    SurfacePoint,
-};
-use crate::math::{DVec3, Direction, Normal, Point};
+use super::panes::PaneSpace;
+use crate::emitter::{Accuracy, Gloss as EmitterGloss, Occluder, Received, Receiver, ShadowSpace};
+use crate::math::{DVec3, Direction, Normal};
 use crate::simd::{LANES, ones};
 use crate::visibility::{
-    BATCH, Column, PACKETS, Points, SegmentBatch, Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace,
-    Start, Visibility, Workspace, object_and_triangle,
+    BATCH, Column, PACKETS, Points, Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace, Start,
+    Visibility, Workspace, object_and_triangle,
 };
 use crate::world::light::AreaLight;
 use crate::world::{Lobes, Shape, World};
@@ -45,7 +43,7 @@ const ACCURACY: Accuracy = Accuracy {
 };
 
 /// The same where an error is asked for.
-const ACCURACY_FOR_ERROR: Accuracy = Accuracy {
+pub(super) const ACCURACY_FOR_ERROR: Accuracy = Accuracy {
     relative: 1e-6,
     most_cells: 65_536,
 };
@@ -66,15 +64,18 @@ pub(super) struct AreaTerms {
 /// What a thread needs to ask for lights with an area, to be used again and again.
 #[derive(Debug, Default)]
 pub(crate) struct AreaSpace {
-    shafts: ShaftSpace,
-    shadow: ShadowSpace,
+    pub(super) shafts: ShaftSpace,
+    pub(super) shadow: ShadowSpace,
     /// What may be between a batch, or a packet, and the light.
     batch_list: Vec<u64>,
     packet_list: Vec<u64>,
-    occluders: Vec<Occluder>,
+    pub(super) occluders: Vec<Occluder>,
     /// Of points of which points of the light are asked: with nothing in the way, and sums of weights.
-    free: Vec<(usize, Receiver, Received)>,
-    sums: Vec<[f64; 4]>,
+    pub(super) free: Vec<(usize, Receiver, Received)>,
+    pub(super) sums: Vec<[f64; 4]>,
+    /// Whether panes may be before any of the points.
+    passes_panes: bool,
+    pub(super) panes: PaneSpace,
 }
 
 /// What stands between points and a light.
@@ -125,6 +126,7 @@ impl Asked<'_, '_> {
         if self.light.emitter.is_behind(points.bounds_of_starts()) {
             return None;
         }
+        area.passes_panes = false;
         let of_batch = self.between_all(
             simd,
             points.bounds_of_starts(),
@@ -205,6 +207,9 @@ impl Asked<'_, '_> {
         if !area.free.is_empty() {
             self.sample(simd, &sampled, &mut lit, area, space);
         }
+        if self.world.has_panes() && (area.passes_panes || of_batch == Between::Many) {
+            self.through_panes(simd, &mut lit, area, space);
+        }
         lit.points.iter().any(|&bits| bits != 0).then_some(lit)
     }
 
@@ -233,11 +238,13 @@ impl Asked<'_, '_> {
     fn between(&self, answer: ShaftAnswer, area: &mut AreaSpace) -> Between {
         match answer {
             ShaftAnswer::Nothing => Between::Nothing,
-            ShaftAnswer::All(shape) if !self.is_own(shape) => Between::All,
-            // What it meets is the light itself, behind which something else may have been left out.
+            ShaftAnswer::All(shape) if !self.is_own(shape) && !self.is_pane(shape) => Between::All,
+            // What it meets is the light itself, or a pane, behind which something else may have been left out.
             ShaftAnswer::All(_) | ShaftAnswer::TooMany => Between::Many,
             ShaftAnswer::These => {
-                area.shafts.list.retain(|&shape| !self.is_own(shape));
+                area.passes_panes |= area.shafts.list.iter().any(|&shape| self.is_pane(shape));
+                let is_opaque = |shape: u64| !self.is_own(shape) && !self.is_pane(shape);
+                area.shafts.list.retain(|&shape| is_opaque(shape));
                 if area.shafts.list.is_empty() {
                     Between::Nothing
                 } else {
@@ -250,6 +257,12 @@ impl Asked<'_, '_> {
     /// Whether a shape may hide what is above of points of its own.
     fn is_curved(&self, shape: u64) -> bool {
         matches!(occluder(self.world, shape), Occluder::Ball { .. })
+    }
+
+    /// Whether a shape is a thin pane, which hides nothing.
+    fn is_pane(&self, shape: u64) -> bool {
+        let (object, _) = object_and_triangle(shape);
+        self.world.is_pane(object)
     }
 
     /// Whether a shape is the light itself.
@@ -267,7 +280,7 @@ impl Asked<'_, '_> {
     }
 
     /// What receives light at a point.
-    fn receiver(&self, slot: usize, start: &Start) -> Receiver {
+    pub(super) fn receiver(&self, slot: usize, start: &Start) -> Receiver {
         let points = self.points;
         let [x, y, z] = points.shading_normals();
         let normal = DVec3::new(x[slot], y[slot], z[slot]);
@@ -339,7 +352,7 @@ impl Asked<'_, '_> {
         };
         let sight = emitter.sight(start.position, start.horizon);
         for &shape in list {
-            if self.is_own(shape) {
+            if self.is_own(shape) || self.is_pane(shape) {
                 continue;
             }
             let occluder = occluder(self.world, shape);
@@ -388,7 +401,7 @@ impl Asked<'_, '_> {
     }
 
     /// Notes what a point receives.
-    fn put(&self, lit: &mut AreaLit, slot: usize, received: &Received, share: f64) {
+    pub(super) fn put(&self, lit: &mut AreaLit, slot: usize, received: &Received, share: f64) {
         let over_area = self.light.over_area();
         let AreaTerms { geometry, seen } = &mut *lit.terms;
         geometry.diffuse[slot] = (received.irradiance * over_area).min(f64::MAX);
@@ -396,82 +409,10 @@ impl Asked<'_, '_> {
         seen[slot] = share;
         lit.points[slot / LANES] |= 1 << (slot % LANES);
     }
-
-    /// Asks points of the light, of all points of the batch that have a bit: what arrives with nothing in the way,
-    /// times the part of it that arrives of those points.
-    #[inline(never)]
-    fn sample<S: Simd>(
-        &self,
-        simd: S,
-        sampled: &[u32; PACKETS],
-        lit: &mut AreaLit,
-        area: &mut AreaSpace,
-        space: &mut Workspace,
-    ) {
-        let AreaSpace { free, sums, .. } = area;
-        sums.clear();
-        sums.resize(free.len(), [0.0; 4]);
-        for point in self.light.emitter.points(self.light.samples) {
-            let facing = self.points.facing(simd, self.world, point.position);
-            let mut above = facing.above;
-            for (above, sampled) in above.iter_mut().zip(sampled) {
-                *above &= sampled;
-            }
-            if above == [0; PACKETS] {
-                continue;
-            }
-            let asked: u32 = above.iter().map(|bits| bits.count_ones()).sum();
-            lit.asked += u64::from(asked);
-            let segments = SegmentBatch::ToPoint {
-                end: point.position,
-                to_light: None,
-                number: self.number,
-                points: self.points,
-                facing: &above,
-            };
-            let reached = self.visibility.free(simd, segments, space);
-            for ((slot, receiver, _), sums) in free.iter().zip(sums.iter_mut()) {
-                let bit = |bits: &[u32; PACKETS]| bits[slot / LANES] >> (slot % LANES) & 1 == 1;
-                if !bit(&above) {
-                    continue;
-                }
-                let weights = weights(
-                    &self.light.emitter,
-                    &point,
-                    self.points.start(*slot).position,
-                    receiver,
-                );
-                let is_reached = bit(&reached);
-                for (lobe, weight) in weights.into_iter().enumerate() {
-                    sums[2 * lobe] += weight;
-                    sums[2 * lobe + 1] += if is_reached { weight } else { 0.0 };
-                }
-            }
-        }
-        for ((slot, _, received), &[all, reached, of_lobe, reached_of_lobe]) in
-            free.iter().zip(&*sums)
-        {
-            let part = |reached: f64, all: f64| if all > 0.0 { reached / all } else { 0.0 };
-            let share = part(reached, all);
-            if reached > 0.0 || reached_of_lobe > 0.0 {
-                let of_lobe = if of_lobe > 0.0 {
-                    part(reached_of_lobe, of_lobe)
-                } else {
-                    share
-                };
-                let seen = Received {
-                    irradiance: received.irradiance * share,
-                    lobe: received.lobe * of_lobe,
-                    solid_angle: received.solid_angle * share,
-                };
-                self.put(lit, *slot, &seen, share);
-            }
-        }
-    }
 }
 
 /// A shape of the world, as what hides light.
-fn occluder(world: &World, shape: u64) -> Occluder {
+pub(super) fn occluder(world: &World, shape: u64) -> Occluder {
     let (object, triangle) = object_and_triangle(shape);
     match world.objects()[object as usize].shape {
         Shape::Sphere(index) => {
@@ -501,56 +442,9 @@ fn occluder(world: &World, shape: u64) -> Occluder {
 }
 
 /// Whether a shape is a light itself.
-fn is_light(world: &World, shape: u64, light: usize) -> bool {
+pub(super) fn is_light(world: &World, shape: u64, light: usize) -> bool {
     let (object, _) = object_and_triangle(shape);
     world.objects()[object as usize].emits == Some(light)
-}
-
-/// The illuminance in lux per cd of a light with an area, at a point that is on no shape, across a normal.
-#[inline(always)]
-pub(crate) fn area_illuminance<S: Simd>(
-    simd: S,
-    (world, visibility): (&World, &Visibility<'_>),
-    (index, light): (usize, &AreaLight),
-    (point, normal): (Point, Normal),
-    rounding: f64,
-    space: &mut AreaSpace,
-) -> f64 {
-    let emitter = &light.emitter;
-    let receiver = Receiver {
-        horizon: normal,
-        normal,
-        gloss: None,
-    };
-    let Some(received) = emitter.received(point, &receiver) else {
-        return 0.0;
-    };
-    let shaft = Shaft::ToPoint {
-        from: emitter.bounds(),
-        to: point.0,
-    };
-    let question = ShaftQuestion::Contents;
-    let all = usize::MAX;
-    visibility.shaft(simd, &shaft, question, u64::MAX, all, &mut space.shafts);
-    let sight = emitter.sight(point, normal);
-    space.occluders.clear();
-    for &shape in &space.shafts.list {
-        if !is_light(world, shape, index) {
-            let occluder = occluder(world, shape);
-            if sight.may_be_hidden_by(&occluder) {
-                space.occluders.push(occluder);
-            }
-        }
-    }
-    let irradiance = if space.occluders.is_empty() {
-        received.irradiance
-    } else {
-        let (occluders, accuracy) = (&space.occluders, &ACCURACY_FOR_ERROR);
-        let shadow = &mut space.shadow;
-        let seen = emitter.received_past(point, &receiver, occluders, rounding, accuracy, shadow);
-        seen.map_or(0.0, |seen| seen.value.irradiance)
-    };
-    irradiance * light.over_area()
 }
 
 /// How much of the light is seen: of its illuminance, or where there is none, of its solid angle.
@@ -561,37 +455,6 @@ fn share(seen: &Received, all: &Received) -> f64 {
         seen.solid_angle / all.solid_angle
     };
     part.clamp(0.0, 1.0)
-}
-
-/// What a part of a light sends to the lobes of a point, with nothing in the way: only the ratios count.
-fn weights(emitter: &Emitter, of: &SurfacePoint, to: Point, receiver: &Receiver) -> [f64; 2] {
-    let way = of.position.from(to);
-    let square = way.length_squared();
-    let inverse = square.sqrt().recip();
-    let cos_light = -of.normal.dot(way) * inverse;
-    let cos_light = if emitter.is_two_sided() {
-        cos_light.abs()
-    } else {
-        cos_light.max(0.0)
-    };
-    let solid_angle = of.area * cos_light / square;
-    let u = way * inverse;
-    let cos_incident = receiver.normal.get().dot(u).max(0.0);
-    let lobe = receiver.gloss.as_ref().map_or(0.0, |gloss| {
-        let cosine = gloss.axis.get().dot(u).max(0.0);
-        let lobe = libm::pow(cosine, gloss.shininess);
-        if gloss.has_cosine {
-            lobe * cos_incident
-        } else {
-            lobe
-        }
-    });
-    let weights = [solid_angle * cos_incident, solid_angle * lobe];
-    if weights.iter().all(|weight| weight.is_finite()) {
-        weights
-    } else {
-        [0.0; 2]
-    }
 }
 
 /// A batch has a bit for each point.

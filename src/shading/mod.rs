@@ -1,9 +1,13 @@
 //! L3 and L5 to L9: how much light each point sends to the viewer.
 
 mod area;
+mod area_points;
 mod delta;
+mod emission;
 mod filters;
 mod groups;
+mod meter;
+mod panes;
 mod power;
 mod reflectance;
 mod spot;
@@ -13,12 +17,16 @@ mod tests;
 
 use fearless_simd::Simd;
 
-pub(crate) use area::{AreaSpace, area_illuminance};
+pub(crate) use area::AreaSpace;
 use area::{AreaTerms, Asked};
 pub(crate) use delta::{Arriving, BANDS, Branch, absorbed, leave};
+use emission::{add_emission, filter_background};
+pub(crate) use emission::{emission, emitter_seen};
 pub(crate) use filters::Filters;
 use groups::Groups;
 pub(crate) use groups::Share;
+pub(crate) use meter::area_illuminance;
+pub(crate) use panes::{Crossing, Opaque, PaneSpace};
 use reflectance::{Ends, geometry};
 pub(crate) use terms::{Detail, LightTerms};
 
@@ -54,6 +62,7 @@ pub(crate) struct Shaded {
     packets: Vec<Groups>,
     recent: RecentProducts,
     area: Box<AreaSpace>,
+    panes: PaneSpace,
 }
 
 /// A light that is above some points of a batch.
@@ -68,6 +77,8 @@ struct Lit {
     /// A factor of the light at each of these points: of a luminaire how much it sends there. `None` is 1 at all of
     /// them, which multiplies nothing.
     factors: Option<Box<Column>>,
+    /// Of light that comes through panes, how much of it passes. `None` is all at all of them.
+    passed: Option<Box<Column>>,
     /// What a light with an area does at each of these points.
     area: Option<Box<AreaTerms>>,
 }
@@ -87,6 +98,7 @@ impl Default for Shaded {
             packets: Vec::new(),
             recent: RecentProducts::default(),
             area: Box::default(),
+            panes: PaneSpace::default(),
         }
     }
 }
@@ -215,7 +227,19 @@ impl Shaded {
                         points,
                         facing: &above,
                     };
-                    let lit = visibility.free(simd, segments, space);
+                    let mut lit = visibility.free(simd, segments, space);
+                    let mut passed = None;
+                    if world.has_panes() && lit != above {
+                        let to_light = light.value.direction();
+                        passed = self.panes.through(
+                            simd,
+                            (world, visibility, points),
+                            (origin, to_light),
+                            &above,
+                            &mut lit,
+                            space,
+                        );
+                    }
                     let reached: u32 = lit.iter().map(|bits| bits.count_ones()).sum();
                     self.lit_points += u64::from(reached);
                     self.lit.push(Lit {
@@ -223,6 +247,7 @@ impl Shaded {
                         origin,
                         points: lit,
                         factors: factors.clone(),
+                        passed,
                         area: None,
                     });
                 }
@@ -248,7 +273,8 @@ impl Shaded {
             index,
             light,
             number,
-            cuts_all: self.cuts_areas,
+            // Of points of a light it is not asked past panes.
+            cuts_all: self.cuts_areas || world.has_panes(),
             lobed: &self.lobed,
         };
         let Some(lit) = asked.terms(simd, &mut self.area, space) else {
@@ -262,6 +288,7 @@ impl Shaded {
             origin: light.emitter.center(),
             points: lit.points,
             factors: None,
+            passed: None,
             area: Some(lit.terms),
         });
     }
@@ -395,7 +422,8 @@ impl Shaded {
         let lit = &all[lit];
         terms.light = lit.light;
         terms.points = lit.points;
-        terms.seen = lit.area.as_ref().map(|area| Box::new(area.seen));
+        let seen = lit.area.as_ref().map(|area| Box::new(area.seen));
+        terms.seen = seen.or_else(|| lit.passed.clone());
         let zero = F64x16::splat(simd, 0.0);
         for (packet, groups) in packets.iter().enumerate() {
             let bits = lit.points[packet];
@@ -496,7 +524,7 @@ impl Lit {
         }
         let light = &world.lights()[self.light].value;
         let mut geometry = geometry(simd, ends, light, self.origin, groups.get());
-        if let Some(factors) = &self.factors {
+        for factors in self.factors.iter().chain(&self.passed) {
             let part = F64x16::load(simd, &factors[packet * LANES..]);
             geometry.diffuse = geometry.diffuse * part;
             geometry.specular = geometry.specular * part;
@@ -519,73 +547,6 @@ fn lobed(world: &World, points: &Points) -> [u32; PACKETS] {
         }
     }
     bits
-}
-
-/// Adds what lights that are seen send themselves: L from the side that shines.
-#[inline(never)]
-fn add_emission(
-    world: &World,
-    points: &Points,
-    packet: usize,
-    filters: &Filters,
-    radiance: &mut [Column; 3],
-) {
-    for lane in ones(points.hit[packet]) {
-        let slot = packet * LANES + lane;
-        if let Some((_, luminance)) = emission(world, points, filters, slot) {
-            for (column, channel) in radiance.iter_mut().zip(luminance) {
-                column[slot] += channel;
-            }
-        }
-    }
-}
-
-/// The light that a point is on, if it is seen from the side that shines, and its luminance as it is seen.
-pub(crate) fn emission(
-    world: &World,
-    points: &Points,
-    filters: &Filters,
-    slot: usize,
-) -> Option<(usize, [f64; 3])> {
-    let (index, light) = emitter_seen(world, points, slot)?;
-    let luminance = match filters.get(filters.number(slot)) {
-        None => light.luminance(),
-        Some(filter) => world.luminance_through(index, light, filter),
-    };
-    Some((index, luminance))
-}
-
-/// The background as it is seen through filters, where nothing is hit.
-#[inline(never)]
-fn filter_background(
-    world: &World,
-    filters: &Filters,
-    hit: u32,
-    first: usize,
-    radiance: &mut [Column; 3],
-) {
-    for lane in ones(!hit & ((1 << LANES) - 1)) {
-        if let Some(filter) = filters.get(filters.number(first + lane)) {
-            let background = world.background_through(filter).0.0;
-            for (column, channel) in radiance.iter_mut().zip(background) {
-                column[first + lane] = channel;
-            }
-        }
-    }
-}
-
-/// The light that a point is on, if it is seen from the side that shines, and which it is.
-pub(crate) fn emitter_seen<'w>(
-    world: &'w World,
-    points: &Points,
-    slot: usize,
-) -> Option<(usize, &'w AreaLight)> {
-    let at = |columns: &[Column; 3]| {
-        let [x, y, z] = columns;
-        DVec3::new(x[slot], y[slot], z[slot])
-    };
-    let (position, to_viewer) = (Point(at(&points.position)), at(&points.to_viewer));
-    world.emitter_seen(points.object(slot), position, to_viewer)
 }
 
 /// f of a luminaire at each point of a batch; for each packet one bit for each point where that is above 0.

@@ -83,6 +83,8 @@ pub struct World {
     has_coats: bool,
     /// Whether any object is perfectly smooth.
     has_deltas: bool,
+    /// Whether any of these is a pane.
+    has_panes: bool,
     /// Whether any of these disperses light, which is carried spectrally.
     has_dispersion: bool,
     bodies: Vec<Body>,
@@ -322,9 +324,17 @@ impl World {
     }
 
     /// Whether any material is a thin pane, which light passes.
+    #[inline]
     pub(crate) fn has_panes(&self) -> bool {
-        let mut deltas = self.deltas.iter().flatten();
-        deltas.any(|delta| matches!(delta, Delta::Pane { .. }))
+        self.has_panes
+    }
+
+    /// Whether a shape, as visibility names it, is a pane.
+    pub(crate) fn is_pane(&self, object: u32) -> bool {
+        self.has_panes && {
+            let material = self.objects[object as usize].material;
+            matches!(self.deltas[material], Some(Delta::Pane { .. }))
+        }
     }
 
     /// Whether any material has a coat.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::math::DVec3;
+use crate::optics::fresnel::cos_transmitted;
 
 /// A unit vector, as exact as it can be.
 fn unit(x: f64, y: f64, z: f64) -> DVec3 {

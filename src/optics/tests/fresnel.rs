@@ -1,6 +1,7 @@
 //! Dielectrics, panes, absorption.
 
 use super::*;
+use crate::optics::fresnel::cos_transmitted;
 
 const INDICES: [f64; 12] = [
     0.3,

@@ -259,6 +259,7 @@ impl<'a> Builder<'a> {
             has_coats: deltas.iter().flatten().any(Delta::has_lobes),
             deltas,
             has_deltas: false,
+            has_panes: false,
             has_dispersion: false,
             bodies: Vec::new(),
             body_ranks: HashMap::new(),
@@ -309,6 +310,8 @@ impl<'a> Builder<'a> {
         });
         let mut objects = world.objects.iter();
         world.has_deltas = objects.any(|object| world.deltas[object.material].is_some());
+        let is_pane = |delta: &Option<Delta>| matches!(delta, Some(Delta::Pane { .. }));
+        world.has_panes = world.deltas.iter().any(is_pane);
         let disperses = |delta: &Option<Delta>| match delta {
             Some(Delta::Glass(glass)) => glass.dispersion.is_some(),
             _ => false,

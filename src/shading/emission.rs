@@ -1,0 +1,75 @@
+//! What is seen of light that no surface reflects: lights themselves, and the background.
+
+use super::filters::Filters;
+use crate::math::{DVec3, Point};
+use crate::simd::{LANES, ones};
+use crate::visibility::{Column, Points};
+use crate::world::World;
+use crate::world::light::AreaLight;
+
+/// Adds what lights that are seen send themselves: L from the side that shines.
+#[inline(never)]
+pub(super) fn add_emission(
+    world: &World,
+    points: &Points,
+    packet: usize,
+    filters: &Filters,
+    radiance: &mut [Column; 3],
+) {
+    for lane in ones(points.hit[packet]) {
+        let slot = packet * LANES + lane;
+        if let Some((_, luminance)) = emission(world, points, filters, slot) {
+            for (column, channel) in radiance.iter_mut().zip(luminance) {
+                column[slot] += channel;
+            }
+        }
+    }
+}
+
+/// The light that a point is on, if it is seen from the side that shines, and its luminance as it is seen.
+pub(crate) fn emission(
+    world: &World,
+    points: &Points,
+    filters: &Filters,
+    slot: usize,
+) -> Option<(usize, [f64; 3])> {
+    let (index, light) = emitter_seen(world, points, slot)?;
+    let luminance = match filters.get(filters.number(slot)) {
+        None => light.luminance(),
+        Some(filter) => world.luminance_through(index, light, filter),
+    };
+    Some((index, luminance))
+}
+
+/// The background as it is seen through filters, where nothing is hit.
+#[inline(never)]
+pub(super) fn filter_background(
+    world: &World,
+    filters: &Filters,
+    hit: u32,
+    first: usize,
+    radiance: &mut [Column; 3],
+) {
+    for lane in ones(!hit & ((1 << LANES) - 1)) {
+        if let Some(filter) = filters.get(filters.number(first + lane)) {
+            let background = world.background_through(filter).0.0;
+            for (column, channel) in radiance.iter_mut().zip(background) {
+                column[first + lane] = channel;
+            }
+        }
+    }
+}
+
+/// The light that a point is on, if it is seen from the side that shines, and which it is.
+pub(crate) fn emitter_seen<'w>(
+    world: &'w World,
+    points: &Points,
+    slot: usize,
+) -> Option<(usize, &'w AreaLight)> {
+    let at = |columns: &[Column; 3]| {
+        let [x, y, z] = columns;
+        DVec3::new(x[slot], y[slot], z[slot])
+    };
+    let (position, to_viewer) = (Point(at(&points.position)), at(&points.to_viewer));
+    world.emitter_seen(points.object(slot), position, to_viewer)
+}
