@@ -3,6 +3,7 @@
 mod point;
 mod range;
 mod table;
+mod ways;
 
 use std::io::{self, Write};
 

@@ -33,6 +33,23 @@ impl Components {
         Self(pairs.map(|(a, b)| a * b).collect())
     }
 
+    /// What is left of 1: 1 − R.
+    pub(super) fn rest(&self) -> Self {
+        Self(self.0.iter().map(|component| 1.0 - component).collect())
+    }
+
+    /// One of them alone, all others 0.
+    pub(super) fn only(&self, place: usize) -> Self {
+        let mut alone = self.zero();
+        alone.0[place] = self.0[place];
+        alone
+    }
+
+    /// Whether all are 0.
+    pub(super) fn is_zero(&self) -> bool {
+        self.0.iter().all(|&component| component == 0.0)
+    }
+
     /// The sum of all: over the grid of wavelengths, the integral.
     pub(super) fn sum(&self) -> f64 {
         self.0.iter().sum()

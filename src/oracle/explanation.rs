@@ -7,9 +7,10 @@ use serde::Serialize;
 use super::hit::Hit;
 use super::lighting::Model;
 use super::outcome::Outcome;
-use super::vector::{add, narrowed, widened};
+use super::vector::{add, length, narrowed, widened};
+use super::ways::WayTerms;
 use super::wide::{ROUNDING, Real};
-use super::{Lamp, Oracle, Shine};
+use super::{Lamp, Oracle, Shine, Smooth, Term};
 
 /// L9 at one point of the image with all its terms, as `candela probe --json` writes it.
 ///
@@ -23,9 +24,16 @@ pub struct Explanation {
     pub transport: TransportUsed,
     /// What the primary ray hits (L1, L2); `None` where that is nothing.
     pub hit: Option<HitTerms>,
-    /// The terms of the sum, in the order of the file; empty where nothing is hit.
+    /// The terms of the sum, in the order of the file; empty where nothing is hit, or what has no lobes. Under a coat
+    /// they are those of the lobes alone, of which it lets 1 − R through.
     pub lights: Vec<LightTerms>,
-    /// L9: L_o in cd/m²; the background where nothing is hit.
+    /// Where the hit is on a perfectly smooth surface, the ways of light over it, the strongest first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ways: Vec<WayTerms>,
+    /// How many there are that are not among `ways`.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub more_ways: usize,
+    /// L9, and what comes over smooth surfaces: L_o in cd/m²; the background where nothing is hit.
     pub radiance: [f64; 3],
 }
 
@@ -85,8 +93,11 @@ pub struct EmissionTerms {
 /// The constants of L5 and L7.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialTerms {
-    /// `phong` or `normalized_phong`.
+    /// `phong` or `normalized_phong`; `mirror`, `metal`, `glass` or `pane`, which have no lobes.
     pub model: &'static str,
+    /// Whether there is a coat over the lobes.
+    #[serde(skip_serializing_if = "is_false")]
+    pub is_coated: bool,
     /// k_d or ρ_d
     pub diffuse: [f64; 3],
     /// k_s or ρ_s
@@ -130,8 +141,11 @@ pub struct LightTerms {
     pub specular: [f64; 3],
     /// What becomes of this light here.
     pub outcome: Outcome,
-    /// L4: whether V is 1, of an area for all of it that is above the surface.
+    /// L4: whether V is 1, of an area for all of it that is above the surface; also where there are panes alone.
     pub visible: bool,
+    /// The panes that it is seen through; `None` where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub panes: Option<PaneTerms>,
     /// The name of the object that stands between (from p′ on, where shadow rays are lifted), the nearest to p;
     /// `None` where V is 1. Of an area the first of those that hide a part of it.
     pub occluder: Option<String>,
@@ -140,6 +154,15 @@ pub struct LightTerms {
     pub unoccluded: [f64; 3],
     /// The light's share of L9 in cd/m².
     pub radiance: [f64; 3],
+}
+
+/// What panes let through.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PaneTerms {
+    /// Their names, the nearest to p first; of an area those before a part of it, in the order of the file.
+    pub names: Vec<String>,
+    /// V = Π T, of an area the part of its light that arrives.
+    pub transmittance: f64,
 }
 
 /// Where in a spot's cone a point is.
@@ -190,10 +213,12 @@ impl Oracle {
                 shines: self.shines(hit),
             }),
             reflectance: MaterialTerms {
-                model: match object.material.model {
-                    Model::Phong => "phong",
-                    Model::NormalizedPhong => "normalized_phong",
+                model: match (&object.smooth, object.material.model) {
+                    (Some(smooth), _) if !smooth.has_lobes() => smooth.kind(),
+                    (_, Model::Phong) => "phong",
+                    (_, Model::NormalizedPhong) => "normalized_phong",
                 },
+                is_coated: matches!(object.smooth.as_deref(), Some(Smooth::Coat(_))),
                 diffuse: self.palette.under_white(&object.material.diffuse),
                 specular: self.palette.under_white(&object.material.specular),
                 shininess: object.material.shininess,
@@ -209,8 +234,9 @@ impl Oracle {
     }
 
     /// p from the scene's origin. What is smaller than the rounding of the numbers it is a sum of is 0.
-    fn as_written(&self, hit: &Hit) -> [f64; 3] {
-        let size = [0, 1, 2].map(|axis| self.reference[axis].abs() + hit.distance.narrow());
+    pub(super) fn as_written(&self, hit: &Hit) -> [f64; 3] {
+        let far = length(hit.position).narrow();
+        let size = [0, 1, 2].map(|axis| self.reference[axis].abs() + far);
         let position = narrowed(add(hit.position, widened(self.reference)));
         [0, 1, 2].map(|axis| {
             if position[axis].abs() <= ROUNDING * size[axis] {
@@ -226,11 +252,12 @@ impl Oracle {
         let term = self.term(hit, light);
         let occluder = match (&term.shine, term.outcome) {
             (Some(shine), _) => shine.occluders.first().copied(),
-            (None, Outcome::Lit | Outcome::Partial | Outcome::AtPoint) => None,
+            (None, Outcome::Lit | Outcome::Through | Outcome::Partial | Outcome::AtPoint) => None,
             (None, Outcome::Occluded | Outcome::Below | Outcome::Outside) => {
                 self.occluder(hit, light)
             }
         };
+        let panes = self.pane_terms(&term);
         LightTerms {
             name: light.name.clone(),
             intensity: self.palette.seen(&light.intensity),
@@ -247,11 +274,24 @@ impl Oracle {
             specular: self.palette.under_white(&term.reflectance.specular),
             outcome: term.outcome,
             visible: occluder.is_none(),
+            panes,
             occluder: occluder.map(|surface| self.object(surface).name.clone()),
             unoccluded: self.palette.seen(&term.unoccluded),
             radiance: self.palette.seen(&term.radiance),
         }
     }
+
+    fn pane_terms(&self, term: &Term) -> Option<PaneTerms> {
+        let names = |surface: usize| self.object(surface).name.clone();
+        (!term.panes.is_empty()).then(|| PaneTerms {
+            names: term.panes.iter().map(|pane| names(pane.surface)).collect(),
+            transmittance: match &term.shine {
+                Some(shine) => shine.seen,
+                None => term.panes.iter().map(|pane| pane.transmittance).product(),
+            },
+        })
+    }
+
     fn area_terms(&self, shine: &Shine) -> AreaTerms {
         let mut occluders: Vec<String> = Vec::new();
         // Surfaces of one object follow each other.
@@ -269,4 +309,13 @@ impl Oracle {
             error: self.palette.seen_error(&shine.error),
         }
     }
+}
+
+/// For what is left out of JSON, where there is nothing of it.
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+fn is_false(flag: &bool) -> bool {
+    !flag
 }

@@ -1,7 +1,7 @@
 //! The lecture's equations, as exactly as they can be computed: the truth that the renderer is compared with.
 //!
 //! One small function for each equation, brute force, from the scene as it was written. Nothing
-//! here is shared with the renderer but the published tables of the CIE, neither its vectors nor its
+//! here is shared with the renderer but the published tables of the CIE and of refractive indices, neither its vectors nor its
 //! materials nor its colors nor its search for the nearest hit, so that no mistake can hide on both
 //! sides.
 //!
@@ -17,6 +17,8 @@
 //! | L7 | r_s = k_s cosⁿ(ω_o, ω_r) | `lighting`: `specular_reflectance` |
 //! | L8 | r = r_d + r_s | `lighting`: `phong`, `normalized_phong` |
 //! | L9 | L_o = Σ L_i r V | [`Oracle::radiance`] |
+//! | | L = R L(reflected) + T L(beyond) | `path` |
+//! | | F, of Fresnel's equations | `fresnel`: `dielectric`, `conductor`, `pane` |
 //! | | ∫ L_e r V dω, over a light with an area | `quadrature` |
 //!
 //! L3 and L5 to L9 hold component by component, however many a color has: three where light is
@@ -43,16 +45,22 @@ mod area;
 mod camera;
 mod colorimetry;
 mod components;
+mod decisions;
 mod explanation;
+mod fresnel;
 mod hit;
 mod lamp;
 mod lighting;
 mod luminaire;
+mod media;
 mod occlusion;
 mod outcome;
+mod panes;
+mod path;
 mod pixel;
 mod quadrature;
 mod shine;
+mod smooth;
 mod spectrum;
 mod spot;
 mod surface;
@@ -63,6 +71,7 @@ mod upsampling;
 mod value;
 mod vector;
 mod way;
+mod ways;
 mod wide;
 
 use std::collections::HashMap;
@@ -74,18 +83,30 @@ use crate::scene::{Object, Scene};
 use camera::{Camera, Ray};
 use components::Components;
 #[doc(hidden)]
-pub use explanation::{AreaTerms, EmissionTerms, LuminaireTerms, SpotTerms, TransportUsed};
+pub use decisions::{Beyond, Decisions};
+#[doc(hidden)]
+pub use explanation::{
+    AreaTerms, EmissionTerms, LuminaireTerms, PaneTerms, SpotTerms, TransportUsed,
+};
 pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms};
 use hit::Hit;
 use lamp::{Lamp, Place};
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
+use media::Media;
+#[doc(hidden)]
+pub use outcome::Event;
 pub use outcome::Outcome;
+use panes::Crossing;
 pub use pixel::{PixelMean, PixelQuadrature};
 use quadrature::Effort;
 use shine::Shine;
+use smooth::Smooth;
 use surface::Surface;
 use value::Palette;
 use vector::{Vector, ZERO, length, narrowed, subtract, unit};
+use way::Between;
+#[doc(hidden)]
+pub use ways::{VertexTerms, WayTerms};
 use wide::{Real, Wide};
 
 /// How far the integral over a light may be off, relative to that with nothing in the way, if effort allows.
@@ -107,6 +128,10 @@ pub struct Oracle {
     objects: Vec<NamedObject>,
     /// In the order of the file.
     lights: Vec<Lamp>,
+    /// The glass objects.
+    media: Media,
+    /// How often a ray is reflected or refracted at most.
+    max_depth: u32,
     /// When an integral over a light is good enough.
     effort: Effort,
 }
@@ -119,6 +144,8 @@ struct NamedObject {
     material_name: String,
     /// Shared by all objects that have it.
     material: Arc<Material>,
+    /// What it does beside its lobes, or without any.
+    smooth: Option<Arc<Smooth>>,
 }
 
 /// The value of a point of the image.
@@ -144,18 +171,6 @@ pub struct HitId {
     pub triangle: Option<usize>,
 }
 
-/// The decisions behind a radiance. Between two points of the image that agree in them, radiance
-/// changes smoothly; where two computations differ in them, rounding decided at an edge.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-#[doc(hidden)]
-pub struct Decisions {
-    /// What the primary ray hits.
-    pub hit: Option<HitId>,
-    /// What becomes of each light, in the order of the file; empty where nothing is hit, or a light. What is seen of a
-    /// light with an area changes without a jump: it is [`Outcome::Partial`] wherever it shines to.
-    pub lights: Vec<Outcome>,
-}
-
 /// One light's term of L9 and what it is made of.
 struct Term {
     distance: f64,
@@ -172,6 +187,8 @@ struct Term {
     cos_lobe: f64,
     reflectance: Reflectance,
     outcome: Outcome,
+    /// The panes that it is seen through; of an area those before a part of it.
+    panes: Vec<Crossing>,
     /// L_i r; of an area ∫ L_e r dω
     unoccluded: Components,
     /// L_i r V; of an area ∫ L_e r V dω
@@ -192,6 +209,14 @@ impl Oracle {
                 (entry.name.as_str(), Arc::new(material))
             })
             .collect();
+        let smooth: HashMap<&str, Arc<Smooth>> = scene
+            .materials
+            .iter()
+            .filter_map(|entry| {
+                let smooth = Smooth::new(&entry.value, &palette)?;
+                Some((entry.name.as_str(), Arc::new(smooth)))
+            })
+            .collect();
         let black = Arc::new(Material::black(&palette));
         let lights: Vec<Lamp> = scene
             .lights
@@ -202,8 +227,12 @@ impl Oracle {
             .objects
             .iter()
             .map(|object| {
-                let material = materials.get(object.value.material().value.as_str());
-                NamedObject::new(&object.name, &object.value, material.unwrap_or(&black))
+                let name = object.value.material().value.as_str();
+                let material = materials.get(name).unwrap_or(&black);
+                NamedObject {
+                    smooth: smooth.get(name).cloned(),
+                    ..NamedObject::new(&object.name, &object.value, material)
+                }
             })
             .collect();
         let mut surfaces: Vec<Surface> = surfaces
@@ -220,9 +249,13 @@ impl Oracle {
             reference,
             camera: Camera::new(&scene.camera.value, resolution),
             background: palette.light(&scene.image.background.value),
+            media: Media::new(&surfaces, |object| {
+                matches!(objects[object].smooth.as_deref(), Some(Smooth::Glass(_)))
+            }),
             surfaces,
             objects,
             lights,
+            max_depth: scene.image.max_depth.value as u32,
             effort: Effort {
                 tolerance: TOLERANCE,
                 most: Self::EFFORT,
@@ -253,20 +286,11 @@ impl Oracle {
     /// `px` and `py` are in pixels from the top left corner of the image; the center of pixel
     /// (x, y) is (x + 0.5, y + 0.5).
     pub fn radiance(&self, px: f64, py: f64) -> Sample {
-        match self.nearest(&self.camera.primary_ray(px, py)) {
-            None => Sample {
-                radiance: self.palette.seen(&self.background),
-                coverage: 0.0,
-                error: [0.0; 3],
-            },
-            Some(hit) => {
-                let (radiance, error) = self.sum_over_lights(&hit);
-                Sample {
-                    radiance: self.palette.seen(&radiance),
-                    coverage: 1.0,
-                    error: self.palette.seen_error(&error),
-                }
-            }
+        let seen = self.seen(px, py);
+        Sample {
+            radiance: self.palette.seen(&seen.radiance),
+            coverage: if seen.is_covered { 1.0 } else { 0.0 },
+            error: self.palette.seen_error(&seen.error),
         }
     }
 
@@ -277,10 +301,7 @@ impl Oracle {
         if !self.palette.is_spectral() {
             return None;
         }
-        let Components(radiance) = match self.nearest(&self.camera.primary_ray(px, py)) {
-            None => self.background.clone(),
-            Some(hit) => self.sum_over_lights(&hit).0,
-        };
+        let Components(radiance) = self.seen(px, py).radiance;
         Some(radiance)
     }
 
@@ -296,20 +317,6 @@ impl Oracle {
         &self.objects[hit.object].name
     }
 
-    /// What is decided on the way to the radiance; coordinates as in [`Oracle::radiance`].
-    pub fn decisions(&self, px: f64, py: f64) -> Decisions {
-        let hit = self.nearest(&self.camera.primary_ray(px, py));
-        let outcome = |hit, light: &Lamp| self.term(hit, light).decided(light);
-        Decisions {
-            hit: hit.as_ref().map(|hit| self.id(hit)),
-            lights: hit.as_ref().map_or_else(Vec::new, |hit| {
-                self.lights_of(hit)
-                    .map(|light| outcome(hit, light))
-                    .collect()
-            }),
-        }
-    }
-
     /// L9 with all its terms; coordinates as in [`Oracle::radiance`].
     pub fn explain(&self, px: f64, py: f64) -> Explanation {
         let transport = if self.palette.is_spectral() {
@@ -317,22 +324,23 @@ impl Oracle {
         } else {
             TransportUsed::Rgb
         };
-        match self.nearest(&self.camera.primary_ray(px, py)) {
-            None => Explanation {
-                transport,
-                hit: None,
-                lights: Vec::new(),
-                radiance: self.palette.seen(&self.background),
-            },
-            Some(hit) => Explanation {
-                transport,
-                hit: Some(self.hit_terms(&hit)),
-                lights: self
-                    .lights_of(&hit)
-                    .map(|light| self.light_terms(&hit, light))
-                    .collect(),
-                radiance: self.palette.seen(&self.sum_over_lights(&hit).0),
-            },
+        let hit = self.nearest(&self.camera.primary_ray(px, py));
+        let (ways, more_ways) = match &hit {
+            Some(hit) if self.smooth(hit).is_some() => self.strongest_ways(px, py),
+            _ => (Vec::new(), 0),
+        };
+        let lights = hit.as_ref().map_or_else(Vec::new, |hit| {
+            self.lights_of(hit)
+                .map(|light| self.light_terms(hit, light))
+                .collect()
+        });
+        Explanation {
+            transport,
+            hit: hit.as_ref().map(|hit| self.hit_terms(hit)),
+            lights,
+            ways,
+            more_ways,
+            radiance: self.palette.seen(&self.seen(px, py).radiance),
         }
     }
 
@@ -343,9 +351,19 @@ impl Oracle {
 
     /// The same among some surfaces, in the order of the file.
     fn nearest_of(&self, ray: &Ray, among: impl Iterator<Item = usize>) -> Option<Hit> {
+        self.nearest_by(ray, among, |index| self.surfaces[index].intersect(ray))
+    }
+
+    /// The same by what tells where each is met.
+    fn nearest_by(
+        &self,
+        ray: &Ray,
+        among: impl Iterator<Item = usize>,
+        met: impl Fn(usize) -> Option<Wide>,
+    ) -> Option<Hit> {
         let mut nearest: Option<(usize, Wide)> = None;
         for index in among {
-            if let Some(t) = self.surfaces[index].intersect(ray)
+            if let Some(t) = met(index)
                 && nearest.is_none_or(|(_, smallest)| t < smallest)
             {
                 nearest = Some((index, t));
@@ -371,10 +389,11 @@ impl Oracle {
         })
     }
 
-    /// The lights that have a term where a ray has hit: a light reflects nothing.
+    /// The lights that have a term where a ray has hit: a light has no lobes, and a mirror none either.
     fn lights_of(&self, hit: &Hit) -> impl Iterator<Item = &Lamp> {
         let is_light = self.surfaces[hit.surface].light.is_some();
-        self.lights.iter().filter(move |_| !is_light)
+        let has_lobes = !is_light && self.smooth(hit).is_none_or(Smooth::has_lobes);
+        self.lights.iter().filter(move |_| has_lobes)
     }
 
     /// L3 to L8: one light's term of L9.
@@ -437,23 +456,30 @@ impl Oracle {
         let reflected = ideal_reflection(hit.normal, to_light);
         let cos_lobe = cosine(hit.to_viewer, reflected);
 
+        let mut panes = Vec::new();
         let outcome = if !self.light_is_above(hit, &segment, to_light) {
             Outcome::Below
         } else if falloff == 0.0 {
             Outcome::Outside
-        } else if self.occluder_of(hit, light, occluders).is_some() {
-            Outcome::Occluded
         } else {
-            Outcome::Lit
+            match self.between(hit, light, occluders) {
+                Between::Surface(_) => Outcome::Occluded,
+                Between::Panes(crossed) if crossed.is_empty() => Outcome::Lit,
+                Between::Panes(crossed) => {
+                    panes = crossed;
+                    Outcome::Through
+                }
+            }
         };
         let reflectance = match outcome {
-            Outcome::Lit | Outcome::Partial | Outcome::Occluded => {
+            Outcome::Lit | Outcome::Partial | Outcome::Through | Outcome::Occluded => {
                 material.reflectance(cos_incident, cos_lobe)
             }
             Outcome::Below | Outcome::Outside | Outcome::AtPoint => material.nothing(),
         };
         let visibility = match outcome {
             Outcome::Lit => 1.0,
+            Outcome::Through => panes.iter().map(|pane| pane.transmittance).product(),
             Outcome::Partial
             | Outcome::Occluded
             | Outcome::Below
@@ -473,6 +499,7 @@ impl Oracle {
             cos_lobe: cos_lobe.narrow(),
             reflectance,
             outcome,
+            panes,
             radiance: unoccluded.scaled(visibility),
             unoccluded,
         }
@@ -507,6 +534,7 @@ impl NamedObject {
             },
             material_name: object.material().value.clone(),
             material: Arc::clone(material),
+            smooth: None,
         }
     }
 
@@ -517,6 +545,7 @@ impl NamedObject {
             groups: Vec::new(),
             material_name: name.to_owned(),
             material: Arc::clone(black),
+            smooth: None,
         }
     }
 
@@ -534,7 +563,9 @@ impl Term {
     /// The outcome, by which values jump.
     fn decided(&self, light: &Lamp) -> Outcome {
         match self.outcome {
-            Outcome::Lit | Outcome::Occluded | Outcome::Below if light.area.is_some() => {
+            Outcome::Lit | Outcome::Through | Outcome::Occluded | Outcome::Below
+                if light.area.is_some() =>
+            {
                 Outcome::Partial
             }
             outcome => outcome,
@@ -557,6 +588,7 @@ impl Term {
             cos_lobe: 0.0,
             reflectance,
             outcome: Outcome::AtPoint,
+            panes: Vec::new(),
             unoccluded: dark.clone(),
             radiance: dark,
         }

@@ -144,6 +144,7 @@ impl Term {
             cos_lobe: cosine(hit.to_viewer, reflected).narrow(),
             reflectance: nothing,
             outcome: Outcome::Below,
+            panes: Vec::new(),
             unoccluded: dark.clone(),
             radiance: dark,
         };

@@ -32,8 +32,14 @@ pub(super) fn integral(a: &Components, b: &Components) -> f64 {
     a.0.iter().zip(&b.0).map(|(a, b)| a * b).sum()
 }
 
+/// A spectrum's value at any wavelength of the grid's range: linear between its components.
+pub(super) fn at(spectrum: &Components, nm: f64) -> f64 {
+    let wavelengths: Vec<f64> = wavelengths().collect();
+    interpolated(&wavelengths, &spectrum.0, nm)
+}
+
 /// Linear between the points, constant beyond the first and the last.
-fn interpolated(points: &[f64], values: &[f64], nm: f64) -> f64 {
+pub(super) fn interpolated(points: &[f64], values: &[f64], nm: f64) -> f64 {
     let above = points.partition_point(|&point| point < nm);
     if above == 0 || above == points.len() {
         return values[above.min(points.len() - 1)];

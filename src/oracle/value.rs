@@ -94,11 +94,7 @@ impl Palette {
             return sum(mixture, |part| self.reflectance(part));
         }
         let Some(rgb) = self.working_rgb(value) else {
-            let spectrum = spectrum(value);
-            return match self.weights {
-                Some(_) => spectrum,
-                None => Components(self.colorimetry.reflectance(&spectrum).to_vec()),
-            };
+            return self.of_spectrum(spectrum(value));
         };
         let Some(weights) = &self.weights else {
             return Components(rgb.to_vec());
@@ -107,6 +103,14 @@ impl Palette {
             return flat(rgb[0]);
         }
         upsampling::reflectance(weights, rgb).unwrap_or_else(|| share_of_white(weights, rgb))
+    }
+
+    /// A reflectance whose spectrum is known.
+    pub(super) fn of_spectrum(&self, spectrum: Components) -> Components {
+        match self.weights {
+            Some(_) => spectrum,
+            None => Components(self.colorimetry.reflectance(&spectrum).to_vec()),
+        }
     }
 
     /// The RGB of light.
@@ -274,6 +278,23 @@ fn sum(mixture: &Mixture, components: impl Fn(&Value) -> Components) -> Componen
     let scaled = |(weight, part): &(f64, Value)| components(part).scaled(*weight);
     let first = parts.next().map_or_else(|| flat(0.0), scaled);
     parts.fold(first, |sum, part| sum.plus(&scaled(part)))
+}
+
+/// Numbers over the wavelength that are no color: n, or k.
+pub(super) fn numbers(value: &Value) -> Components {
+    match value {
+        Value::Uniform(number) => flat(*number),
+        Value::Mixed(mixture) => sum(mixture, numbers),
+        value => spectrum(value),
+    }
+}
+
+/// Whether such are the same at all wavelengths.
+pub(super) fn is_number(value: &Value) -> bool {
+    match value {
+        Value::Mixed(mixture) => mixture.0.iter().all(|(_, part)| is_number(part)),
+        value => matches!(value, Value::Uniform(_)),
+    }
 }
 
 /// The spectrum of what is not RGB, without the size of a light that has one beside it.

@@ -7,9 +7,19 @@ use super::occlusion::{
     OwnSphere, Segment, Side, disk_between, plane_between, rectangle_between, sphere_between,
     triangle_between,
 };
+use super::panes::Crossing;
+use super::smooth::Smooth;
 use super::surface::Shape;
 use super::vector::{WideVector, add, dot, length, scale, widened};
 use super::wide::{Real, Wide};
+
+/// What stands between a point and a light.
+pub(super) enum Between {
+    /// A surface through which nothing comes, the nearest to the point.
+    Surface(usize),
+    /// Panes alone, or nothing.
+    Panes(Vec<Crossing>),
+}
 
 impl Oracle {
     /// Whether n·ω_i > 0 for the geometric normal; for the interpolated one, where shadow rays are lifted. For
@@ -43,65 +53,83 @@ impl Oracle {
     /// L4: V = 0 where there is one; the surface that stands strictly between p, or p′ where shadow rays are
     /// lifted, and p_L, of several the nearest to p.
     pub(super) fn occluder(&self, hit: &Hit, light: &Lamp) -> Option<usize> {
-        self.occluder_of(hit, light, 0..self.surfaces.len())
+        match self.between(hit, light, 0..self.surfaces.len()) {
+            Between::Surface(surface) => Some(surface),
+            Between::Panes(_) => None,
+        }
     }
 
-    /// The same among some surfaces.
-    pub(super) fn occluder_of(
+    /// L4 among some surfaces.
+    pub(super) fn between(
         &self,
         hit: &Hit,
         light: &Lamp,
         among: impl Iterator<Item = usize>,
-    ) -> Option<usize> {
+    ) -> Between {
         let segment = &self.shadow_segment(hit, light);
         let mut nearest: Option<(usize, f64)> = None;
+        let mut panes = Vec::new();
         for index in among {
-            let surface = &self.surfaces[index];
-            let own = index == hit.surface;
-            if !segment.may_meet(surface) {
+            let Some(part) = self.part_between(hit, segment, index) else {
                 continue;
-            }
-            let magnitude = surface.shape.magnitude();
-            let part = match &surface.shape {
-                // A flat surface never stands before its own points.
-                Shape::Plane { .. }
-                | Shape::Triangle { .. }
-                | Shape::Rectangle { .. }
-                | Shape::Disk { .. }
-                    if own =>
-                {
-                    None
-                }
-                Shape::Rectangle {
-                    center,
-                    normal,
-                    halves,
-                } => rectangle_between(segment, *center, *normal, halves, magnitude),
-                Shape::Disk {
-                    center,
-                    normal,
-                    radius,
-                } => disk_between(segment, *center, *normal, *radius, magnitude),
-                Shape::Plane { point, normal } => {
-                    plane_between(segment, *point, *normal, magnitude)
-                }
-                Shape::Triangle {
-                    vertices, normal, ..
-                } => triangle_between(segment, vertices, *normal, magnitude),
-                Shape::Sphere { center, radius } => {
-                    let own = own.then(|| OwnSphere {
-                        starts_inwards: starts_inwards(hit, *center, segment.vector()),
-                    });
-                    sphere_between(segment, *center, *radius, magnitude, own)
-                }
             };
-            if let Some(part) = part
-                && nearest.is_none_or(|(_, smallest)| part < smallest)
-            {
+            if let Some(Smooth::Pane { n }) = self.object(index).smooth.as_deref() {
+                panes.push(Crossing::of(
+                    index,
+                    &self.surfaces[index],
+                    segment,
+                    part,
+                    *n,
+                ));
+            } else if nearest.is_none_or(|(_, smallest)| part < smallest) {
                 nearest = Some((index, part));
             }
         }
-        nearest.map(|(index, _)| index)
+        match nearest {
+            Some((index, _)) => Between::Surface(index),
+            None => Between::Panes(Crossing::once_each(panes)),
+        }
+    }
+
+    /// At which part of the way from p to p_L a surface stands between, if it does.
+    fn part_between(&self, hit: &Hit, segment: &Segment, index: usize) -> Option<f64> {
+        let surface = &self.surfaces[index];
+        let own = index == hit.surface;
+        if !segment.may_meet(surface) {
+            return None;
+        }
+        let magnitude = surface.shape.magnitude();
+        match &surface.shape {
+            // A flat surface never stands before its own points.
+            Shape::Plane { .. }
+            | Shape::Triangle { .. }
+            | Shape::Rectangle { .. }
+            | Shape::Disk { .. }
+                if own =>
+            {
+                None
+            }
+            Shape::Rectangle {
+                center,
+                normal,
+                halves,
+            } => rectangle_between(segment, *center, *normal, halves, magnitude),
+            Shape::Disk {
+                center,
+                normal,
+                radius,
+            } => disk_between(segment, *center, *normal, *radius, magnitude),
+            Shape::Plane { point, normal } => plane_between(segment, *point, *normal, magnitude),
+            Shape::Triangle {
+                vertices, normal, ..
+            } => triangle_between(segment, vertices, *normal, magnitude),
+            Shape::Sphere { center, radius } => {
+                let own = own.then(|| OwnSphere {
+                    starts_inwards: starts_inwards(hit, *center, segment.vector()),
+                });
+                sphere_between(segment, *center, *radius, magnitude, own)
+            }
+        }
     }
 
     pub(super) fn segment(&self, hit: &Hit, light: &Lamp) -> Segment {

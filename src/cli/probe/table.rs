@@ -8,6 +8,7 @@ use candela::oracle::{
     SpotTerms, TransportUsed,
 };
 
+use super::ways::{equation, rows};
 use super::{Report, SpectralRadiance};
 use crate::cli::numbers::number;
 
@@ -57,9 +58,15 @@ pub(super) fn line(report: &Report) -> String {
             ", a light from behind"
         });
     }
+    if equation(hit.reflectance.model).is_some() {
+        let count = explanation.ways.len() + explanation.more_ways;
+        let ways = if count == 1 { "way" } else { "ways" };
+        let _ = write!(line, ", {}, {count} {ways}", hit.reflectance.model);
+    }
     for light in &explanation.lights {
         let outcome = match light.outcome {
             Outcome::Lit => "lit by",
+            Outcome::Through => "lit through a pane by",
             Outcome::Partial => "in the penumbra of",
             Outcome::Occluded => "in the shadow of",
             Outcome::Below => "turned away from",
@@ -106,25 +113,31 @@ pub(super) fn table(report: &Report, resolution: [u32; 2]) -> String {
             table.header(["R", "G", "B"]);
             table.row("L9  L_o", explanation.radiance, "cd/m²");
         }
+        Some(hit) if let Some(equation) = equation(hit.reflectance.model) => {
+            table.text(format!("{place_in_image}: {}", place(hit)));
+            table.text(equation);
+            table.transport(explanation.transport);
+            table.hit(hit);
+            table.ways(explanation);
+        }
         Some(hit) => {
             table.text(format!("{place_in_image}: {}", place(hit)));
-            table.text("L_o = Σ L_i (r_d + r_s) V    L_i = I/d²");
-            table.text(model(&hit.reflectance));
-            match explanation.transport {
-                TransportUsed::Rgb => {}
-                TransportUsed::Spectral => {
-                    table
-                        .text("Products are taken wavelength by wavelength, not of these R, G, B:");
-                    table
-                        .text("light is as seen, reflectances (the constants, r) are as under D65");
-                }
+            if hit.reflectance.is_coated {
+                table.text("L_o = R L(reflected) + (1 − R) Σ L_i (r_d + r_s) V    L_i = I/d²");
+            } else {
+                table.text("L_o = Σ L_i (r_d + r_s) V    L_i = I/d²");
             }
+            table.text(model(&hit.reflectance));
+            table.transport(explanation.transport);
             table.hit(hit);
             table.material(&hit.reflectance);
             for light in &explanation.lights {
                 table.light(&hit.reflectance, light);
             }
-            table.sum(explanation);
+            table.sum(explanation, hit.reflectance.is_coated);
+            if hit.reflectance.is_coated {
+                table.ways(explanation);
+            }
         }
     }
     if let Some(renderer) = &report.renderer {
@@ -183,7 +196,7 @@ fn model(material: &MaterialTerms) -> &'static str {
 fn obstacle(light: &LightTerms) -> Option<String> {
     match light.outcome {
         Outcome::Lit => None,
-        Outcome::Partial | Outcome::Occluded => Some(stands_between(light)),
+        Outcome::Through | Outcome::Partial | Outcome::Occluded => Some(stands_between(light)),
         Outcome::Below => Some("below the surface".to_owned()),
         Outcome::Outside if light.area.is_some() => Some("does not shine to p".to_owned()),
         Outcome::Outside => Some("outside of the cone".to_owned()),
@@ -198,6 +211,9 @@ fn stands_between(light: &LightTerms) -> String {
     if let Some(AreaTerms { occluders, .. }) = &light.area {
         return between_of(occluders);
     }
+    if let Some(panes) = &light.panes {
+        return format!("through {}", listed(&panes.names));
+    }
     match &light.occluder {
         Some(occluder) => format!("`{}` stands between", printable(occluder)),
         None => "nothing stands between".to_owned(),
@@ -206,16 +222,26 @@ fn stands_between(light: &LightTerms) -> String {
 
 /// What hides parts of a light: `wall`, `ball` and 3 more stand between
 fn between_of(occluders: &[String]) -> String {
-    let names: Vec<String> = occluders
+    match occluders.len() {
+        0 => "nothing stands between".to_owned(),
+        1 => format!("{} stands between", listed(occluders)),
+        _ => format!("{} stand between", listed(occluders)),
+    }
+}
+
+/// The first names of some: `a`, `b` and 3 more
+fn listed(names: &[String]) -> String {
+    let named: Vec<String> = names
         .iter()
         .take(NAMED)
         .map(|name| format!("`{}`", printable(name)))
         .collect();
-    match (&names[..], occluders.len() - names.len()) {
-        ([], _) => "nothing stands between".to_owned(),
-        ([one], 0) => format!("{one} stands between"),
-        ([others @ .., last], 0) => format!("{} and {last} stand between", others.join(", ")),
-        (names, more) => format!("{} and {more} more stand between", names.join(", ")),
+    match (&named[..], names.len() - named.len()) {
+        ([others @ .., last], 0) if !others.is_empty() => {
+            format!("{} and {last}", others.join(", "))
+        }
+        (named, 0) => named.join(", "),
+        (named, more) => format!("{} and {more} more", named.join(", ")),
     }
 }
 
@@ -316,7 +342,7 @@ impl Table {
                     }
                 ));
             }
-            Outcome::Lit | Outcome::Partial | Outcome::Occluded => {
+            Outcome::Lit | Outcome::Through | Outcome::Partial | Outcome::Occluded => {
                 self.text(format!("Light `{}`, {place}", printable(&light.name)));
             }
         }
@@ -394,7 +420,11 @@ impl Table {
         self.row(specular, light.specular, "1/sr");
         let reflectance = std::array::from_fn(|i| light.diffuse[i] + light.specular[i]);
         self.row("L8  r   = r_d + r_s", reflectance, "1/sr");
-        let visibility = if light.visible { 1.0 } else { 0.0 };
+        let visibility = match &light.panes {
+            Some(panes) => panes.transmittance,
+            None if light.visible => 1.0,
+            None => 0.0,
+        };
         self.row("L4  V", [visibility; 3], stands_between(light));
         self.row("    L_i · r · V", light.radiance, "cd/m²");
     }
@@ -430,12 +460,46 @@ impl Table {
             [area.seen; 3],
             between_of(&area.occluders),
         );
+        if let Some(panes) = &light.panes {
+            self.text(format!("    a part of it through {}", listed(&panes.names)));
+        }
         self.row("    ∫ L r V dω", light.radiance, "cd/m²");
         self.row("    which may be off by", area.error, "cd/m²");
     }
 
-    /// L9: what the lights add up to.
-    fn sum(&mut self, explanation: &Explanation) {
+    /// What R, G, B are, where light has more components.
+    fn transport(&mut self, transport: TransportUsed) {
+        match transport {
+            TransportUsed::Rgb => {}
+            TransportUsed::Spectral => {
+                self.text("Products are taken wavelength by wavelength, not of these R, G, B:");
+                self.text("light is as seen, reflectances (the constants, r) are as under D65");
+            }
+        }
+    }
+
+    /// What comes over smooth surfaces: of each way what it adds, and the products of its factors.
+    fn ways(&mut self, explanation: &Explanation) {
+        self.gap();
+        self.text(
+            "Ways over smooth surfaces, the strongest first, and the products of their factors",
+        );
+        self.header(["R", "G", "B"]);
+        for (number, way) in (1..).zip(&explanation.ways) {
+            for (label, values, remark) in rows(number, way) {
+                self.row(label, values, remark);
+            }
+        }
+        match explanation.more_ways {
+            0 => {}
+            1 => self.text("and 1 more way"),
+            more => self.text(format!("and {more} more ways")),
+        }
+        self.row("    L_o", explanation.radiance, "cd/m²");
+    }
+
+    /// L9: what the lights add up to; under a coat without it.
+    fn sum(&mut self, explanation: &Explanation, is_coated: bool) {
         self.gap();
         self.text("Sum over the lights");
         for light in &explanation.lights {
@@ -446,7 +510,15 @@ impl Table {
                 remark,
             );
         }
-        self.row("L9  L_o = Σ L_i r V", explanation.radiance, "cd/m²");
+        if is_coated {
+            let lights = explanation.lights.iter();
+            let sum = lights.fold([0.0; 3], |sum, light| {
+                std::array::from_fn(|i| sum[i] + light.radiance[i])
+            });
+            self.row("L9  Σ L_i r V", sum, "cd/m², without the coat");
+        } else {
+            self.row("L9  L_o = Σ L_i r V", explanation.radiance, "cd/m²");
+        }
     }
 
     /// L9 wavelength by wavelength, with a bar for each.

@@ -33,6 +33,11 @@ pub(super) enum Edge {
     Cone { light: String },
     /// An edge between triangles of a mesh.
     Triangles { object: String },
+    /// Any of these as seen in a mirror, or through glass; or where glass begins to reflect all.
+    BeyondSmooth {
+        /// The smooth object.
+        object: String,
+    },
 }
 
 /// Finds edges.
@@ -79,6 +84,7 @@ impl<'s> Edges<'s> {
             Edge::Cone { .. } => 2,
             Edge::Terminator { .. } => 3,
             Edge::Triangles { .. } => 4,
+            Edge::BeyondSmooth { .. } => 5,
         })
     }
 
@@ -122,11 +128,26 @@ impl<'s> Edges<'s> {
                 },
             );
         }
-        let hit = here.hit.filter(|_| here.hit != there.hit)?;
-        Some(Edge::Triangles {
-            object: self.oracle.name_of(hit).to_owned(),
-        })
+        let object = self.oracle.name_of(here.hit?).to_owned();
+        if let Some(index) = first_difference(&here.panes, &there.panes) {
+            let light = self.scene.lights[index].name.clone();
+            let pane = |[x, y]: [f64; 2]| -> Option<String> {
+                let Explanation { lights, .. } = self.oracle.explain(x, y);
+                lights.into_iter().nth(index)?.panes?.names.pop()
+            };
+            let occluder = points.into_iter().find_map(pane);
+            return Some(Edge::Shadow { light, occluder });
+        }
+        if here.hit != there.hit {
+            return Some(Edge::Triangles { object });
+        }
+        (here.beyond != there.beyond).then_some(Edge::BeyondSmooth { object })
     }
+}
+
+/// Where two lists of as many numbers first differ.
+fn first_difference(a: &[usize], b: &[usize]) -> Option<usize> {
+    a.iter().zip(b).position(|(a, b)| a != b)
 }
 
 #[cfg(test)]

@@ -159,6 +159,9 @@ impl Edge {
             Self::Triangles { object } => {
                 format!("on an edge between triangles of `{}`", printable(object))
             }
+            Self::BeyondSmooth { object } => {
+                format!("on an edge seen over `{}`", printable(object))
+            }
         }
     }
 }

@@ -8,6 +8,9 @@
 //! Light of an area has kinks where its penumbra begins and where an edge in it does, but no jumps: there pieces are
 //! halved until both rules agree.
 //!
+//! Where a smooth surface is seen, L is that of all its ways, and pieces are those where no way changes. Rounds of a lobe
+//! or a light are not looked for there: what is small in a mirror may be missed.
+//!
 //! What is thin is looked for on 17 lines at 16 and more points of each, and once it is seen it is followed. What none
 //! of these points meets, a 300th of the pixel's area or less, is missed, and no error tells of it.
 

@@ -9,7 +9,7 @@ use super::super::hit::Hit;
 use super::super::lighting::{Material, ideal_reflection};
 use super::super::quadrature::Effort;
 use super::super::vector::{Vector, length, narrowed, scale, subtract};
-use super::super::{Outcome, Term};
+use super::super::{Decisions, Outcome, Term};
 use super::PixelQuadrature;
 use super::scope::{self, Beam};
 
@@ -25,12 +25,16 @@ struct Decided {
     surface: Option<usize>,
     is_behind: bool,
     lights: Vec<LightDecided>,
+    /// Where the surface is smooth.
+    over_smooth: Option<Decisions>,
 }
 
 /// What is decided about a light.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct LightDecided {
     outcome: Outcome,
+    /// The surfaces of the panes that it is seen through.
+    panes: Vec<usize>,
     /// Whether the point is within a spot's inner angle.
     is_in_core: bool,
     /// Whether the cosines of L5 and L7 are above 0.
@@ -122,11 +126,13 @@ impl<'q> Points<'q> {
                     surface: None,
                     is_behind: false,
                     lights: Vec::new(),
+                    over_smooth: None,
                 },
                 self.quadrature.background,
                 0.0,
                 Vec::new(),
             ),
+            Some(hit) if oracle.smooth(&hit).is_some() => self.over_smooth(&hit, x, y),
             Some(hit) => self.shade(&hit),
         };
         let value = [r, g, b, alpha];
@@ -144,6 +150,24 @@ impl<'q> Points<'q> {
         }
     }
 
+    /// L where a ray has hit a smooth surface.
+    fn over_smooth(&mut self, hit: &Hit, x: f64, y: f64) -> (Decided, [f64; 3], f64, Vec<Pace>) {
+        let oracle = self.quadrature.oracle;
+        let seen = oracle.seen(x, y);
+        let error = oracle.palette.seen_error(&seen.error);
+        for (noise, error) in self.noise.iter_mut().zip(error) {
+            *noise = noise.max(error);
+        }
+        let decided = Decided {
+            surface: Some(hit.surface),
+            is_behind: hit.is_behind,
+            lights: Vec::new(),
+            over_smooth: Some(oracle.decisions(x, y)),
+        };
+        let radiance = oracle.palette.seen(&seen.radiance);
+        (decided, radiance, 1.0, Vec::new())
+    }
+
     /// L9 where a ray has hit.
     fn shade(&mut self, hit: &Hit) -> (Decided, [f64; 3], f64, Vec<Pace>) {
         let oracle = self.quadrature.oracle;
@@ -152,6 +176,7 @@ impl<'q> Points<'q> {
                 surface: Some(hit.surface),
                 is_behind: !hit.is_in_front,
                 lights: Vec::new(),
+                over_smooth: None,
             };
             let luminance = self.quadrature.luminances[light];
             let radiance = luminance.map(|c| if oracle.shines(hit) { c } else { 0.0 });
@@ -162,6 +187,7 @@ impl<'q> Points<'q> {
             surface: Some(hit.surface),
             is_behind: hit.is_behind,
             lights: Vec::with_capacity(count),
+            over_smooth: None,
         };
         let mut radiance = [0.0; 3];
         let mut paces = Vec::with_capacity(count);
@@ -184,6 +210,7 @@ impl<'q> Points<'q> {
             let inner = light.cone.map(|cone| cone.inner_angle().to_degrees());
             decided.lights.push(LightDecided {
                 outcome: term.decided(light),
+                panes: term.panes.iter().map(|pane| pane.surface).collect(),
                 is_in_core: term
                     .spot
                     .zip(inner)
@@ -229,7 +256,8 @@ impl<'q> Points<'q> {
 }
 
 fn pace(hit: &Hit, term: &Term, material: &Material) -> Pace {
-    if !matches!(term.outcome, Outcome::Lit | Outcome::Partial) {
+    let arrives = [Outcome::Lit, Outcome::Through, Outcome::Partial];
+    if !arrives.contains(&term.outcome) {
         return Pace {
             lobe: None,
             way: None,
