@@ -534,11 +534,54 @@ translate = [{place((0.34, 0.33, -0.25))}]
     return text
 
 
+def ply(vertices, faces):
+    """A mesh as text."""
+    lines = [
+        "ply",
+        "format ascii 1.0",
+        f"element vertex {len(vertices)}",
+        "property float x",
+        "property float y",
+        "property float z",
+        f"element face {len(faces)}",
+        "property list uchar uint vertex_indices",
+        "end_header",
+        *(" ".join(number(x) for x in vertex) for vertex in vertices),
+        *(" ".join(str(i) for i in (len(face), *face)) for face in faces),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def tiles(parity, side=0.5, count=12):
+    """Every other square of a floor in y = 0."""
+    vertices, faces = [], []
+    for row in range(count):
+        for column in range(count):
+            if (row + column) % 2 != parity:
+                continue
+            x, z = (side * (place - count / 2) for place in (column, row))
+            first = len(vertices)
+            vertices += [(x, 0, z), (x, 0, z + side), (x + side, 0, z + side), (x + side, 0, z)]
+            faces.append((first, first + 1, first + 2, first + 3))
+    return ply(vertices, faces)
+
+
+def prism(length=2.0):
+    """A prism with equal sides of 1 along z, closed, its triangles turned outwards."""
+    ends = [(-0.5, 0.0), (0.5, 0.0), (0.0, sqrt(0.75))]
+    vertices = [(x, y, z) for z in (-length / 2, length / 2) for x, y in ends]
+    faces = [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]
+    return ply(vertices, faces)
+
+
 def main():
     MESHES.mkdir(exist_ok=True)
     (MESHES / "knot.ply").write_text(torus_knot())
     (MESHES / "gem.obj").write_text(gem())
     (MESHES / "square.obj").write_text(square())
+    (MESHES / "tiles-light.ply").write_text(tiles(0))
+    (MESHES / "tiles-dark.ply").write_text(tiles(1))
+    (MESHES / "prism.ply").write_text(prism())
     (SCENES / "many-spheres.toml").write_text(many_spheres())
     (SCENES / "many-lights.toml").write_text(many_lights())
     for lamp in CHECKER_CLAIMS:

@@ -60,7 +60,16 @@ const MAY_USE: [(&str, &[&str]); 29] = [
     ("visibility", &["world", "math", "simd", "memory"]),
     (
         "shading",
-        &["world", "visibility", "units", "math", "simd", "emitter"],
+        &[
+            "world",
+            "visibility",
+            "optics",
+            "spectrum",
+            "units",
+            "math",
+            "simd",
+            "emitter",
+        ],
     ),
     ("turns", &[]),
     ("image", &["color"]),

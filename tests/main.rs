@@ -37,6 +37,7 @@ mod measured;
 mod memory;
 mod merging;
 mod meshes;
+mod mirrors;
 mod motion;
 mod moved;
 mod opencolorio;

@@ -9,7 +9,7 @@ use candela::scene::{Motion, Scene, Transport};
 use candela::world::difference::differences;
 use candela::world::material::Model;
 use candela::world::plan::{self, Acceleration};
-use candela::world::{AreaLight, Light, Loaded, Plan, Shape, World, physics};
+use candela::world::{AreaLight, Delta, Light, Loaded, Plan, Shape, World, physics};
 
 use super::Failure;
 use super::frames::{Frame, Frames, frames};
@@ -195,7 +195,15 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
     // Behind them are those of lights that are seen, which are black.
     let materials = &world.materials()[..world.materials().len() - seen];
     writeln!(output, "\nmaterials  {}", materials.len())?;
-    for material in materials.iter().take(LISTED) {
+    for (index, material) in materials.iter().enumerate().take(LISTED) {
+        let delta = world.delta(index);
+        if let Some(delta) = delta
+            && !delta.has_lobes()
+        {
+            let name = printable(&material.name);
+            writeln!(output, "  {name:<20} {}", smooth(delta, world))?;
+            continue;
+        }
         let model = match material.value.model() {
             Model::Phong => "phong",
             Model::NormalizedPhong => "normalized_phong",
@@ -212,11 +220,64 @@ fn print_materials(world: &World, output: &mut impl Write) -> Result<(), Failure
         let albedo = albedo.map(|channel| format!("{channel:.3}")).join(" ");
         writeln!(
             output,
-            "  {:<20} {model}: {lobes}; reflects [{albedo}] of the light along its normal",
+            "  {:<20} {model}: {lobes}; reflects [{albedo}] of the light along its normal{}",
             printable(&material.name),
+            delta.map_or_else(String::new, |delta| format!(
+                ", under a {}",
+                smooth(delta, world)
+            )),
         )?;
     }
     print_rest(materials.len(), output)
+}
+
+/// What a perfectly smooth material is, and what of it is not computed.
+fn smooth(delta: &Delta, world: &World) -> String {
+    let is_spectral = world.spectra().is_some();
+    let rising = |schlick: bool| {
+        if schlick {
+            ", rising to 1 at grazing"
+        } else {
+            ""
+        }
+    };
+    match delta {
+        Delta::Mirror(tint) => {
+            let [r, g, b] = tint.rgb.map(rounded);
+            format!("mirror: reflects [{r} {g} {b}]{}", rising(tint.schlick))
+        }
+        Delta::Coat {
+            reflectance,
+            schlick,
+        } => format!(
+            "coat that reflects {}{}",
+            rounded(*reflectance),
+            rising(*schlick)
+        ),
+        Delta::Metal(_) if is_spectral => {
+            "metal: Fresnel's reflectance at each wavelength".to_owned()
+        }
+        Delta::Metal(_) => "metal: Fresnel's reflectance, as RGB under daylight, D65".to_owned(),
+        Delta::Glass(glass) => {
+            let mut text = format!("glass: n = {}", rounded(glass.n));
+            if glass.dispersion.is_some() {
+                text.push_str(if is_spectral {
+                    " at 587.6 nm, disperses"
+                } else {
+                    "; with RGB nothing is dispersed"
+                });
+            }
+            if let Some(absorption) = &glass.absorption {
+                let [r, g, b] = absorption.rgb.map(rounded);
+                text.push_str(&format!(", absorbs [{r} {g} {b}] per metre"));
+            }
+            text + "; opaque to the light of lamps, which lights nothing through it"
+        }
+        Delta::Pane { n } => format!(
+            "pane: n = {}, unbent; lets the light of lamps pass",
+            rounded(*n)
+        ),
+    }
 }
 
 fn print_lights(world: &World, output: &mut impl Write) -> Result<(), Failure> {

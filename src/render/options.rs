@@ -1,7 +1,7 @@
 //! How to render.
 
 use super::accuracy::{ErrorTarget, MAX_SAMPLES, MIN_RELATIVE_ERROR};
-use super::layers::Layers;
+use super::layers::{Layers, Relight};
 use crate::camera::Camera;
 use crate::image::Window;
 use crate::simd::SimdLevel;
@@ -82,6 +82,12 @@ pub enum OptionsError {
          set the image's `transport` to \"spectral\""
     )]
     Bands,
+    /// [`Options::layers`] has [`Layers::spectral`] or [`Relight::Always`], which are of what is seen directly, but the
+    /// world has mirrors or glass.
+    #[error(
+        "the layers `spectral` and `relight` are not made of what is seen in mirrors and glass; leave them out"
+    )]
+    SmoothSurfaces,
     /// The camera is [placed](World::place) in a world with another anchor.
     #[error(
         "the camera is of another world, whose positions have another anchor; place it in this one"
@@ -106,6 +112,10 @@ impl Options {
         }
         if self.layers.spectral.is_some() && world.spectra().is_none() {
             return Err(OptionsError::Bands);
+        }
+        let is_of_lobes = self.layers.spectral.is_some() || self.layers.relight == Relight::Always;
+        if is_of_lobes && world.has_deltas() {
+            return Err(OptionsError::SmoothSurfaces);
         }
         if camera.anchor() != world.anchor() {
             return Err(OptionsError::Camera);

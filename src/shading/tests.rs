@@ -119,13 +119,14 @@ impl Kernel for Sum<'_> {
                 origin: entry.value.position(),
                 points: lit,
                 factors: self.transmitted.map(|part| Box::new(Column([part; BATCH]))),
+                passed: None,
                 area: None,
             });
         }
         let hit = points.hit[0];
         shaded
             .groups
-            .take(self.world, &points.material[..LANES], hit, false);
+            .take(self.world, &points.material[..LANES], None, hit, false);
         if let Some(shares) = self.shares {
             shaded.groups.replace(shares);
         }

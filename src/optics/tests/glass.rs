@@ -1,6 +1,7 @@
 //! Indices against what is published of them.
 
 use super::*;
+use crate::optics::sellmeier::Sellmeier;
 
 /// Fraunhofer's lines d, F and C in nm.
 const D: f64 = 587.5618;
