@@ -5,10 +5,12 @@ use std::f64::consts::PI;
 
 use candela::image::{Film, Window};
 use candela::render::{Job, Layers, Options, Renderer, SimdLevel};
-use candela::scene::Scene;
+use candela::scene::{Material, Metal, Mirror, Object, Scene, Value};
 use candela::world::World;
 
+use crate::generate;
 use crate::measured::{HALF_LAST_BIT, Measured};
+use crate::oracle::assert_agrees;
 
 /// Relative error where nothing but the rounding to f32 is between the closed form and the pixel.
 const ROUNDING: f64 = Measured::ROOM * HALF_LAST_BIT;
@@ -123,7 +125,7 @@ fn schlick_mirrors_and_coats() {
 /// depth.
 #[test]
 fn facing_coats_are_a_geometric_series() {
-    for (reflectance, depth) in [(0.5_f64, 0), (0.5, 1), (0.5, 8), (0.9, 60), (0.25, 1000)] {
+    for (reflectance, depth) in [(0.5_f64, 0), (0.5, 1), (0.5, 8), (0.9, 60), (0.999, 1000)] {
         let text = format!(
             "[image]\nresolution = [1, 1]\nmax_depth = {depth}\n\
              [camera.orthographic]\neye = [0, 1, 0]\nlook_at = [0, 0, 0]\nup = [0, 0, 1]\nheight = 1e-9\n\
@@ -406,5 +408,104 @@ fn everything_has_the_same_bits_everywhere() {
             let (x, y) = (place % 30 + 37, place / 30 + 21);
             assert_eq!(*pixel, whole.pixels()[y * 96 + x], "{x}, {y}");
         }
+    }
+}
+
+/// F of glass against published numbers: before a background of 1, where nothing is followed beyond the first surface.
+#[test]
+fn glass_reflects_as_fresnel_says() {
+    let published = [
+        (
+            1.5,
+            [
+                (0.0, 0.04),
+                (30.0, 0.0415226259758),
+                (45.0, 0.0502399110122),
+                (60.0, 0.0891867128022),
+                (75.0, 0.253060562990),
+                (85.0, 0.612799645265),
+                (89.0, 0.904184949780),
+            ],
+        ),
+        (
+            1.33,
+            [
+                (0.0, 0.0200593121995),
+                (30.0, 0.0211124578653),
+                (45.0, 0.0275213835608),
+                (60.0, 0.0591255992474),
+                (75.0, 0.211426604134),
+                (85.0, 0.582728244892),
+                (89.0, 0.896046505214),
+            ],
+        ),
+    ];
+    for (n, expected) in published {
+        for (degrees, reflectance) in expected {
+            let beside = f64::to_radians(degrees).sin();
+            // The ray inside meets the ball again, where the depth ends.
+            let text = format!(
+                "[image]\nresolution = [1, 1]\nbackground = 1\nmax_depth = 1\n\
+                 [camera.orthographic]\neye = [{beside:?}, 0, 5]\nlook_at = [{beside:?}, 0, 0]\nheight = 1e-12\n\
+                 [materials.m.glass]\nn = {n}\n\
+                 [objects.o.sphere]\nmaterial = \"m\"\ncenter = [0, 0, 0]\nradius = 1\n"
+            );
+            assert_near(pixel(&text)[0], reflectance, &format!("{n} at {degrees}°"));
+        }
+    }
+}
+
+/// Scenes of all kinds, of which most things are smooth.
+fn smooth_scenes(folder: &std::path::Path) -> Vec<(String, Scene)> {
+    let are_few = |(_, scene): &(String, Scene)| scene.objects.len() < 30;
+    let scenes = generate::scenes(folder)
+        .into_iter()
+        .filter(are_few)
+        .take(30);
+    let mut number = 0;
+    let scenes = scenes.map(|(name, mut scene)| {
+        scene.image.max_depth = 4.0.into();
+        for material in &mut scene.materials {
+            let name = &material.name;
+            let mut objects = scene.objects.iter();
+            let is_round = objects.all(|object| {
+                object.value.material().value != *name
+                    || matches!(object.value, Object::Sphere { .. })
+            });
+            number += 1;
+            match number % 7 {
+                0 => material.value = Material::mirror(0.9),
+                1 => material.value = Material::mirror([0.9, 0.6, 0.5]),
+                2 | 3 if is_round => material.value = Material::glass(1.5),
+                3 => material.value = Material::pane(1.4),
+                4 => {
+                    material.value = Material::Metal(Metal::Preset("copper".to_owned().into()));
+                }
+                5 => {
+                    if let Material::Phong(lobes) | Material::NormalizedPhong(lobes) =
+                        &mut material.value
+                    {
+                        lobes.coat = Some(Mirror {
+                            reflectance: Value::Uniform(0.05).into(),
+                            schlick: true,
+                        });
+                    }
+                }
+                _ => {}
+            }
+        }
+        (name, scene)
+    });
+    scenes.collect()
+}
+
+/// Every ray of generated scenes, path by path, with the oracle.
+#[test]
+fn generated_scenes_agree_with_the_oracle() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = smooth_scenes(folder.path());
+    assert!(scenes.len() >= 20);
+    for (name, scene) in &scenes {
+        assert_agrees(name, scene);
     }
 }

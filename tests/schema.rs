@@ -85,7 +85,7 @@ fn every_scene_is_valid() {
 
 /// What a schema cannot say, and the bad scenes that are wrong in that way alone. Each stands for all
 /// whose names begin so.
-const BEYOND: [(&str, &[&str]); 9] = [
+const BEYOND: [(&str, &[&str]); 11] = [
     ("what is in a file", &["csv_", "mesh_"]),
     (
         "that wavelengths ascend",
@@ -125,6 +125,11 @@ const BEYOND: [(&str, &[&str]); 9] = [
     ),
     ("numbers that JSON's readers make infinite", &["curve_huge"]),
     ("wavelengths in another unit", &["curve_micrometers"]),
+    ("what of an object is inside", &["smooth_glass_plane"]),
+    (
+        "a key beside one that stands for it",
+        &["smooth_metal_both"],
+    ),
 ];
 
 #[test]
@@ -247,6 +252,8 @@ fn is_beyond(key: &str, value: &str) -> bool {
         "up" => value == "[0,1,0]",
         // How large a mesh is beside what is seen of it.
         "scale" => value.trim_start_matches('-') == "1e30",
+        // How large the values of a curve are, beside 1.
+        "n" => value.starts_with("{ wavelengths = [400, 700], values"),
         // Which of two angles is larger.
         "inner" => value.parse().is_ok_and(|angle: f64| angle > 30.0),
         _ => false,

@@ -99,6 +99,15 @@ impl Default for Lanes {
     }
 }
 
+/// A step whose branches are being followed.
+struct Taken {
+    step: Box<Step>,
+    /// The next of its branches.
+    next: u16,
+    /// That by which its rays left the points that the camera sees.
+    first: Branch,
+}
+
 /// What is the same for all rays of a batch, and where what they see goes.
 struct Tracer<'t, 's, 'w, 'l> {
     setup: &'t Setup<'w>,
@@ -159,7 +168,7 @@ impl Paths {
             shaded,
             lanes: &self.seen,
         };
-        tracer.branches(simd, above, 0, None, &mut self.spare);
+        tracer.follow(simd, above, &mut self.spare);
         let Tracer {
             layers,
             mut counts,
@@ -213,50 +222,49 @@ impl Paths {
 }
 
 impl Tracer<'_, '_, '_, '_> {
-    /// Follows all branches of the points of a batch.
-    fn branches<S: Simd>(
-        &mut self,
-        simd: S,
-        above: Above<'_>,
-        depth: u32,
-        first: Option<Branch>,
-        spare: &mut Vec<Box<Step>>,
-    ) {
-        for branch in [Branch::Reflected, Branch::Transmitted] {
-            self.branch(simd, above, depth, branch, first.unwrap_or(branch), spare);
-        }
-        if self.setup.world.has_dispersion() {
-            for band in 0..BANDS {
-                let branch = Branch::Dispersed(band);
-                self.branch(simd, above, depth, branch, first.unwrap_or(branch), spare);
-            }
-        }
-    }
-
-    /// Follows the rays that leave the points of a batch by one branch; `first` is that by which they left the points
-    /// that the camera sees.
-    fn branch<S: Simd>(
-        &mut self,
-        simd: S,
-        above: Above<'_>,
-        depth: u32,
-        branch: Branch,
-        first: Branch,
-        spare: &mut Vec<Box<Step>>,
-    ) {
-        let mut step = spare.pop().unwrap_or_default();
-        self.leave(above, depth, branch, &mut step);
-        if step.lanes.count > 0 {
-            self.see(simd, first, &mut step);
-            let next = Above {
-                rays: &step.rays,
-                points: &step.points,
-                shaded: &step.shaded,
-                lanes: &step.lanes,
+    /// Follows all branches of the points that the camera sees, to their ends.
+    fn follow<S: Simd>(&mut self, simd: S, seen: Above<'_>, spare: &mut Vec<Box<Step>>) {
+        let count = if self.setup.world.has_dispersion() {
+            2 + BANDS
+        } else {
+            2
+        };
+        // What is on its way, from the camera on: recursion would take a stack as deep as the paths.
+        let mut steps: Vec<Taken> = Vec::new();
+        let mut next_of_seen = 0;
+        loop {
+            let depth = steps.len();
+            let (above, next, first) = match steps.last_mut() {
+                None => (seen, &mut next_of_seen, None),
+                Some(taken) => (taken.step.above(), &mut taken.next, Some(taken.first)),
             };
-            self.branches(simd, next, depth + 1, Some(first), spare);
+            if *next == count {
+                match steps.pop() {
+                    Some(taken) => spare.push(taken.step),
+                    None => return,
+                }
+                continue;
+            }
+            let branch = match *next {
+                0 => Branch::Reflected,
+                1 => Branch::Transmitted,
+                band => Branch::Dispersed(band - 2),
+            };
+            *next += 1;
+            let mut step = spare.pop().unwrap_or_default();
+            self.leave(above, depth as u32, branch, &mut step);
+            if step.lanes.count == 0 {
+                spare.push(step);
+                continue;
+            }
+            let first = first.unwrap_or(branch);
+            self.see(simd, first, &mut step);
+            steps.push(Taken {
+                step,
+                next: 0,
+                first,
+            });
         }
-        spare.push(step);
     }
 
     /// Takes the rays that leave the points of a batch by one branch.
@@ -338,6 +346,7 @@ impl Tracer<'_, '_, '_, '_> {
     }
 
     /// Finds out what rays meet, and adds what lights do there to what arrives.
+    #[inline(never)]
     fn see<S: Simd>(&mut self, simd: S, first: Branch, step: &mut Step) {
         let Setup {
             world, visibility, ..
@@ -383,6 +392,17 @@ impl Tracer<'_, '_, '_, '_> {
                 sums[channel][usize::from(lanes.sample[slot])] +=
                     lanes.weight[channel][slot] * radiance;
             }
+        }
+    }
+}
+
+impl Step {
+    fn above(&self) -> Above<'_> {
+        Above {
+            rays: &self.rays,
+            points: &self.points,
+            shaded: &self.shaded,
+            lanes: &self.lanes,
         }
     }
 }

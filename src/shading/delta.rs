@@ -151,7 +151,7 @@ pub(crate) fn leave(
             }
             let mut leaving = surface.refracted(beyond, eta, 1.0 - reflectance)?;
             leaving.band = band;
-            leaving.filter = (arriving.band != band).then(|| hat(to.or(from), band));
+            leaving.filter = (arriving.band != band).then(|| hat(band));
             Some(leaving)
         }
         _ => None,
@@ -198,42 +198,26 @@ fn index(glass: Option<&Glass>, band: u16) -> f64 {
     match glass {
         None => 1.0,
         Some(glass) => match &glass.dispersion {
-            Some(dispersion) if band > 0 => dispersion.at(center(Some(dispersion), band)),
+            Some(dispersion) if band > 0 => dispersion.at(center(band)),
             Some(_) | None => glass.n,
         },
     }
 }
 
-/// The wavelength of a band in nm: bands are as far apart in the refractive index as each other.
-fn center(dispersion: Option<&Spectrum>, band: u16) -> f64 {
+/// The wavelength of a band in nm. Bands are as far apart in 1/λ² as each other, and so nearly in the refractive index
+/// of any glass (Cauchy's formula, n = A + B/λ²).
+fn center(band: u16) -> f64 {
     let part = f64::from(band - 1) / f64::from(BANDS - 1);
-    let [first, last] = BANDED;
-    let Some(dispersion) = dispersion else {
-        return first + (last - first) * part;
-    };
-    let [from, to] = BANDED.map(|nm| dispersion.at(nm));
-    let wanted = from + (to - from) * part;
-    // The index falls with the wavelength, or where a curve does not, any place with that index will do.
-    let (mut short, mut long) = (first, last);
-    for _ in 0..50 {
-        let middle = 0.5 * (short + long);
-        if (dispersion.at(middle) - wanted) * (to - from) <= 0.0 {
-            short = middle;
-        } else {
-            long = middle;
-        }
-    }
-    0.5 * (short + long)
+    let [first, last] = BANDED.map(|nm| 1.0 / (nm * nm));
+    1.0 / (first + (last - first) * part).sqrt()
 }
 
 /// The share of each wavelength that goes the way of a band: linear from the one before to the next, so that together
 /// they are 1.
-fn hat(glass: Option<&Glass>, band: u16) -> Spectrum {
-    let dispersion = glass.and_then(|glass| glass.dispersion.as_deref());
-    let at = |band| center(dispersion, band);
-    let middle = at(band);
-    let before = (band > 1).then(|| at(band - 1));
-    let after = (band < BANDS).then(|| at(band + 1));
+fn hat(band: u16) -> Spectrum {
+    let middle = center(band);
+    let before = (band > 1).then(|| center(band - 1));
+    let after = (band < BANDS).then(|| center(band + 1));
     Spectrum::from_fn(|nm| {
         let (end, is_last) = if nm < middle {
             (before, before.is_none())
@@ -458,5 +442,32 @@ impl Factor<'_> {
             }
         };
         (weight != [0.0; 3]).then_some((weight, filter))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::SAMPLES;
+
+    /// Whatever is parted into bands is all there: at each wavelength their shares are 1.
+    #[test]
+    fn bands_keep_the_light() {
+        let mut sums = [0.0; SAMPLES];
+        for band in 1..=BANDS {
+            let hat = hat(band);
+            for (sum, share) in sums.iter_mut().zip(hat.values()) {
+                assert!((0.0..=1.0).contains(share));
+                *sum += share;
+            }
+            // Each has its own wavelength, but for the nm of the grid.
+            assert!(hat.at(center(band)) > 0.7, "{band}");
+        }
+        for sum in sums {
+            assert!((sum - 1.0).abs() < 1e-14, "{sum}");
+        }
+        for (band, nm) in [1, BANDS].into_iter().zip(BANDED) {
+            assert!((center(band) - nm).abs() < 1e-9);
+        }
     }
 }
