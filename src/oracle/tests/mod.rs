@@ -1,6 +1,7 @@
 //! Facts about the equations, on scenes that are built here value by value.
 
 mod area;
+mod delta;
 mod geometry;
 mod invariance;
 mod light;

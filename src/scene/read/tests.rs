@@ -98,7 +98,11 @@ fn diffuse(value: &str) -> Value {
             assert_eq!(covered(&scene, &lobes.diffuse), value);
             lobes.diffuse.value.clone()
         }
-        Material::NormalizedPhong(_) => panic!("another material"),
+        Material::NormalizedPhong(_)
+        | Material::Mirror(_)
+        | Material::Metal(_)
+        | Material::Glass(_)
+        | Material::Pane(_) => panic!("another material"),
     }
 }
 
