@@ -5,6 +5,7 @@ mod delta;
 mod geometry;
 mod invariance;
 mod light;
+mod panes;
 mod slivers;
 mod visibility;
 
