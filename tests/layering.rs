@@ -33,6 +33,7 @@ const MAY_USE: [(&str, &[&str]); 29] = [
         &[
             "color",
             "spectrum",
+            "optics",
             "mesh",
             "ies",
             "input",

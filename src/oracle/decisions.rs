@@ -67,7 +67,13 @@ impl Oracle {
     fn decided_about_lights(&self, hit: &Hit) -> OfLights {
         let of_light = |light: &Lamp| {
             let term = self.term(hit, light);
-            (term.decided(light), term.panes.len())
+            // What is before an area changes without a jump.
+            let panes = if light.area.is_some() {
+                0
+            } else {
+                term.panes.len()
+            };
+            (term.decided(light), panes)
         };
         self.lights_of(hit).map(of_light).unzip()
     }

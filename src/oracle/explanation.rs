@@ -282,13 +282,10 @@ impl Oracle {
     }
 
     fn pane_terms(&self, term: &Term) -> Option<PaneTerms> {
-        let names = |surface: usize| self.object(surface).name.clone();
+        let name = |&surface: &usize| self.object(surface).name.clone();
         (!term.panes.is_empty()).then(|| PaneTerms {
-            names: term.panes.iter().map(|pane| names(pane.surface)).collect(),
-            transmittance: match &term.shine {
-                Some(shine) => shine.seen,
-                None => term.panes.iter().map(|pane| pane.transmittance).product(),
-            },
+            names: term.panes.iter().map(name).collect(),
+            transmittance: term.transmittance,
         })
     }
 

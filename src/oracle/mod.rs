@@ -187,8 +187,10 @@ struct Term {
     cos_lobe: f64,
     reflectance: Reflectance,
     outcome: Outcome,
-    /// The panes that it is seen through; of an area those before a part of it.
-    panes: Vec<Crossing>,
+    /// The surfaces of panes that it is seen through, the nearest first; of an area those before a part of it.
+    panes: Vec<usize>,
+    /// V of these panes; of an area that part of its light that arrives.
+    transmittance: f64,
     /// L_i r; of an area ∫ L_e r dω
     unoccluded: Components,
     /// L_i r V; of an area ∫ L_e r V dω
@@ -456,7 +458,7 @@ impl Oracle {
         let reflected = ideal_reflection(hit.normal, to_light);
         let cos_lobe = cosine(hit.to_viewer, reflected);
 
-        let mut panes = Vec::new();
+        let mut panes: Vec<Crossing> = Vec::new();
         let outcome = if !self.light_is_above(hit, &segment, to_light) {
             Outcome::Below
         } else if falloff == 0.0 {
@@ -477,9 +479,10 @@ impl Oracle {
             }
             Outcome::Below | Outcome::Outside | Outcome::AtPoint => material.nothing(),
         };
+        let transmittance = panes.iter().map(|pane| pane.transmittance).product();
         let visibility = match outcome {
             Outcome::Lit => 1.0,
-            Outcome::Through => panes.iter().map(|pane| pane.transmittance).product(),
+            Outcome::Through => transmittance,
             Outcome::Partial
             | Outcome::Occluded
             | Outcome::Below
@@ -499,7 +502,8 @@ impl Oracle {
             cos_lobe: cos_lobe.narrow(),
             reflectance,
             outcome,
-            panes,
+            panes: panes.iter().map(|pane| pane.surface).collect(),
+            transmittance,
             radiance: unoccluded.scaled(visibility),
             unoccluded,
         }
@@ -589,6 +593,7 @@ impl Term {
             reflectance,
             outcome: Outcome::AtPoint,
             panes: Vec::new(),
+            transmittance: 1.0,
             unoccluded: dark.clone(),
             radiance: dark,
         }

@@ -9,7 +9,7 @@ use super::outcome::Outcome;
 use super::quadrature::{self, Effort, Integrals, Kernel};
 use super::vector::{Vector, WideVector, length, narrowed, subtract, unit, widened};
 use super::wide::Real;
-use super::{Oracle, Place, Term};
+use super::{Oracle, Place, Smooth, Term};
 
 /// What is known of a light with an area beside its term.
 #[derive(Clone, Debug)]
@@ -99,17 +99,26 @@ impl Oracle {
                 weights
             },
         };
+        let pane = |surface: usize| match self.object(surface).smooth.as_deref() {
+            Some(Smooth::Pane { n }) => Some(*n),
+            _ => None,
+        };
         let scene = quadrature::Scene {
             surfaces: &self.surfaces,
             own: hit.surface,
             light: self.light_number(light),
+            pane: &pane,
         };
         let found = quadrature::integrals(area, &segment, &kernel, &scene, among, effort);
         let middle = match light.place {
             Place::At(position) => subtract(position, segment.from),
             Place::Toward(way) => way,
         };
-        Term::of_area(hit, middle, luminance, material, factors, found)
+        let mut term = Term::of_area(hit, middle, luminance, material, factors, found);
+        // Triangles of one object follow each other.
+        term.panes
+            .dedup_by_key(|&mut pane| self.surfaces[pane].object);
+        term
     }
 
     fn light_number(&self, light: &Lamp) -> Option<usize> {
@@ -145,6 +154,7 @@ impl Term {
             reflectance: nothing,
             outcome: Outcome::Below,
             panes: Vec::new(),
+            transmittance: 1.0,
             unoccluded: dark.clone(),
             radiance: dark,
         };
@@ -180,13 +190,17 @@ impl Term {
         term.reflectance = reflected_of(&mean);
         term.unoccluded = of(&integrals.whole);
         term.radiance = of(&integrals.seen);
-        term.outcome = if integrals.occluders.is_empty() {
+        term.outcome = if integrals.occluders.is_empty() && integrals.panes.is_empty() {
             Outcome::Lit
+        } else if integrals.occluders.is_empty() {
+            Outcome::Through
         } else if integrals.seen[0] <= 0.0 {
             Outcome::Occluded
         } else {
             Outcome::Partial
         };
+        term.panes = integrals.panes;
+        term.transmittance = seen;
         term.shine = Some(Box::new(Shine {
             solid_angle,
             projected,

@@ -5,7 +5,7 @@ use super::fresnel;
 use super::spectrum::{at, flat, interpolated, on_grid};
 use super::value::{Palette, is_number, numbers};
 use super::wide::{Real, Wide};
-use crate::optics;
+use crate::optics::{Glass as KnownGlass, Metal as KnownMetal};
 use crate::scene::{self, GlassIndex};
 
 /// The helium d line in nm, where all light goes unless it is dispersed.
@@ -68,8 +68,7 @@ impl Smooth {
         match metal {
             scene::Metal::Preset(name) => {
                 // One that is not known is not in a legal scene.
-                let points =
-                    optics::Metal::named(&name.value).map_or(&[][..], |known| known.points);
+                let points = KnownMetal::named(&name.value).map_or(&[][..], |known| known.points);
                 let [wavelengths, n, k] = [0, 1, 2]
                     .map(|column: usize| points.iter().map(|p| p[column]).collect::<Vec<f64>>());
                 let index = |values: &[f64]| match values {
@@ -136,7 +135,7 @@ impl Glass {
                 let n = at(&on_grid, D_LINE);
                 (n, (!is_number(&value.value)).then_some(on_grid))
             }
-            GlassIndex::Sellmeier(name) => match optics::Glass::named(&name.value) {
+            GlassIndex::Sellmeier(name) => match KnownGlass::named(&name.value) {
                 Some(known) => {
                     let coefficients = known.dispersion;
                     let n = |nm: f64| sellmeier(coefficients.b, coefficients.c, nm);

@@ -417,3 +417,66 @@ fn lights_with_an_area_are_explained() {
     let luminance = &report["hit"]["emission"]["luminance"];
     assert_eq!(*luminance, serde_json::json!([10.0, 10.0, 10.0]));
 }
+
+/// Of a glass ball there are the ways of light through it, vertex by vertex; what they add is L_o.
+#[test]
+fn ways_over_smooth_surfaces_are_explained() {
+    let mut scene = scene();
+    scene.materials[0] = entry("clay", Material::glass(1.5));
+    let table = output_of(&scene, &arguments("32,16", &[])).unwrap();
+    for expected in [
+        "Pixel (32, 16) of 65 × 49: object `ball`, material `clay`, t = ",
+        "\nL_o = F L(reflected) + (1 − F)(n_i/n_t)² L(refracted)    F = (r∥² + r⊥²)/2\n",
+        "\nWays over smooth surfaces, the strongest first, and the products of their factors\n",
+        "\nWay 1 ",
+        "°: refracted ",
+        "°: reflected ",
+        "\n    L_o ",
+    ] {
+        assert!(table.contains(expected), "{expected}\n{table}");
+    }
+    let json = output_of(&scene, &arguments("32,16", &["--json"])).unwrap();
+    let report: Json = serde_json::from_str(&json).unwrap();
+    assert_eq!(report["hit"]["reflectance"]["model"], "glass");
+    assert_eq!(report["lights"], serde_json::json!([]));
+    assert_eq!(report["more_ways"], Json::Null);
+    let ways = report["ways"].as_array().unwrap();
+    let of = |way: &Json| way["radiance"][2].as_f64().unwrap();
+    let sum: f64 = ways.iter().map(of).sum();
+    let radiance = report["radiance"][2].as_f64().unwrap();
+    assert!((sum - radiance).abs() < 10.0 * DIGITS * radiance, "{json}");
+    for way in ways {
+        let vertices = way["vertices"].as_array().unwrap();
+        assert_eq!(vertices[0]["object"], "ball");
+        let mut product = 1.0;
+        for vertex in vertices {
+            product *= vertex["factor"][0].as_f64().unwrap();
+            let told = vertex["product"][0].as_f64().unwrap();
+            assert!((told - product).abs() < 10.0 * DIGITS, "{json}");
+        }
+    }
+}
+
+/// Under a coat there are lobes as well.
+#[test]
+fn coats_are_explained() {
+    let mut scene = scene();
+    let coat = candela::scene::Mirror {
+        reflectance: Value::Uniform(0.125).into(),
+        schlick: false,
+    };
+    if let Material::NormalizedPhong(lobes) = &mut scene.materials[1].value {
+        lobes.coat = Some(coat);
+    }
+    let table = output_of(&scene, &arguments("32,24", &[])).unwrap();
+    for expected in [
+        "\nL_o = R L(reflected) + (1 − R) Σ L_i (r_d + r_s) V    L_i = I/d²\n",
+        "\nL9  Σ L_i r V ",
+        "cd/m², without the coat\n",
+        "°: lit ",
+        "× 0.875\n",
+        "× 0.125\n",
+    ] {
+        assert!(table.contains(expected), "{expected}\n{table}");
+    }
+}

@@ -210,7 +210,11 @@ impl<'q> Points<'q> {
             let inner = light.cone.map(|cone| cone.inner_angle().to_degrees());
             decided.lights.push(LightDecided {
                 outcome: term.decided(light),
-                panes: term.panes.iter().map(|pane| pane.surface).collect(),
+                panes: if light.area.is_some() {
+                    Vec::new()
+                } else {
+                    term.panes.clone()
+                },
                 is_in_core: term
                     .spot
                     .zip(inner)

@@ -16,22 +16,48 @@ const DEPTH: u32 = 16;
 /// More than any surface has curves.
 const CURVES: usize = 8;
 
+/// What is before a piece of a line.
+enum Cover {
+    /// Something through which nothing comes.
+    Whole,
+    /// These panes, or none.
+    Panes(Vec<usize>),
+}
+
 impl Integrator<'_> {
     /// Finds what is hidden of a line; what is not farther apart than `room` is joined.
     pub(super) fn find_hidden(&mut self, line: &Line, room: f64) -> Structure {
         self.asked += 1;
         self.found.clear();
+        self.covered.clear();
         let numbers = (0_u32..).step_by(CURVES);
-        for ((occluder, hides), number) in self.occluders.iter().zip(&mut self.hides).zip(numbers) {
+        let occluders = self.occluders.iter().zip(&mut self.hides).zip(numbers);
+        for (index, ((occluder, hides), number)) in occluders.enumerate() {
             if occluder.is_in_row(line.row) {
                 self.asked += 1;
                 let before = self.found.len();
                 occluder.intervals(self.view, line, number, &mut self.found);
                 *hides |= self.found.len() > before;
+                if occluder.is_pane() {
+                    let pieces = self.found.drain(before..);
+                    let pieces = pieces.filter(|piece| piece.ends[1] - piece.ends[0] > room);
+                    self.covered.extend(pieces.map(|piece| (piece, index)));
+                }
             }
         }
         join(&mut self.found, room);
-        structure(line, &self.found)
+        let covered = self.covered.iter().map(|(piece, _)| *piece);
+        structure(line, &self.found, covered)
+    }
+
+    /// The panes before a piece of a line, which begin and end where pieces do.
+    fn panes_before(&self, [from, to]: [f64; 2]) -> Vec<usize> {
+        let middle = 0.5 * (from + to);
+        let is_before = |piece: &Hidden| piece.ends[0] <= middle && middle <= piece.ends[1];
+        let covered = self.covered.iter();
+        covered
+            .filter_map(|(piece, index)| is_before(piece).then_some(*index))
+            .collect()
     }
 
     pub(super) fn structure_at(&mut self, parameter: f64, room: f64) -> Structure {
@@ -85,6 +111,9 @@ impl Integrator<'_> {
         if last > from {
             pieces.push(([from, last], true));
         }
+        for (piece, _) in &self.covered {
+            places.extend(piece.ends);
+        }
         let mut smooth = Vec::with_capacity(pieces.len() + places.len());
         for (ends, is_seen) in pieces {
             let inside = places.iter().copied();
@@ -92,22 +121,19 @@ impl Integrator<'_> {
             let cuts = sorted(inside.chain(ends).collect(), ends);
             for pair in cuts.windows(2) {
                 let ends = [pair[0], pair[1]];
-                let (value, error) = self.piece(line, ends);
-                let expected = self.weighted(&value.map(f64::abs));
-                smooth.push((ends, is_seen, value, error, expected));
+                let cover = if is_seen {
+                    Cover::Panes(self.panes_before(ends))
+                } else {
+                    Cover::Whole
+                };
+                let piece = self.piece(line, ends, &cover);
+                let expected = self.weighted(&piece.whole.map(f64::abs));
+                smooth.push((ends, cover, piece, expected));
             }
         }
-        let allowed: f64 = LINE_TOLERANCE * smooth.iter().map(|piece| piece.4).sum::<f64>();
-        for (ends, is_seen, value, error, _) in smooth {
-            self.refined(
-                line,
-                ends,
-                is_seen,
-                (value, error),
-                allowed,
-                DEPTH,
-                &mut total,
-            );
+        let allowed: f64 = LINE_TOLERANCE * smooth.iter().map(|piece| piece.3).sum::<f64>();
+        for (ends, cover, piece, _) in smooth {
+            self.refined(line, ends, &cover, piece, allowed, DEPTH, &mut total);
         }
         (total, structure)
     }
@@ -121,40 +147,49 @@ impl Integrator<'_> {
         &self,
         line: &Line,
         ends: [f64; 2],
-        is_seen: bool,
-        (value, error): (Triple, Triple),
+        cover: &Cover,
+        piece: Sum,
         allowed: f64,
         depth: u32,
         total: &mut Sum,
     ) {
-        if depth == 0 || self.weighted(&error) <= allowed {
-            let seen = if is_seen { value } else { [0.0; 3] };
-            let part = Sum {
-                whole: value,
-                seen,
-                error,
-            };
-            total.add(&part, 1.0);
+        if depth == 0 || self.weighted(&piece.error) <= allowed {
+            total.add(&piece, 1.0);
             return;
         }
         let middle = 0.5 * (ends[0] + ends[1]);
         for semi in [[ends[0], middle], [middle, ends[1]]] {
-            let of_half = self.piece(line, semi);
-            self.refined(line, semi, is_seen, of_half, allowed, depth - 1, total);
+            let of_half = self.piece(line, semi, cover);
+            self.refined(line, semi, cover, of_half, allowed, depth - 1, total);
         }
     }
 
     /// A smooth piece of a line, by one rule, and how far the coarser one is from that.
-    fn piece(&self, line: &Line, ends: [f64; 2]) -> (Triple, Triple) {
-        let (mut fine, mut coarse) = ([0.0; 3], [0.0; 3]);
+    fn piece(&self, line: &Line, ends: [f64; 2], cover: &Cover) -> Sum {
+        let (mut fine, mut coarse) = ([[0.0; 3]; 2], [[0.0; 3]; 2]);
         for [s, of_fine, of_coarse] in nodes(ends) {
-            let values = self.kernel.at(self.view, line.at(s));
+            let direction = line.at(s);
+            let through = match cover {
+                Cover::Whole => 0.0,
+                Cover::Panes(panes) => panes
+                    .iter()
+                    .map(|&pane| self.occluders[pane].transmittance(self.view, direction))
+                    .product(),
+            };
+            let values = self.kernel.at(self.view, direction);
             for (i, value) in values.into_iter().enumerate() {
-                fine[i] += of_fine * value;
-                coarse[i] += of_coarse * value;
+                for (of, value) in [value, value * through].into_iter().enumerate() {
+                    fine[of][i] += of_fine * value;
+                    coarse[of][i] += of_coarse * value;
+                }
             }
         }
-        (fine, std::array::from_fn(|i| (fine[i] - coarse[i]).abs()))
+        let off = |of: usize, i: usize| (fine[of][i] - coarse[of][i]).abs();
+        Sum {
+            whole: fine[0],
+            seen: fine[1],
+            error: std::array::from_fn(|i| off(0, i).max(off(1, i))),
+        }
     }
 }
 

@@ -5,6 +5,8 @@
 //! are smooth pieces; these and then the lines are integrated by Kronrod's rule, and where it differs from Gauss's by
 //! halves, those of the largest difference first.
 //!
+//! Panes hide nothing: where one is before a piece, that counts by T(θ), within the integral.
+//!
 //! A rule over lines is only as good as what it integrates is smooth, and does not see what is between its lines. Hence
 //! they are parted where the curves that bound hidden pieces change (`structure`): at the lines where this is known to
 //! happen (`events`), and wherever two lines of a rule turn out to differ in them.
@@ -84,6 +86,8 @@ pub(super) struct Scene<'s> {
     pub(super) own: usize,
     /// The light's own number, which is not in its own way.
     pub(super) light: Option<usize>,
+    /// The refractive index of a surface that is a pane.
+    pub(super) pane: &'s dyn Fn(usize) -> Option<f64>,
 }
 
 /// ∫ dω, ∫ cos(n, ω_i) dω, ∫ cosⁿ(ω_o, ω_r) dω with the factors of the model that depend on ω_i.
@@ -99,6 +103,8 @@ pub(super) struct Integrals {
     pub(super) error: Triple,
     /// The surfaces that hide a part of it.
     pub(super) occluders: Vec<usize>,
+    /// The panes before a part of it.
+    pub(super) panes: Vec<usize>,
     /// The direction of the light that is nearest to the lobe's.
     pub(super) peak: Option<Vector>,
     /// The shortest way to the light.
@@ -123,7 +129,9 @@ pub(super) fn integrals(
             if surface.light.is_some() && surface.light == scene.light {
                 return None;
             }
-            Occluder::new(index, surface, segment, index == scene.own, &view)
+            let is_own = index == scene.own;
+            let occluder = Occluder::new(index, surface, segment, is_own, &view)?;
+            Some(occluder.of_pane((scene.pane)(index)))
         })
         .collect();
     let mut integrator = Integrator {
@@ -133,6 +141,7 @@ pub(super) fn integrals(
         occluders: &occluders,
         asked: 0,
         found: Vec::new(),
+        covered: Vec::new(),
         turns: Vec::new(),
         least: NARROWEST * (range[1] - range[0]),
         partings: MOST_PARTED,
@@ -160,9 +169,11 @@ pub(super) fn integrals(
     integrals.peak = peak;
     integrals.nearest = scale(nearest.1, view.part_to(nearest.1));
     let hides = integrator.hides.iter().zip(&occluders);
-    integrals.occluders = hides
-        .filter_map(|(&hides, occluder)| hides.then_some(occluder.surface))
-        .collect();
+    let hides = hides.filter_map(|(&hides, occluder)| hides.then_some(occluder));
+    let (panes, opaque): (Vec<&Occluder>, Vec<&Occluder>) =
+        hides.partition(|occluder| occluder.is_pane());
+    integrals.occluders = opaque.iter().map(|occluder| occluder.surface).collect();
+    integrals.panes = panes.iter().map(|occluder| occluder.surface).collect();
     Ok(integrals)
 }
 
@@ -268,6 +279,8 @@ struct Integrator<'a> {
     asked: usize,
     /// What of a line is hidden.
     found: Vec<Hidden>,
+    /// What of it is behind a pane, and which.
+    covered: Vec<(Hidden, usize)>,
     /// Lines where curves turn.
     turns: Vec<f64>,
     /// The size of parts that are not halved any more.
@@ -359,6 +372,7 @@ impl Integrator<'_> {
                     seen: sum.seen,
                     error: std::array::from_fn(|i| sum.error[i] + ROUNDING * sum.whole[i]),
                     occluders: Vec::new(),
+                    panes: Vec::new(),
                     peak: None,
                     nearest: self.view.middle,
                 };

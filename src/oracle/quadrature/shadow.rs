@@ -4,6 +4,7 @@
 //! where the line passes through the surface: at roots of linear and quadratic functions. Between these it is decided
 //! once, by the rules of `occlusion`.
 
+use super::super::fresnel;
 use super::super::occlusion::{Segment, Side};
 use super::super::surface::{Shape, Surface};
 use super::super::vector::{
@@ -12,7 +13,7 @@ use super::super::vector::{
 use super::super::wide::{Real, Wide};
 use super::curve::Curve;
 use super::polynomial::quadratic;
-use super::view::{Line, View};
+use super::view::{Line, View, cosine};
 
 /// Of bounds, relative: far more than f64 is off.
 const ROOM: f64 = 1e-9;
@@ -34,6 +35,8 @@ pub(super) struct Occluder {
     shape: Between,
     /// What coordinates may be off by.
     room: f64,
+    /// n of a pane, which lets light through.
+    pane: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -191,7 +194,42 @@ impl Occluder {
             curves: shape.curves(view),
             shape,
             room,
+            pane: None,
         })
+    }
+
+    /// The same, if it is a pane of this index.
+    pub(super) fn of_pane(self, pane: Option<f64>) -> Self {
+        Self { pane, ..self }
+    }
+
+    pub(super) fn is_pane(&self) -> bool {
+        self.pane.is_some()
+    }
+
+    /// T(θ) of a pane for light from a point of the light in this direction, before which it is.
+    pub(super) fn transmittance(&self, view: &View, direction: Vector) -> f64 {
+        let Some(n) = self.pane else {
+            return 0.0;
+        };
+        let (cos, times) = match &self.shape {
+            Between::Flat { normal, .. } => (cosine(*normal, direction).abs(), 1),
+            Between::Ball {
+                center,
+                radius,
+                side,
+                ..
+            } => {
+                let across = length(cross(*center, direction)) / length(direction) / radius;
+                let point = scale(direction, view.part_to(direction));
+                let is_within = length(subtract(point, *center)) <= radius + self.room;
+                let is_passed_through = *side == Side::Above && !is_within;
+                let cos = ((1.0 - across) * (1.0 + across)).max(0.0).sqrt();
+                (cos, if is_passed_through { 2 } else { 1 })
+            }
+        };
+        let [_, transmittance] = fresnel::pane(Wide::from(cos.min(1.0)), n);
+        transmittance.powi(times)
     }
 
     /// Whether it and another may be before the same points.
@@ -294,7 +332,7 @@ impl Occluder {
     }
 }
 
-/// What is hidden of a line.
+/// What is hidden of a line, or behind a pane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hidden {
     pub(super) ends: [f64; 2],

@@ -34,11 +34,16 @@ pub(super) fn join(hidden: &mut Vec<Hidden>, room: f64) {
     hidden.retain(|piece| piece.ends[1] - piece.ends[0] > room);
 }
 
-/// Of a line and what is hidden of it, joined.
-pub(super) fn structure(line: &Line, hidden: &[Hidden]) -> Structure {
+/// Of a line, what is hidden of it, joined, and what is behind panes.
+pub(super) fn structure(
+    line: &Line,
+    hidden: &[Hidden],
+    covered: impl Iterator<Item = Hidden>,
+) -> Structure {
     let clipped = [line.ends[0] > -line.semi, line.ends[1] < line.semi];
     let ends = clipped.map(u32::from).into_iter();
-    let curves = hidden.iter().flat_map(|piece| piece.curves);
+    let pieces = hidden.iter().copied().chain(covered);
+    let curves = pieces.flat_map(|piece| piece.curves);
     // FNV-1a, by words.
     ends.chain(curves)
         .fold(0xcbf2_9ce4_8422_2325, |hash, number| {

@@ -1,9 +1,11 @@
 //! Facts about the equations, on scenes that are built here value by value.
 
 mod area;
+mod delta;
 mod geometry;
 mod invariance;
 mod light;
+mod panes;
 mod slivers;
 mod visibility;
 
