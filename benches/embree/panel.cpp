@@ -14,52 +14,19 @@
 //                                      asks one point in each of N x N cells of the panel: with POINTS `centers` its
 //                                      middle, with `spread` a multijittered place. So are the pixel's samples then
 //   save FILE                          write the last image: R, G, B as f32, row by row from the top
-#include "embree.h"
+#include "packets.h"
 
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
-#include <fstream>
 #include <iostream>
-#include <limits>
 #include <numeric>
 #include <random>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <vector>
 
 namespace {
-
-constexpr int LANES = 16, PACKET_SIDE = 4, TILE = 16;
-constexpr float FAR = std::numeric_limits<float>::max();
 
 // How far shadow rays start from the surface, as a share of the magnitudes that its position was computed from, and
 // how far of the way to the panel they go, so that they do not meet it.
 constexpr float OFFSET = 1e-6f, WAY = 1 - 1e-4f;
-
-struct Vec3 {
-  float x, y, z;
-};
-
-struct alignas(64) Lanes {
-  float lane[LANES];
-  float& operator[](int k) { return lane[k]; }
-  float operator[](int k) const { return lane[k]; }
-};
-
-struct Lanes3 {
-  Lanes x, y, z;
-};
 
 // A corner, two sides, the normal of its front, and what it sends.
 struct Panel {
@@ -77,41 +44,6 @@ struct Part {
 struct Camera {
   Vec3 origin, direction, direction_x, direction_y;
 };
-
-class Reader {
- public:
-  explicit Reader(const char* path) : file(path, std::ios::binary) {}
-  template <class T>
-  void into(T* target, size_t count) {
-    file.read(reinterpret_cast<char*>(target), std::streamsize(count * sizeof(T)));
-    if (!file) throw std::runtime_error("the scene file ends early");
-  }
-  template <class T>
-  T one() {
-    T value;
-    into(&value, 1);
-    return value;
-  }
-  template <class T>
-  std::vector<T> list() {
-    std::vector<T> values(one<uint32_t>());
-    into(values.data(), values.size());
-    return values;
-  }
-
- private:
-  std::ifstream file;
-};
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-float radical_inverse(uint32_t n) {
-  float value = 0, digit = .5f;
-  for (; n; n >>= 1, digit /= 2) value += float(n & 1) * digit;
-  return value;
-}
 
 uint32_t scrambled(uint32_t n) {
   n = (n ^ (n >> 16)) * 0x7feb352du;
@@ -156,79 +88,38 @@ class Renderer {
  public:
   Renderer(const char* path, int threads) {
     Reader reader(path);
-    width = reader.one<uint32_t>();
-    height = reader.one<uint32_t>();
+    const auto width = reader.one<uint32_t>(), height = reader.one<uint32_t>();
+    image = Image(int(width), int(height));
     camera = reader.one<Camera>();
     panel = reader.one<Panel>();
     const Vec3 u = panel.u, v = panel.v;
     const Vec3 across{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
     area = std::sqrt(across.x * across.x + across.y * across.y + across.z * across.z);
-    // frequency_level: Embree would otherwise keep to 256 bits where 512 could lower the clock.
-    device = rtcNewDevice(("frequency_level=simd512,threads=" + std::to_string(threads)).c_str());
-    scene = rtcNewScene(device);
-    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    device = new_device(threads);
+    scene = new_scene(device);
     parts.resize(reader.one<uint32_t>());
     for (Part& part : parts) {
       part.kind = Part::Kind(reader.one<uint32_t>());
       part.diffuse = reader.one<Vec3>();
-      RTCGeometry shapes;
-      if (part.kind == Part::SPHERES) {
-        shapes = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-        buffer(shapes, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 16, reader.list<float>());
-      } else {
-        shapes = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        buffer(shapes, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 12, reader.list<Vec3>());
-        buffer(shapes, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 12, reader.list<uint32_t>());
-      }
-      rtcCommitGeometry(shapes);
-      rtcAttachGeometry(scene, shapes);
-      rtcReleaseGeometry(shapes);
+      attach(scene, part.kind == Part::SPHERES ? read_spheres(device, reader) : read_triangles(device, reader));
     }
-    rtcCommitScene(scene);
-    if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw std::runtime_error("Embree reports an error");
-    image.resize(size_t(width) * height);
+    commit(device, scene);
   }
 
   double render(int samples, int threads, int side, bool is_spread) {
     const auto start = std::chrono::steady_clock::now();
     if (is_spread) places = multijittered(samples);
-    const int columns = (width + TILE - 1) / TILE, rows = (height + TILE - 1) / TILE;
-    std::atomic<int> next{0};
-    auto work = [&] {
-      _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-      _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-      for (int tile; (tile = next++) < columns * rows;) {
-        const int left = tile % columns * TILE, top = tile / columns * TILE;
-        for (int y = top; y < std::min(height, top + TILE); y += PACKET_SIDE)
-          for (int x = left; x < std::min(width, left + TILE); x += PACKET_SIDE)
-            is_spread ? pixels<true>(x, y, samples, side) : pixels<false>(x, y, samples, side);
-      }
-    };
-    std::vector<std::thread> pool;
-    for (int i = 0; i < threads; i++) pool.emplace_back(work);
-    for (std::thread& thread : pool) thread.join();
+    for_packets(image.width, image.height, threads, [&](int x, int y) {
+      is_spread ? pixels<true>(x, y, samples, side) : pixels<false>(x, y, samples, side);
+    });
     return seconds_since(start);
   }
 
-  void save(const std::string& path) const {
-    std::ofstream file(path, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(image.data()), std::streamsize(image.size() * sizeof(Vec3)));
-    if (!file) throw std::runtime_error("cannot write " + path);
-  }
+  void save(const std::string& path) const { image.save(path); }
 
-  std::string ready() const {
-    auto property = [&](RTCDeviceProperty name) { return std::to_string(rtcGetDeviceProperty(device, name)); };
-    return "ready " + property(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." +
-           property(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." + property(RTC_DEVICE_PROPERTY_VERSION_PATCH);
-  }
+  std::string ready() const { return "ready " + version(device); }
 
  private:
-  template <class T>
-  void buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t size, const std::vector<T>& values) {
-    const size_t bytes = values.size() * sizeof(T);
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, type, 0, format, size, bytes / size), values.data(), bytes);
-  }
-
   // All samples of 4 x 4 pixels.
   template <bool SPREAD>
   void pixels(int left, int top, int samples, int side) {
@@ -238,7 +129,7 @@ class Renderer {
     if (SPREAD)
       for (int k = 0; k < LANES; k++) {
         const uint32_t column = uint32_t(left + k % PACKET_SIDE), row = uint32_t(top + k / PACKET_SIDE);
-        const uint32_t pixel = scrambled(row * uint32_t(width) + column);
+        const uint32_t pixel = scrambled(row * uint32_t(image.width) + column);
         pattern[k] = &places[size_t(pixel % PATTERNS) * samples];
         rays[k] = &places[size_t((pixel + PATTERNS / 2) % PATTERNS) * samples];
       }
@@ -250,23 +141,11 @@ class Renderer {
         const int column = left + k % PACKET_SIDE, row = top + k / PACKET_SIDE;
         const Place place = SPREAD ? rays[k][sample] : hammersley;
         const float x = column + place.u, y = row + place.v;
-        valid[k] = column < width && row < height ? -1 : 0;
-        packet.ray.org_x[k] = camera.origin.x;
-        packet.ray.org_y[k] = camera.origin.y;
-        packet.ray.org_z[k] = camera.origin.z;
-        const float u = camera.direction.x + x * camera.direction_x.x + y * camera.direction_y.x;
-        const float v = camera.direction.y + x * camera.direction_x.y + y * camera.direction_y.y;
-        const float w = camera.direction.z + x * camera.direction_x.z + y * camera.direction_y.z;
-        const float scale = 1 / std::sqrt(u * u + v * v + w * w);
-        packet.ray.dir_x[k] = u * scale;
-        packet.ray.dir_y[k] = v * scale;
-        packet.ray.dir_z[k] = w * scale;
-        packet.ray.tnear[k] = 0;
-        packet.ray.tfar[k] = FAR;
-        packet.ray.time[k] = 0;
-        packet.ray.mask[k] = ~0u;
-        packet.ray.flags[k] = 0;
-        packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        valid[k] = image.holds(column, row) ? -1 : 0;
+        const Vec3 direction{camera.direction.x + x * camera.direction_x.x + y * camera.direction_y.x,
+                             camera.direction.y + x * camera.direction_x.y + y * camera.direction_y.y,
+                             camera.direction.z + x * camera.direction_x.z + y * camera.direction_y.z};
+        set_ray(packet, k, camera.origin, direction);
       }
       find_nearest(valid, scene, packet, Rays::COHERENT);
       Lanes offset_u, offset_v;
@@ -277,11 +156,7 @@ class Renderer {
       }
       shade<SPREAD>(packet, valid, side, offset_u, offset_v, sum);
     }
-    for (int k = 0; k < LANES; k++) {
-      const int column = left + k % PACKET_SIDE, row = top + k / PACKET_SIDE;
-      if (column < width && row < height)
-        image[size_t(row) * width + column] = {sum.x[k] / samples, sum.y[k] / samples, sum.z[k] / samples};
-    }
+    image.put(left, top, sum, samples);
   }
 
   // Adds the panel's light at the hits of a packet.
@@ -293,21 +168,7 @@ class Renderer {
     alignas(64) int hit[LANES];
     for (int k = 0; k < LANES; k++) {
       hit[k] = valid[k] & (packet.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID ? -1 : 0);
-      const float t = hit[k] ? ray.tfar[k] : 0;
-      // Lanes without a hit compute something harmless.
-      const float gx = hit[k] ? packet.hit.Ng_x[k] : 1, gy = hit[k] ? packet.hit.Ng_y[k] : 0,
-                  gz = hit[k] ? packet.hit.Ng_z[k] : 0;
-      const float towards = gx * ray.dir_x[k] + gy * ray.dir_y[k] + gz * ray.dir_z[k];
-      const float scale = (towards > 0 ? -1 : 1) / std::sqrt(gx * gx + gy * gy + gz * gz);
-      normal.x[k] = gx * scale;
-      normal.y[k] = gy * scale;
-      normal.z[k] = gz * scale;
-      const float x = ray.org_x[k] + t * ray.dir_x[k], y = ray.org_y[k] + t * ray.dir_y[k],
-                  z = ray.org_z[k] + t * ray.dir_z[k];
-      const float offset = OFFSET * (t + std::abs(x) + std::abs(y) + std::abs(z));
-      point.x[k] = x + offset * normal.x[k];
-      point.y[k] = y + offset * normal.y[k];
-      point.z[k] = z + offset * normal.z[k];
+      find_point(packet, k, hit[k], OFFSET, point, normal);
     }
     for (int k = 0; k < LANES; k++) {
       if (!hit[k]) continue;
@@ -360,17 +221,7 @@ class Renderer {
           lit[k] = hit[k] & (above > 0 && before > 0 ? -1 : 0);
           asked |= lit[k];
           received[k] = above * before * scale * scale;
-          shadow.org_x[k] = point.x[k];
-          shadow.org_y[k] = point.y[k];
-          shadow.org_z[k] = point.z[k];
-          shadow.dir_x[k] = x;
-          shadow.dir_y[k] = y;
-          shadow.dir_z[k] = z;
-          shadow.tnear[k] = 0;
-          shadow.tfar[k] = square * scale * WAY;
-          shadow.time[k] = 0;
-          shadow.mask[k] = ~0u;
-          shadow.flags[k] = 0;
+          set_shadow_ray(shadow, k, {point.x[k], point.y[k], point.z[k]}, {x, y, z}, square * scale * WAY);
         }
         if (!asked) continue;
         find_occluded(lit, scene, shadow, Rays::COHERENT);
@@ -386,7 +237,6 @@ class Renderer {
     }
   }
 
-  int width, height;
   Camera camera;
   Panel panel;
   float area;
@@ -394,7 +244,7 @@ class Renderer {
   std::vector<Place> places;
   RTCDevice device;
   RTCScene scene;
-  std::vector<Vec3> image;
+  Image image;
 };
 
 }  // namespace

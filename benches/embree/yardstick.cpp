@@ -13,50 +13,16 @@
 //   render SAMPLES THREADS LIGHTS    render with the first LIGHTS lights; answers the seconds
 //   shade SAMPLES THREADS LIGHTS     the same, but no ray is traced: all pixels see one plane, lit by all
 //   save FILE                        write the last image: R, G, B as f32, row by row from the top
-#include "embree.h"
+#include "packets.h"
 
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <iostream>
-#include <limits>
-#include <stdexcept>
-#include <string>
-#include <thread>
-#include <vector>
 
 namespace {
-
-constexpr int LANES = 16, PACKET_SIDE = 4, TILE = 16;
-constexpr float FAR = std::numeric_limits<float>::max();
 
 // How far shadow rays start from the surface, as a share of the magnitudes that its position was computed
 // from: a few tens of roundings.
 constexpr float OFFSET = 1e-6f;
-
-struct Vec3 {
-  float x, y, z;
-};
-
-// One number for each of 16 rays.
-struct alignas(64) Lanes {
-  float lane[LANES];
-  float& operator[](int k) { return lane[k]; }
-  float operator[](int k) const { return lane[k]; }
-};
-
-struct Lanes3 {
-  Lanes x, y, z;
-};
 
 struct Light {
   Vec3 position, intensity;
@@ -81,125 +47,49 @@ struct Camera {
   Vec3 origin, origin_x, origin_y, direction, direction_x, direction_y;
 };
 
-class Reader {
- public:
-  explicit Reader(const char* path) : file(path, std::ios::binary) {}
-  template <class T>
-  void into(T* target, size_t count) {
-    file.read(reinterpret_cast<char*>(target), std::streamsize(count * sizeof(T)));
-    if (!file) throw std::runtime_error("the scene file ends early");
-  }
-  template <class T>
-  T one() {
-    T value;
-    into(&value, 1);
-    return value;
-  }
-  template <class T>
-  std::vector<T> list() {
-    std::vector<T> values(one<uint32_t>());
-    into(values.data(), values.size());
-    return values;
-  }
-
- private:
-  std::ifstream file;
-};
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-float radical_inverse(uint32_t n) {
-  float value = 0, digit = .5f;
-  for (; n; n >>= 1, digit /= 2) value += float(n & 1) * digit;
-  return value;
-}
-
 class Renderer {
  public:
   Renderer(const char* path, int threads) {
     const auto start = std::chrono::steady_clock::now();
     Reader reader(path);
-    width = reader.one<uint32_t>();
-    height = reader.one<uint32_t>();
+    const auto width = reader.one<uint32_t>(), height = reader.one<uint32_t>();
+    image = Image(int(width), int(height));
     camera = reader.one<Camera>();
     lights = reader.list<Light>();
     background = reader.one<Vec3>();
-    // frequency_level: Embree would otherwise keep to 256 bits where 512 could lower the clock.
-    device = rtcNewDevice(("frequency_level=simd512,threads=" + std::to_string(threads)).c_str());
-    scene = rtcNewScene(device);
-    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    device = new_device(threads);
+    scene = new_scene(device);
     parts.resize(reader.one<uint32_t>());
     std::vector<RTCGeometry> geometries;
     for (Part& part : parts) geometries.push_back(geometry(reader, part));
     load = seconds_since(start);
 
     const auto build_start = std::chrono::steady_clock::now();
-    for (RTCGeometry geometry : geometries) {
-      rtcCommitGeometry(geometry);
-      rtcAttachGeometry(scene, geometry);
-      rtcReleaseGeometry(geometry);
-    }
-    rtcCommitScene(scene);
+    for (RTCGeometry geometry : geometries) attach(scene, geometry);
+    commit(device, scene);
     build = seconds_since(build_start);
-    if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw std::runtime_error("Embree reports an error");
-    image.resize(size_t(width) * height);
   }
 
   template <bool TRACE>
   double render(int samples, int threads, int light_count) {
     if (light_count > int(lights.size())) throw std::runtime_error("the scene has fewer lights");
     const auto start = std::chrono::steady_clock::now();
-    const int columns = (width + TILE - 1) / TILE, rows = (height + TILE - 1) / TILE;
-    std::atomic<int> next{0};
-    auto work = [&] {
-      _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-      _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-      for (int tile; (tile = next++) < columns * rows;) {
-        const int left = tile % columns * TILE, top = tile / columns * TILE;
-        for (int y = top; y < std::min(height, top + TILE); y += PACKET_SIDE)
-          for (int x = left; x < std::min(width, left + TILE); x += PACKET_SIDE)
-            pixels<TRACE>(x, y, samples, light_count);
-      }
-    };
-    std::vector<std::thread> pool;
-    for (int i = 0; i < threads; i++) pool.emplace_back(work);
-    for (std::thread& thread : pool) thread.join();
+    for_packets(image.width, image.height, threads, [&](int x, int y) { pixels<TRACE>(x, y, samples, light_count); });
     return seconds_since(start);
   }
 
-  void save(const std::string& path) const {
-    std::ofstream file(path, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(image.data()), std::streamsize(image.size() * sizeof(Vec3)));
-    if (!file) throw std::runtime_error("cannot write " + path);
-  }
+  void save(const std::string& path) const { image.save(path); }
 
   std::string ready() const {
-    auto property = [&](RTCDeviceProperty name) { return std::to_string(rtcGetDeviceProperty(device, name)); };
-    return "ready " + std::to_string(load) + " " + std::to_string(build) + " " +
-           property(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + property(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
-           property(RTC_DEVICE_PROPERTY_VERSION_PATCH);
+    return "ready " + std::to_string(load) + " " + std::to_string(build) + " " + version(device);
   }
 
  private:
-  template <class T>
-  void buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, size_t size, const std::vector<T>& values) {
-    const size_t bytes = values.size() * sizeof(T);
-    std::memcpy(rtcSetNewGeometryBuffer(geometry, type, 0, format, size, bytes / size), values.data(), bytes);
-  }
-
   RTCGeometry geometry(Reader& reader, Part& part) {
     const auto kind = Part::Kind(reader.one<uint32_t>());
     part.material = reader.one<Material>();
-    if (kind == Part::SPHERES) {
-      RTCGeometry spheres = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-      buffer(spheres, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 16, reader.list<float>());
-      return spheres;
-    }
-    RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    buffer(mesh, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 12, reader.list<Vec3>());
-    buffer(mesh, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 12, reader.list<uint32_t>());
+    if (kind == Part::SPHERES) return read_spheres(device, reader);
+    RTCGeometry mesh = read_triangles(device, reader);
     if (kind == Part::SMOOTH) {
       part.normals = reader.list<Vec3>();
       part.normal_corners = reader.list<uint32_t>();
@@ -218,23 +108,14 @@ class Renderer {
       for (int k = 0; k < LANES; k++) {
         const int column = left + k % PACKET_SIDE, row = top + k / PACKET_SIDE;
         const float x = column + dx, y = row + dy;
-        valid[k] = column < width && row < height ? -1 : 0;
-        packet.ray.org_x[k] = camera.origin.x + x * camera.origin_x.x + y * camera.origin_y.x;
-        packet.ray.org_y[k] = camera.origin.y + x * camera.origin_x.y + y * camera.origin_y.y;
-        packet.ray.org_z[k] = camera.origin.z + x * camera.origin_x.z + y * camera.origin_y.z;
-        const float u = camera.direction.x + x * camera.direction_x.x + y * camera.direction_y.x;
-        const float v = camera.direction.y + x * camera.direction_x.y + y * camera.direction_y.y;
-        const float w = camera.direction.z + x * camera.direction_x.z + y * camera.direction_y.z;
-        const float scale = 1 / std::sqrt(u * u + v * v + w * w);
-        packet.ray.dir_x[k] = u * scale;
-        packet.ray.dir_y[k] = v * scale;
-        packet.ray.dir_z[k] = w * scale;
-        packet.ray.tnear[k] = 0;
-        packet.ray.tfar[k] = FAR;
-        packet.ray.time[k] = 0;
-        packet.ray.mask[k] = ~0u;
-        packet.ray.flags[k] = 0;
-        packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        valid[k] = image.holds(column, row) ? -1 : 0;
+        const Vec3 origin{camera.origin.x + x * camera.origin_x.x + y * camera.origin_y.x,
+                          camera.origin.y + x * camera.origin_x.y + y * camera.origin_y.y,
+                          camera.origin.z + x * camera.origin_x.z + y * camera.origin_y.z};
+        const Vec3 direction{camera.direction.x + x * camera.direction_x.x + y * camera.direction_y.x,
+                             camera.direction.y + x * camera.direction_x.y + y * camera.direction_y.y,
+                             camera.direction.z + x * camera.direction_x.z + y * camera.direction_y.z};
+        set_ray(packet, k, origin, direction);
       }
       if (TRACE) {
         find_nearest(valid, scene, packet, Rays::COHERENT);
@@ -248,11 +129,7 @@ class Renderer {
       }
       shade<TRACE>(packet, valid, light_count, sum);
     }
-    for (int k = 0; k < LANES; k++) {
-      const int column = left + k % PACKET_SIDE, row = top + k / PACKET_SIDE;
-      if (column < width && row < height)
-        image[size_t(row) * width + column] = {sum.x[k] / samples, sum.y[k] / samples, sum.z[k] / samples};
-    }
+    image.put(left, top, sum, samples);
   }
 
   // The normals of a smooth mesh between its vertices, in place of `normal`, on the same side.
@@ -283,21 +160,7 @@ class Renderer {
       sum.x[k] += missed * background.x;
       sum.y[k] += missed * background.y;
       sum.z[k] += missed * background.z;
-      const float t = hit[k] ? ray.tfar[k] : 0;
-      // Lanes without a hit compute something harmless.
-      const float gx = hit[k] ? packet.hit.Ng_x[k] : 1, gy = hit[k] ? packet.hit.Ng_y[k] : 0,
-                  gz = hit[k] ? packet.hit.Ng_z[k] : 0;
-      const float towards = gx * ray.dir_x[k] + gy * ray.dir_y[k] + gz * ray.dir_z[k];
-      const float scale = (towards > 0 ? -1 : 1) / std::sqrt(gx * gx + gy * gy + gz * gz);
-      geometric.x[k] = gx * scale;
-      geometric.y[k] = gy * scale;
-      geometric.z[k] = gz * scale;
-      const float x = ray.org_x[k] + t * ray.dir_x[k], y = ray.org_y[k] + t * ray.dir_y[k],
-                  z = ray.org_z[k] + t * ray.dir_z[k];
-      const float offset = OFFSET * (t + std::abs(x) + std::abs(y) + std::abs(z));
-      point.x[k] = x + offset * geometric.x[k];
-      point.y[k] = y + offset * geometric.y[k];
-      point.z[k] = z + offset * geometric.z[k];
+      find_point(packet, k, hit[k], OFFSET, point, geometric);
     }
     normal = geometric;
     // Most packets hit one part only.
@@ -345,17 +208,7 @@ class Renderer {
         lit[k] = hit[k] & (above > 0 ? -1 : 0);
         matt[k] = std::max(cosine, 0.f) * scale * scale;
         glossy[k] = (lobe > 0 ? power : 0) * scale * scale;
-        shadow.org_x[k] = point.x[k];
-        shadow.org_y[k] = point.y[k];
-        shadow.org_z[k] = point.z[k];
-        shadow.dir_x[k] = x;
-        shadow.dir_y[k] = y;
-        shadow.dir_z[k] = z;
-        shadow.tnear[k] = 0;
-        shadow.tfar[k] = distance;
-        shadow.time[k] = 0;
-        shadow.mask[k] = ~0u;
-        shadow.flags[k] = 0;
+        set_shadow_ray(shadow, k, {point.x[k], point.y[k], point.z[k]}, {x, y, z}, distance);
       }
       if (TRACE) find_occluded(lit, scene, shadow, Rays::COHERENT);
       for (int k = 0; k < LANES; k++) {
@@ -367,14 +220,13 @@ class Renderer {
     }
   }
 
-  int width, height;
   Camera camera;
   Vec3 background;
   std::vector<Light> lights;
   std::vector<Part> parts;
   RTCDevice device;
   RTCScene scene;
-  std::vector<Vec3> image;
+  Image image;
   double load, build;
 };
 

@@ -129,8 +129,7 @@ impl Emitter {
             return None;
         };
         let to_center = self.center.from(point);
-        let height = -normal.get().dot(to_center);
-        let is_lit = height > 0.0 || (is_two_sided && height < 0.0);
+        let is_lit = shines_to(to_center, normal, is_two_sided);
         let corners = [
             to_center + (-a - b),
             to_center + (a - b),
@@ -144,10 +143,6 @@ impl Emitter {
     /// What a point sees of it. `None` from behind, from a point in its plane, and from within a sphere.
     pub(crate) fn seen_from(&self, point: Point) -> Option<Outline> {
         let to_center = self.center.from(point);
-        let is_lit = |normal: Normal, is_two_sided: bool| {
-            let height = -normal.get().dot(to_center);
-            height > 0.0 || (is_two_sided && height < 0.0)
-        };
         match self.shape {
             Shape::Rectangle { .. } => {
                 let corners = self.corners_from(point)?;
@@ -158,7 +153,7 @@ impl Emitter {
                 normal,
                 is_two_sided,
             } => {
-                let conic = is_lit(normal, is_two_sided)
+                let conic = shines_to(to_center, normal, is_two_sided)
                     .then(|| Conic::of_disk(to_center, normal.get(), radius));
                 conic.flatten().map(Outline::Conic)
             }
@@ -197,6 +192,12 @@ impl Emitter {
             Shape::Sphere { radius } => PI * radius * radius,
         }
     }
+}
+
+/// Whether a flat emitter shines to where the way to its center is this.
+fn shines_to(to_center: DVec3, normal: Normal, is_two_sided: bool) -> bool {
+    let height = -normal.get().dot(to_center);
+    height > 0.0 || (is_two_sided && height < 0.0)
 }
 
 fn is_solid(center: Point, radius: f64) -> bool {

@@ -26,7 +26,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::model::{Model, Vector};
-use super::surface::Surface;
+use super::surface::{Surface, rounding};
 use crate::emitter::{
     Accuracy, Emitter, Gloss, Occluder, Received, Receiver, ShadowSpace, Surface as EmitterSurface,
 };
@@ -176,6 +176,10 @@ impl<'a> Sight<'a> {
     fn models(&self, place: &Place, fixed: Option<Normal>, slopes: Slopes) -> Option<[Model; 2]> {
         let at = |[u, v, w]: [f64; 3]| self.values(place, fixed, [u, v, w]);
         let middle = at([0.0; 3])?;
+        let ends = match slopes {
+            Slopes::Told => place.ends(middle, at)?,
+            Slopes::Left => [[middle; 2]; 3],
+        };
         let axes = [0, 1].map(|axis| self.bounds(&place.speed(|vector| vector.derivatives(axis))));
         // From the middle to anywhere, along the linear parts, and from there.
         let along = self.bounds(&place.speed(|vector| [vector.reach(), 0.0]));
@@ -186,21 +190,11 @@ impl<'a> Sight<'a> {
                 [1, 2].map(|order: usize| axes.map(|bounds| bounds[lobe].0[order]));
             let [_, along_first, along_second] = along[lobe].0;
             let beside = beside[lobe].0[1];
-            let (slope, rest) = match slopes {
-                Slopes::Left => ([0.0; 3], along_first + beside),
-                Slopes::Told => {
-                    let mut slope = [0.0; 3];
-                    let third = usize::from(place.position.has_third());
-                    for (axis, slope) in slope.iter_mut().enumerate().take(2 + third) {
-                        let mut end = [0.0; 3];
-                        end[axis] = 1.0;
-                        let after = at(end)?[lobe];
-                        end[axis] = -1.0;
-                        *slope = 0.5 * (after - at(end)?[lobe]);
-                    }
-                    // Half of the bend to anywhere; and each slope is off by half of the bend along its axis.
-                    (slope, 2.0 * along_second + beside)
-                }
+            let slope = ends.map(|[after, before]| 0.5 * (after[lobe] - before[lobe]));
+            let rest = match slopes {
+                Slopes::Left => along_first + beside,
+                // Half of the bend to anywhere; and each slope is off by half of the bend along its axis.
+                Slopes::Told => 2.0 * along_second + beside,
             };
             *model = Model::known(middle[lobe], slope, rest, first, second);
         }
@@ -216,15 +210,7 @@ impl<'a> Sight<'a> {
     ) -> Option<[Model; 2]> {
         let mut at = |place_in_square| self.values_past(place, fixed, place_in_square, past);
         let middle = at([0.0; 3])?;
-        let axes = 2 + usize::from(place.position.has_third());
-        let mut ends = [[middle; 2]; 3];
-        for (axis, ends) in ends.iter_mut().enumerate().take(axes) {
-            let mut end = [0.0; 3];
-            end[axis] = 1.0;
-            let after = at(end)?;
-            end[axis] = -1.0;
-            *ends = [after, at(end)?];
-        }
+        let ends = place.ends(middle, at)?;
         let beside = self.bounds(&place.speed(|vector| [vector.rest(), 0.0]));
         // The ends are on lines: how p, n and w bend comes to it.
         let bends = [0, 1].map(|axis: usize| {
@@ -257,12 +243,11 @@ impl<'a> Sight<'a> {
             None => Normal::new(place.normal.at(at))?,
         };
         self.receive(place, horizon, at, |emitter, point, receiver| {
-            let size = (point.0.abs() + emitter.center().0.abs()).max_element();
             let seen = emitter.received_past(
                 point,
                 receiver,
                 past.occluders,
-                1e-12 * size,
+                rounding(point.0, emitter.center().0),
                 &ACCURACY,
                 past.space,
             );
@@ -417,6 +402,25 @@ impl Place {
             normal: of(&self.normal),
             axis: of(&self.axis),
         }
+    }
+
+    /// What both integrals are at the ends of each axis, after the middle and before it.
+    fn ends(
+        &self,
+        middle: [f64; 2],
+        mut at: impl FnMut([f64; 3]) -> Option<[f64; 2]>,
+    ) -> Option<[[[f64; 2]; 2]; 3]> {
+        // Along an axis that there is not they are those of the middle.
+        let mut ends = [[middle; 2]; 3];
+        let axes = 2 + usize::from(self.position.has_third());
+        for (axis, ends) in ends.iter_mut().enumerate().take(axes) {
+            let mut end = [0.0; 3];
+            end[axis] = 1.0;
+            let after = at(end)?;
+            end[axis] = -1.0;
+            *ends = [after, at(end)?];
+        }
+        Some(ends)
     }
 }
 

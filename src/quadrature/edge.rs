@@ -4,8 +4,8 @@
 use super::area::Slopes;
 use super::clip::Clip;
 use super::model::{Model, Vector};
-use super::radiance::{Arriving, WIDE_BORDER};
-use super::shafts::Beside;
+use super::radiance::{Arriving, Radiance, WIDE_BORDER};
+use super::shafts::{Beside, Known};
 use super::surface::{Silhouette, Solid, Surface, one_of, within_rim};
 use super::view::{Square, View};
 use super::{List, Mean, Primary, Quadrature, Reach, Told};
@@ -14,10 +14,8 @@ use crate::visibility::{ShaftAnswer, ShaftQuestion};
 
 /// L and A on one side of an edge.
 struct Side {
-    radiance: [Model; 3],
+    radiance: Radiance,
     alpha: f64,
-    /// Whether it is proven.
-    is_bound: bool,
 }
 
 /// An edge, and what is on its sides.
@@ -83,26 +81,24 @@ impl Quadrature<'_> {
             _ => return None,
         };
         let all = std::mem::replace(&mut self.reaches[told.reaches + light], Reach::Dark);
-        let others = self.arriving(told, surface, WIDE_BORDER);
+        let border = Some(WIDE_BORDER);
+        let dark = self.radiance(surface, shape, told.reaches, border, Slopes::Told);
         self.reaches[told.reaches + light] = all;
-        let (others, is_bound) = others?;
-        let dark = self.radiance(surface, shape, &others, Slopes::Told);
+        let dark = dark?;
         let arriving = Arriving { light, past: None };
-        let [r, g, b] = self.light_share(surface, shape, arriving, Slopes::Told);
+        let share = self.light_share(surface, shape, arriving, Slopes::Told);
         Some(Edge {
             silhouette: Silhouette {
                 inside: lit,
                 is_round: false,
             },
             inside: Side {
-                radiance: [dark[0] + r, dark[1] + g, dark[2] + b],
+                radiance: dark.plus(share),
                 alpha: 1.0,
-                is_bound,
             },
             outside: Side {
                 radiance: dark,
                 alpha: 1.0,
-                is_bound,
             },
         })
     }
@@ -131,9 +127,8 @@ impl Quadrature<'_> {
             let mut beside = None;
             let outside = match back {
                 None => Side {
-                    radiance: self.world.background().0.0.map(Model::constant),
+                    radiance: Radiance::constant(self.world.background().0.0),
                     alpha: 0.0,
-                    is_bound: true,
                 },
                 Some(back) => {
                     let behind = self.solid(back);
@@ -175,7 +170,7 @@ impl Quadrature<'_> {
 
     /// Drops what is behind a triangle whose edge passes through a square wherever it is in the square, as a side of a
     /// box behind the one that is seen, and what is behind two with a common edge.
-    fn drop_covered(&self, view: &View, shapes: &mut Vec<u64>) {
+    pub(super) fn drop_covered(&self, view: &View, shapes: &mut Vec<u64>) {
         let told = |&shape: &u64| {
             let solid = self.solid(shape);
             let (edge, plane) = (solid.edge(view)?, solid.plane().zip(solid.approach(view))?);
@@ -276,18 +271,13 @@ impl Quadrature<'_> {
 
     /// L of a surface of which it is known how all lights reach it.
     fn side(&mut self, shape: u64, surface: &Surface, beside: Option<Beside>) -> Option<Side> {
-        let reaches = self.reach_all(shape, surface, None, beside);
-        let told = Told {
-            primary: Primary::One(shape),
-            reaches,
-            is_asked: true,
-        };
-        let (lights, is_bound) = self.arriving(&told, surface, WIDE_BORDER)?;
-        let radiance = self.radiance(surface, shape, &lights, Slopes::Told);
-        radiance.iter().all(Model::is_known).then_some(Side {
+        let known = beside.map_or(Known::Nothing, Known::Beside);
+        let reaches = self.reach_all(shape, surface, known);
+        let border = Some(WIDE_BORDER);
+        let radiance = self.radiance(surface, shape, reaches, border, Slopes::Told)?;
+        radiance.is_known().then_some(Side {
             radiance,
             alpha: 1.0,
-            is_bound,
         })
     }
 }
@@ -385,12 +375,12 @@ impl Edge {
         let mut mean = Mean {
             value: [0.0; 4],
             error: [0.0; 4],
-            is_bound: self.inside.is_bound && self.outside.is_bound,
+            is_bound: self.inside.radiance.is_bound && self.outside.radiance.is_bound,
         };
         for channel in 0..3 {
             let (f, g) = (
-                &self.inside.radiance[channel],
-                &self.outside.radiance[channel],
+                &self.inside.radiance.models[channel],
+                &self.outside.radiance.models[channel],
             );
             let jump = (f.most() - g.least()).max(g.most() - f.least()).max(0.0);
             let mut error = band * jump + here.area * f.rest + there.area * g.rest;

@@ -30,9 +30,8 @@ use crate::math::DVec3;
 use crate::simd::SimdLevel;
 use crate::visibility::{ShaftSpace, Visibility, object_and_triangle};
 use crate::world::{Light, World};
-use model::Model;
-use radiance::{NO_BORDER, WIDE_BORDER};
-use shafts::Region;
+use radiance::{Radiance, WIDE_BORDER};
+use shafts::{Known, Region};
 use surface::Surface;
 use view::{Square, View};
 
@@ -173,8 +172,15 @@ enum Reach {
     Dark,
     /// It is above a part of the surface.
     Terminator,
-    /// Some of a list may be in its way.
+    /// Some of a list may be in the way of a light that is a point, or infinitely far away.
     Several(List),
+    /// Some of a list may hide a part of a light with an area, or the horizon does.
+    Partial {
+        list: List,
+        /// No border of a shadow moves across more than this part of the light from one end of the surface to the
+        /// other.
+        border: f64,
+    },
     /// Of more than are told one by one.
     Many,
 }
@@ -217,12 +223,13 @@ struct Mean {
 
 impl Mean {
     /// Over a square that is smooth.
-    fn of([r, g, b]: &[Model; 3], is_bound: bool, told: &Told) -> Self {
+    fn of(radiance: &Radiance, told: &Told) -> Self {
+        let [r, g, b] = &radiance.models;
         let alpha = f64::from(u8::from(told.primary != Primary::Background));
         Self {
             value: [r.center, g.center, b.center, alpha],
             error: [r.mean_error(), g.mean_error(), b.mean_error(), 0.0],
-            is_bound,
+            is_bound: radiance.is_bound,
         }
     }
 }
@@ -409,12 +416,12 @@ impl<'w> Quadrature<'w> {
             };
             return (told, None);
         };
-        let reaches = self.reach_all(
-            shape,
-            &surface,
-            known.is_asked.then_some(known.reaches),
-            None,
-        );
+        let before = if known.is_asked {
+            Known::PartOf(known.reaches)
+        } else {
+            Known::Nothing
+        };
+        let reaches = self.reach_all(shape, &surface, before);
         let told = Told {
             primary,
             reaches,
@@ -425,26 +432,21 @@ impl<'w> Quadrature<'w> {
 
     /// Of smooth radiance over a square, how far the mean over a part of it, half of whose side is `part` of the
     /// square's, is from the value in the middle of the part, if that is near enough.
-    fn flatness(
-        &self,
-        (radiance, is_bound): &([Model; 3], bool),
-        side: u32,
-        part: f64,
-    ) -> Option<Verdict> {
-        let error = [0, 1, 2].map(|channel: usize| radiance[channel].bend(part));
-        let least = [0, 1, 2].map(|channel: usize| radiance[channel].least());
+    fn flatness(&self, radiance: &Radiance, side: u32, part: f64) -> Option<Verdict> {
+        let error = [0, 1, 2].map(|channel: usize| radiance.models[channel].bend(part));
+        let least = [0, 1, 2].map(|channel: usize| radiance.models[channel].least());
         let relative = self.target.largest(&least, &error);
         (relative <= self.target.relative).then_some(Verdict::Smooth {
             side,
             error,
-            is_bound: *is_bound,
+            is_bound: radiance.is_bound,
             relative,
         })
     }
 
     /// A square of whole pixels that is smooth, and bends so little that one sample a pixel will do.
     fn smooth(&self, square: Square, told: &Told, surface: Option<&Surface>) -> Option<Verdict> {
-        let radiance = self.smooth_radiance(told, surface, NO_BORDER)?;
+        let radiance = self.smooth_radiance(told, surface, None)?;
         self.flatness(&radiance, 1, 0.5 / square.half)
     }
 
@@ -456,7 +458,7 @@ impl<'w> Quadrature<'w> {
         told: &Told,
         surface: Option<&Surface>,
     ) -> Verdict {
-        let smooth = self.smooth_radiance(told, surface, WIDE_BORDER);
+        let smooth = self.smooth_radiance(told, surface, Some(WIDE_BORDER));
         let integrated = |quadrature: &Self, mean: Mean| {
             let is_met = quadrature.target.is_met(mean.value, mean.error);
             (quadrature.integrates && is_met).then_some(Verdict::Integrated {
@@ -465,11 +467,11 @@ impl<'w> Quadrature<'w> {
                 is_bound: mean.is_bound,
             })
         };
-        let of_smooth =
-            |(radiance, is_bound): &([Model; 3], bool)| Mean::of(radiance, *is_bound, told);
-        if let Some(smooth @ (_, is_bound)) = &smooth {
+        if let Some(smooth) = &smooth {
             // What is estimated has been computed in the middle already.
-            if !is_bound && let Some(verdict) = integrated(self, of_smooth(smooth)) {
+            if !smooth.is_bound
+                && let Some(verdict) = integrated(self, Mean::of(smooth, told))
+            {
                 return verdict;
             }
             let mut side = 1;
@@ -482,7 +484,7 @@ impl<'w> Quadrature<'w> {
             }
         }
         let mean = match &smooth {
-            Some(smooth) => Some(of_smooth(smooth)),
+            Some(smooth) => Some(Mean::of(smooth, told)),
             None if self.integrates => self.across_edge(square, view, told, surface),
             None => None,
         };

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::area::{Past, Slopes};
 use super::light::geometry;
 use super::model::Model;
+use super::shafts::Known;
 use super::surface::Surface;
 use super::view::{Square, View};
 use super::{List, Primary, Quadrature, Range, Reach, Told};
@@ -12,14 +13,41 @@ use crate::camera::Projection;
 use crate::emitter::Surface as EmitterSurface;
 use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
 use crate::world::Light;
-use crate::world::light::AreaLight;
 
 /// What arrives past shapes is estimated where no border of a shadow moves across more than this part of a light from one
 /// end of a pixel to the other.
 pub(super) const WIDE_BORDER: f64 = 0.5;
 
-/// Only where nothing is hidden.
-pub(super) const NO_BORDER: f64 = -1.0;
+/// L over a square, per primary.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Radiance {
+    pub(super) models: [Model; 3],
+    /// Whether it is proven; else it is estimated from some points.
+    pub(super) is_bound: bool,
+}
+
+impl Radiance {
+    /// It is the same everywhere.
+    pub(super) fn constant(radiance: [f64; 3]) -> Self {
+        Self {
+            models: radiance.map(Model::constant),
+            is_bound: true,
+        }
+    }
+
+    pub(super) fn is_known(&self) -> bool {
+        self.models.iter().all(Model::is_known)
+    }
+
+    /// With more light, per primary.
+    pub(super) fn plus(self, [r, g, b]: [Model; 3]) -> Self {
+        let [red, green, blue] = self.models;
+        Self {
+            models: [red + r, green + g, blue + b],
+            ..self
+        }
+    }
+}
 
 /// A light that reaches a square.
 #[derive(Clone, Copy, Debug)]
@@ -30,20 +58,21 @@ pub(super) struct Arriving {
 }
 
 impl Quadrature<'_> {
-    /// L of a surface under some lights, per primary.
+    /// L of a surface that reaches are told of, where all lights are known to arrive there: see [`Self::arriving`].
     pub(super) fn radiance(
         &self,
         surface: &Surface,
         shape: u64,
-        lights: &[Arriving],
+        reaches: usize,
+        border: Option<f64>,
         slopes: Slopes,
-    ) -> [Model; 3] {
-        let mut sums = self.emission(shape).map(Model::constant);
-        for &light in lights {
-            let terms = self.light_share(surface, shape, light, slopes);
-            sums = [sums[0] + terms[0], sums[1] + terms[1], sums[2] + terms[2]];
+    ) -> Option<Radiance> {
+        let mut radiance = Radiance::constant(self.emission(shape));
+        for light in self.arriving(reaches, border)? {
+            radiance = radiance.plus(self.light_share(surface, shape, light, slopes));
+            radiance.is_bound &= light.past.is_none();
         }
-        sums
+        Some(radiance)
     }
 
     /// What a shape sends itself, if it is a light that is seen: from the side that the camera is on.
@@ -105,38 +134,37 @@ impl Quadrature<'_> {
         [of(0), of(1), of(2)]
     }
 
-    /// The lights that reach a square, if it is known of all whether and how they do; and whether it is proven. Of a light
-    /// with an area of which shapes hide a part, only if no border of a shadow moves across more than a part of it, see
-    /// [`WIDE_BORDER`].
-    pub(super) fn arriving(
+    /// The lights that reach a square, if it is known of all whether and how they do. Of a light with an area of which shapes
+    /// hide a part, only if no border of a shadow moves across more than a part of it, see [`WIDE_BORDER`]; `None` is only
+    /// where nothing is hidden.
+    fn arriving(
         &self,
-        told: &Told,
-        surface: &Surface,
-        border: f64,
-    ) -> Option<(Vec<Arriving>, bool)> {
-        let mut is_bound = true;
-        let mut arriving = Vec::new();
-        for light in 0..self.world.lights().len() {
-            match self.reaches[told.reaches + light] {
-                Reach::Dark => {}
-                Reach::Lit => arriving.push(Arriving { light, past: None }),
-                Reach::Several(list) if self.most_of_border(surface, light, list) <= border => {
-                    is_bound = false;
-                    let past = Some(list);
-                    arriving.push(Arriving { light, past });
-                }
-                _ => return None,
-            }
-        }
-        Some((arriving, is_bound))
+        reaches: usize,
+        border: Option<f64>,
+    ) -> Option<impl Iterator<Item = Arriving>> {
+        let reaches = &self.reaches[reaches..][..self.world.lights().len()];
+        let is_known = |reach: &Reach| match *reach {
+            Reach::Lit | Reach::Dark => true,
+            Reach::Partial { border: widest, .. } => border.is_some_and(|border| widest <= border),
+            Reach::Unasked | Reach::Terminator | Reach::Several(_) | Reach::Many => false,
+        };
+        let arriving = reaches.iter().enumerate().filter_map(|(light, reach)| {
+            let past = match *reach {
+                Reach::Partial { list, .. } => Some(list),
+                Reach::Dark => return None,
+                _ => None,
+            };
+            Some(Arriving { light, past })
+        });
+        reaches.iter().all(is_known).then_some(arriving)
     }
 
     /// Whether no border of a shadow in a square is narrower than that, and no light's cone ends in it.
     pub(super) fn has_no_edge(&self, shape: u64, told: &Told, surface: &Surface) -> bool {
-        let Some((lights, _)) = self.arriving(told, surface, 1.0) else {
+        let Some(mut lights) = self.arriving(told.reaches, Some(1.0)) else {
             return false;
         };
-        lights.into_iter().all(|arriving| {
+        lights.all(|arriving| {
             let has_area = self.world.lights()[arriving.light].value.area().is_some();
             has_area || {
                 let share = self.light_share(surface, shape, arriving, Slopes::Left);
@@ -145,24 +173,18 @@ impl Quadrature<'_> {
         })
     }
 
-    /// L over a square that is smooth, per primary: where nothing jumps, the border of a spot's cone included; and
-    /// whether it is proven.
+    /// L over a square that is smooth: where nothing jumps, the border of a spot's cone included.
     pub(super) fn smooth_radiance(
         &self,
         told: &Told,
         surface: Option<&Surface>,
-        border: f64,
-    ) -> Option<([Model; 3], bool)> {
+        border: Option<f64>,
+    ) -> Option<Radiance> {
         match (told.primary, surface) {
-            (Primary::Background, _) => {
-                Some((self.world.background().0.0.map(Model::constant), true))
-            }
-            (Primary::One(shape), Some(surface)) => {
-                let (lights, is_bound) = self.arriving(told, surface, border)?;
-                let radiance = self.radiance(surface, shape, &lights, Slopes::Left);
-                let is_known = radiance.iter().all(Model::is_known);
-                is_known.then_some((radiance, is_bound))
-            }
+            (Primary::Background, _) => Some(Radiance::constant(self.world.background().0.0)),
+            (Primary::One(shape), Some(surface)) => self
+                .radiance(surface, shape, told.reaches, border, Slopes::Left)
+                .filter(Radiance::is_known),
             _ => None,
         }
     }
@@ -178,9 +200,7 @@ impl Quadrature<'_> {
         let background = Range::new(self.world.background().0.0, 0.0);
         match (told.primary, surface) {
             (Primary::Background, _) => Some(background),
-            (Primary::One(shape), Some(surface)) => {
-                self.range_of(shape, surface, Some(told.reaches))
-            }
+            (Primary::One(shape), Some(surface)) => self.range_of(shape, surface, told),
             (Primary::Several(list), _) => {
                 let shapes = self.list(list).to_vec();
                 let mut all: Option<Range> =
@@ -192,7 +212,14 @@ impl Quadrature<'_> {
                         Surface::at_silhouette(view, &solid, &silhouette)
                     });
                     let range = match surface {
-                        Some(surface) => self.range_of(shape, &surface, None),
+                        Some(surface) => {
+                            let (lists, kept) = (self.lists.len(), self.reaches.len());
+                            let reaches = self.reach_all(shape, &surface, Known::Nothing);
+                            let range = self.range_of(shape, &surface, &Told { reaches, ..*told });
+                            self.lists.truncate(lists);
+                            self.reaches.truncate(kept);
+                            range
+                        }
                         None => self.range_by_distance(shape),
                     };
                     let range = range?;
@@ -221,17 +248,10 @@ impl Quadrature<'_> {
     }
 
     /// What a surface that is met in a square is anywhere, as the lights reach it.
-    pub(super) fn range_of(
-        &mut self,
-        shape: u64,
-        surface: &Surface,
-        known: Option<usize>,
-    ) -> Option<Range> {
-        let (lists, kept) = (self.lists.len(), self.reaches.len());
-        let reaches = known.unwrap_or_else(|| self.reach_all(shape, surface, None, None));
+    fn range_of(&self, shape: u64, surface: &Surface, told: &Told) -> Option<Range> {
         let mut range = Range::new(self.emission(shape), 1.0);
         for light in 0..self.world.lights().len() {
-            let reach = self.reaches[reaches + light];
+            let reach = self.reaches[told.reaches + light];
             if reach == Reach::Dark {
                 continue;
             }
@@ -246,10 +266,8 @@ impl Quadrature<'_> {
             let limits = self.limits(Some(surface), shape, light);
             let part = match reach {
                 // Nothing else is in the square, and no border of a shadow is narrower: samples meet it.
-                Reach::Several(list)
-                    if is_area
-                        && known.is_some()
-                        && self.most_of_border(surface, light, list) < 1.0 =>
+                Reach::Partial { border, .. }
+                    if told.primary == Primary::One(shape) && border < 1.0 =>
                 {
                     0.0
                 }
@@ -267,37 +285,8 @@ impl Quadrature<'_> {
                 );
             }
         }
-        self.lists.truncate(lists);
-        self.reaches.truncate(kept);
         let mut all = range.least.iter().chain(&range.most);
         all.all(|value| value.is_finite()).then_some(range)
-    }
-
-    /// How much of a light may come into view between two points of a surface, past shapes of a list: as a part of all
-    /// of it, for estimates. The border of a shadow that falls on the light moves across it as far as the points are
-    /// apart, the farther the nearer to them the shape is.
-    fn most_of_border(&self, surface: &Surface, light: usize, list: List) -> f64 {
-        let Some(AreaLight { emitter, .. }) = self.world.lights()[light].value.area() else {
-            return f64::INFINITY;
-        };
-        let (place, apart) = (surface.position.center(), 2.0 * surface.position.radius());
-        let distance = (emitter.center().0 - place).length();
-        let over_width = match emitter.surface() {
-            EmitterSurface::Rectangle([a, b, c, _]) => {
-                1.0 / (b - a).length() + 1.0 / (c - b).length()
-            }
-            EmitterSurface::Disk { radius, .. } | EmitterSurface::Sphere { radius } => 1.0 / radius,
-        };
-        let shapes = self.list(list).iter();
-        let parts = shapes.map(|&shape| {
-            let nearest = self.solid(shape).distance(place) - apart;
-            if nearest > 0.0 {
-                apart * ((distance - nearest).max(0.0) / nearest) * over_width
-            } else {
-                f64::INFINITY
-            }
-        });
-        parts.fold(0.0, f64::max)
     }
 
     /// What a shape is anywhere, by its distance from the lights alone.

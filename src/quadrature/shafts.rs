@@ -3,10 +3,11 @@
 use fearless_simd::Simd;
 
 use super::area::nearest;
-use super::surface::{Solid, Surface};
+use super::surface::{Solid, Surface, rounding};
 use super::view::{Square, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
 use crate::camera::Projection;
+use crate::emitter::{Emitter, Surface as EmitterSurface};
 use crate::math::DVec3;
 use crate::simd::Kernel;
 use crate::visibility::{
@@ -73,9 +74,24 @@ impl Beside {
 
     /// Whether a point is on that side, by more than rounding.
     fn is_before(&self, place: DVec3) -> bool {
-        let room = 1e-12 * (place.abs() + self.point.abs()).max_element();
-        self.normal.dot(place - self.point) > room
+        self.normal.dot(place - self.point) > rounding(place, self.point)
     }
+}
+
+/// What is known of a surface before its lights are asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Known {
+    Nothing,
+    /// It is a part of another one, of which the reaches start there.
+    PartOf(usize),
+    Beside(Beside),
+}
+
+/// The same of one light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Before {
+    reach: Reach,
+    beside: Option<Beside>,
 }
 
 /// A shaft through all shapes, on whatever instructions.
@@ -302,14 +318,8 @@ impl Quadrature<'_> {
         Solid::of(self.world, object, triangle)
     }
 
-    /// Asks of all lights whether they reach a surface, where that is not `known`; where the answers start.
-    pub(super) fn reach_all(
-        &mut self,
-        shape: u64,
-        surface: &Surface,
-        known: Option<usize>,
-        beside: Option<Beside>,
-    ) -> usize {
+    /// Asks of all lights whether they reach a surface, where that is not known; where the answers start.
+    pub(super) fn reach_all(&mut self, shape: u64, surface: &Surface, known: Known) -> usize {
         let start = self.reaches.len();
         let (object, _) = object_and_triangle(shape);
         if self.world.objects()[object as usize].emits.is_some() {
@@ -318,19 +328,26 @@ impl Quadrature<'_> {
             self.reaches.resize(start + lights, Reach::Dark);
             return start;
         }
+        let beside = match known {
+            Known::Beside(beside) => Some(beside),
+            Known::Nothing | Known::PartOf(_) => None,
+        };
         let bounds = surface.position.bounds();
         let of_region = self.between(shape);
         for light in 0..self.world.lights().len() {
-            let before = known.map_or(Reach::Unasked, |known| self.reaches[known + light]);
-            let before = match before {
+            let reach = match known {
+                Known::PartOf(whole) => self.reaches[whole + light],
+                Known::Nothing | Known::Beside(_) => Reach::Unasked,
+            };
+            let reach = match reach {
                 Reach::Unasked | Reach::Terminator | Reach::Many => {
                     self.region.reaches[of_region + light]
                 }
-                Reach::Lit | Reach::Dark | Reach::Several(_) => before,
+                Reach::Lit | Reach::Dark | Reach::Several(_) | Reach::Partial { .. } => reach,
             };
-            let reach = match before {
-                Reach::Lit | Reach::Dark => before,
-                _ => self.reach(shape, surface, bounds, light, (before, beside)),
+            let reach = match reach {
+                Reach::Lit | Reach::Dark => reach,
+                _ => self.reach(shape, surface, bounds, light, Before { reach, beside }),
             };
             self.reaches.push(reach);
         }
@@ -343,22 +360,20 @@ impl Quadrature<'_> {
         surface: &Surface,
         bounds: Option<[DVec3; 2]>,
         light: usize,
-        (before, beside): (Reach, Option<Beside>),
+        before: Before,
     ) -> Reach {
         let Some(bounds) = bounds.filter(|_| !surface.is_lifted) else {
             return Reach::Many;
         };
         if self.world.lights()[light].value.area().is_some() {
-            return self.reach_of_area(shape, surface, bounds, light, (before, beside));
+            return self.reach_of_area(shape, surface, bounds, light, before);
         }
         let origin = self.origin(light, Some(bounds));
         if self.world.lights()[light].value.misses(bounds) {
             return Reach::Dark;
         }
         let height = surface.height(origin);
-        // What is nearer to the plane than rounding is on neither side.
-        let room = 1e-12
-            * (origin.abs().max_element() + bounds[0].abs().max(bounds[1].abs()).max_element());
+        let room = rounding(origin, bounds[0].abs().max(bounds[1].abs()));
         if height.most() < -room {
             return Reach::Dark;
         }
@@ -377,11 +392,11 @@ impl Quadrature<'_> {
             return Reach::Terminator;
         }
         // A flat shape does not hide its own points, and a sphere none that are above of it.
-        match self.between_points(bounds, origin, shape, before, ShaftQuestion::Blockage) {
+        match self.between_points(bounds, origin, shape, before.reach, ShaftQuestion::Blockage) {
             ShaftAnswer::Nothing => Reach::Lit,
             ShaftAnswer::All(_) => Reach::Dark,
             ShaftAnswer::These => {
-                let beside = beside.filter(|beside| beside.is_before(origin));
+                let beside = before.beside.filter(|beside| beside.is_before(origin));
                 self.drop_from_list(|_, other| beside.is_some_and(|beside| beside.shape == other));
                 if self.space.list.is_empty() {
                     Reach::Lit
@@ -400,21 +415,26 @@ impl Quadrature<'_> {
         self.space.list = list;
     }
 
-    /// Whether all of a light with an area arrives, or nothing of it.
+    /// Whether all of a light with an area arrives, or nothing of it, or what may hide a part.
     fn reach_of_area(
         &mut self,
         shape: u64,
         surface: &Surface,
         bounds: [DVec3; 2],
         light: usize,
-        (before, beside): (Reach, Option<Beside>),
+        Before {
+            reach: before,
+            beside,
+        }: Before,
     ) -> Reach {
         let Light::Area(AreaLight { emitter, .. }) = &self.world.lights()[light].value else {
             return Reach::Many;
         };
         let [least, most] = emitter.bounds();
-        let sizes = least.abs().max(most.abs()) + bounds[0].abs().max(bounds[1].abs());
-        let room = 1e-12 * sizes.max_element();
+        let room = rounding(
+            least.abs().max(most.abs()),
+            bounds[0].abs().max(bounds[1].abs()),
+        );
         let corners = (0..8).map(|corner: u32| {
             let pick =
                 |axis: u32, from: f64, to: f64| if corner >> axis & 1 == 0 { from } else { to };
@@ -451,7 +471,7 @@ impl Quadrature<'_> {
             to: [least, most],
         };
         let ask = |quadrature: &mut Self, question| match before {
-            Reach::Several(list) => quadrature.visibility.shaft_among(
+            Reach::Partial { list, .. } => quadrature.visibility.shaft_among(
                 &shaft,
                 question,
                 shape,
@@ -473,7 +493,7 @@ impl Quadrature<'_> {
             ShaftAnswer::Nothing if may_be_lit => Reach::Lit,
             ShaftAnswer::Nothing => {
                 self.space.list.clear();
-                Reach::Several(self.keep())
+                self.partial(surface, emitter)
             }
             ShaftAnswer::These => {
                 let beside =
@@ -489,10 +509,18 @@ impl Quadrature<'_> {
                 if self.space.list.is_empty() && may_be_lit {
                     Reach::Lit
                 } else {
-                    Reach::Several(self.keep())
+                    self.partial(surface, emitter)
                 }
             }
         }
+    }
+
+    /// The list of the last answer may hide a part of a light with an area.
+    fn partial(&mut self, surface: &Surface, emitter: &Emitter) -> Reach {
+        let shapes = self.space.list.iter().map(|&shape| self.solid(shape));
+        let border = border(surface, emitter, shapes);
+        let list = self.keep();
+        Reach::Partial { list, border }
     }
 
     /// Whether a shape is a light itself.
@@ -501,7 +529,7 @@ impl Quadrature<'_> {
         self.world.objects()[object as usize].emits == Some(light)
     }
 
-    /// What is between a box and a light, of a list if that is known `before`; but for the shape that the box is on.
+    /// What is between a box and a point that is a light, of a list if that is known `before`; but for the shape that the box is on.
     pub(super) fn between_points(
         &mut self,
         from: [DVec3; 2],
@@ -521,4 +549,29 @@ impl Quadrature<'_> {
         self.visibility
             .shaft_among(&shaft, question, shape, list, &mut self.space)
     }
+}
+
+/// How much of a light may come into view between two points of a surface, past shapes: as a part of all of it, for
+/// estimates. The border of a shadow that falls on the light moves across it as far as the points are apart, the farther
+/// the nearer to them the shape is.
+pub(super) fn border(
+    surface: &Surface,
+    emitter: &Emitter,
+    shapes: impl Iterator<Item = Solid>,
+) -> f64 {
+    let (place, apart) = (surface.position.center(), 2.0 * surface.position.radius());
+    let distance = (emitter.center().0 - place).length();
+    let over_width = match emitter.surface() {
+        EmitterSurface::Rectangle([a, b, c, _]) => 1.0 / (b - a).length() + 1.0 / (c - b).length(),
+        EmitterSurface::Disk { radius, .. } | EmitterSurface::Sphere { radius } => 1.0 / radius,
+    };
+    let parts = shapes.map(|shape| {
+        let nearest = shape.distance(place) - apart;
+        if nearest > 0.0 {
+            apart * ((distance - nearest).max(0.0) / nearest) * over_width
+        } else {
+            f64::INFINITY
+        }
+    });
+    parts.fold(0.0, f64::max)
 }

@@ -540,8 +540,8 @@ impl Solid {
     }
 }
 
-/// What is nearer to a plane than rounding is in it.
-fn rounding(place: DVec3, point: DVec3) -> f64 {
+/// How far from its plane rounding may put a point, by their coordinates: what is nearer is on neither side.
+pub(super) fn rounding(place: DVec3, point: DVec3) -> f64 {
     1e-12 * (place.abs() + point.abs()).max_element()
 }
 

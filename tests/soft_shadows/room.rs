@@ -50,6 +50,18 @@ pub(super) struct Mean {
 }
 
 impl Mean {
+    /// Of so many lattices in some dimensions, each with a shift of its own.
+    fn of_lattices<const N: usize>(
+        lattices: usize,
+        seed: u64,
+        of_shift: impl Fn([f64; N]) -> Radiance,
+    ) -> Self {
+        let mut random = Random::new(seed);
+        let mut shift = || [(); N].map(|()| random.unit());
+        let parts: Vec<Radiance> = (0..lattices).map(|_| of_shift(shift())).collect();
+        Self::of(&parts)
+    }
+
     fn of(parts: &[Radiance]) -> Self {
         let count = parts.len() as f64;
         let mean_of = |of: fn(&Radiance) -> Vector| {
@@ -362,13 +374,11 @@ impl Room {
         lattices: usize,
         seed: u64,
     ) -> Mean {
-        let mut random = Random::new(seed);
         let per_lattice = count / lattices;
         // Nearly the golden section, so that the lattice is about square.
         let generator = (per_lattice as f64 * 0.618_034) as usize | 1;
         let middle = pixel.map(|at| at as f64 + 0.5);
-        let part = |_| {
-            let shift = [random.unit(), random.unit()];
+        Mean::of_lattices(lattices, seed, |shift: [f64; 2]| {
             let points: Vec<[f64; 2]> = (0..per_lattice)
                 .map(|i| {
                     let lattice = [i, i * generator % per_lattice];
@@ -380,9 +390,7 @@ impl Room {
                 })
                 .collect();
             self.radiance(middle, &points)
-        };
-        let parts: Vec<Radiance> = (0..lattices).map(part).collect();
-        Mean::of(&parts)
+        })
     }
 
     /// The mean over the square of a pixel: each point of it asks one point of each light, of a sequence in four dimensions.
@@ -395,10 +403,8 @@ impl Room {
     ) -> Mean {
         /// The positive root of x⁵ = x + 1.
         const RATIO: f64 = 1.167_303_978_261_418_7;
-        let mut random = Random::new(seed);
         let per_lattice = count / lattices;
-        let part = |_| {
-            let shift = [(); 4].map(|()| random.unit());
+        Mean::of_lattices(lattices, seed, |shift: [f64; 4]| {
             let mut sum = Radiance::default();
             for i in 0..per_lattice {
                 let [x, y, u, v] = [0, 1, 2, 3].map(|axis: usize| {
@@ -414,9 +420,7 @@ impl Room {
                 seen: times(sum.seen, 1.0 / count),
                 unhidden: times(sum.unhidden, 1.0 / count),
             }
-        };
-        let parts: Vec<Radiance> = (0..lattices).map(part).collect();
-        Mean::of(&parts)
+        })
     }
 }
 
