@@ -110,6 +110,7 @@ const MAY_USE: [(&str, &[&str]); 29] = [
             "exr",
             "math",
             "simd",
+            "spectrum",
             "memory",
             "turns",
         ],

@@ -5,6 +5,9 @@
 //! large. Branches are followed one after the other to their ends, the reflected one first, so that the sum of a sample
 //! has the same order beside any others.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
 use fearless_simd::Simd;
 
 use super::batch::NumberedSamples;
@@ -12,8 +15,9 @@ use super::counts::Counts;
 use super::layer_sums::LayerSums;
 use super::tile::Setup;
 use crate::math::{DVec3, Point};
-use crate::shading::{self, Arriving, BANDS, Branch, LightTerms, Shaded};
+use crate::shading::{self, Arriving, BANDS, Branch, Filter, LightTerms, Shaded};
 use crate::simd::{DVec3x16, LANES, ones};
+use crate::spectrum::Spectrum;
 use crate::visibility::{BATCH, Column, IncoherentRays, PACKETS, Points, RayBatch, Workspace};
 use crate::world::Media;
 
@@ -95,6 +99,56 @@ impl Default for Lanes {
             media: [Media::NONE; BATCH],
             band: [0; BATCH],
             count: 0,
+        }
+    }
+}
+
+/// The filters that rays of one branch have, so far.
+#[derive(Default)]
+struct KnownFilters {
+    /// By the number of the filter before, and the band that the ray is part of from here on, 0 for none.
+    by_band: HashMap<(u16, u16), u16>,
+    /// The last one of a material, and what it was before.
+    last: Option<(u16, u32, u16)>,
+}
+
+impl KnownFilters {
+    /// A filter that follows from two numbers.
+    fn filter(
+        &mut self,
+        shaded: &mut Shaded,
+        ray: usize,
+        key: (u16, u16),
+        make: impl FnOnce() -> Spectrum,
+    ) {
+        match self.by_band.entry(key) {
+            Entry::Occupied(known) => shaded.filters.share(ray, *known.get()),
+            Entry::Vacant(place) => {
+                shaded.filters.push(ray, make());
+                place.insert(shaded.filters.number(ray));
+            }
+        }
+    }
+
+    /// A filter of a material, which may depend on the angle.
+    fn own(
+        &mut self,
+        shaded: &mut Shaded,
+        ray: usize,
+        (before, material): (u16, u32),
+        filter: Spectrum,
+    ) {
+        match self.last {
+            Some((known, of, number))
+                if (known, of) == (before, material)
+                    && shaded.filters.get(number) == Some(&filter) =>
+            {
+                shaded.filters.share(ray, number);
+            }
+            _ => {
+                shaded.filters.push(ray, filter);
+                self.last = Some((before, material, shaded.filters.number(ray)));
+            }
         }
     }
 }
@@ -279,8 +333,7 @@ impl Tracer<'_, '_, '_, '_> {
         rays.clear();
         shaded.filters.clear();
         lanes.count = 0;
-        // Rays of one material and one past have one filter.
-        let mut last: Option<(u16, u32, u16)> = None;
+        let mut known = KnownFilters::default();
         for slot in hits(above.points) {
             let material = above.points.material[slot];
             if world.delta(material as usize).is_none() {
@@ -306,7 +359,10 @@ impl Tracer<'_, '_, '_, '_> {
                 .fold(0.0, |most, weight| f64::max(most, weight.abs()));
             if depth >= world.max_depth() || most < NEGLIGIBLE {
                 if most > 0.0 {
-                    let peak = leaving.filter.map_or(1.0, |filter| filter.peak().0);
+                    let peak = match &leaving.filter {
+                        Some(Filter::Own(filter)) => filter.peak().0,
+                        Some(Filter::Band(_)) | None => 1.0,
+                    };
                     self.arrived.cut[usize::from(sample)] += most * peak;
                     self.counts.cut_rays += 1;
                 }
@@ -322,24 +378,19 @@ impl Tracer<'_, '_, '_, '_> {
             lanes.media[place] = leaving.media;
             lanes.band[place] = leaving.band;
             let before = above.shaded.filters.number(slot);
-            let filter = match (above.shaded.filters.get(before), leaving.filter) {
+            let past = above.shaded.filters.get(before);
+            match (past, leaving.filter) {
                 (None, None) => continue,
-                (Some(before), None) => Some(before.clone()),
-                (None, Some(factor)) => Some(factor),
-                (Some(before), Some(factor)) => Some(before.times(&factor)),
-            };
-            if let Some(filter) = filter {
-                match last {
-                    Some((known, of, number))
-                        if (known, of) == (before, material)
-                            && shaded.filters.get(number) == Some(&filter) =>
-                    {
-                        shaded.filters.share(place, number);
-                    }
-                    _ => {
-                        shaded.filters.push(place, filter);
-                        last = Some((before, material, shaded.filters.number(place)));
-                    }
+                (Some(past), None) => known.filter(shaded, place, (before, 0), || past.clone()),
+                (past, Some(Filter::Band(band))) => {
+                    known.filter(shaded, place, (before, band), || {
+                        let share = shading::share_of_band(band);
+                        past.map_or_else(|| share.clone(), |past| past.times(&share))
+                    });
+                }
+                (past, Some(Filter::Own(factor))) => {
+                    let filter = past.map_or_else(|| factor.clone(), |past| past.times(&factor));
+                    known.own(shaded, place, (before, material), filter);
                 }
             }
         }

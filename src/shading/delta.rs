@@ -57,9 +57,17 @@ pub(crate) struct Leaving {
     /// How much of its radiance arrives, per channel; where light is carried spectrally all three are the same.
     pub(crate) weight: [f64; 3],
     /// What of it arrives at each wavelength besides.
-    pub(crate) filter: Option<Spectrum>,
+    pub(crate) filter: Option<Filter>,
     pub(crate) media: Media,
     pub(crate) band: u16,
+}
+
+/// What of a ray's light arrives at each wavelength.
+#[derive(Clone, Debug)]
+pub(crate) enum Filter {
+    Own(Spectrum),
+    /// The share of one of [`BANDS`], counted from 1.
+    Band(u16),
 }
 
 /// How much of the radiance arrives, before it is known whether light is carried spectrally.
@@ -151,7 +159,7 @@ pub(crate) fn leave(
             }
             let mut leaving = surface.refracted(beyond, eta, 1.0 - reflectance)?;
             leaving.band = band;
-            leaving.filter = (arriving.band != band).then(|| hat(band));
+            leaving.filter = (arriving.band != band).then_some(Filter::Band(band));
             Some(leaving)
         }
         _ => None,
@@ -214,7 +222,7 @@ fn center(band: u16) -> f64 {
 
 /// The share of each wavelength that goes the way of a band: linear from the one before to the next, so that together
 /// they are 1.
-fn hat(band: u16) -> Spectrum {
+pub(crate) fn share_of_band(band: u16) -> Spectrum {
     let middle = center(band);
     let before = (band > 1).then(|| center(band - 1));
     let after = (band < BANDS).then(|| center(band + 1));
@@ -390,7 +398,7 @@ impl Surface {
 
 impl Factor<'_> {
     /// Its weight per channel, and its filter where light is carried spectrally; `None` where nothing arrives.
-    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Spectrum>)> {
+    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Filter>)> {
         let (weight, filter) = match *self {
             Self::Gray(weight) => ([weight; 3], None),
             Self::Tinted(tint, cosine) => {
@@ -407,7 +415,7 @@ impl Factor<'_> {
                     Some(SpectralReflectance::Spectrum(r0)) => {
                         let mut r0 = r0.values().iter();
                         let value = |_| at(r0.next().copied().unwrap_or_default());
-                        ([1.0; 3], Some(Spectrum::from_fn(value)))
+                        ([1.0; 3], Some(Filter::Own(Spectrum::from_fn(value))))
                     }
                 }
             }
@@ -418,7 +426,7 @@ impl Factor<'_> {
                     optics::conductor(cosine, n, k)
                 });
                 match world.spectra() {
-                    Some(_) => ([1.0; 3], Some(reflectance)),
+                    Some(_) => ([1.0; 3], Some(Filter::Own(reflectance))),
                     None => (world.color_of_reflectance(&reflectance), None),
                 }
             }
@@ -438,7 +446,7 @@ impl Factor<'_> {
                     let place = (nm - f64::from(FIRST)) as usize;
                     optics::dielectric(cos_incident, at(to, place) / at(from, place))
                 });
-                ([1.0; 3], Some(filter))
+                ([1.0; 3], Some(Filter::Own(filter)))
             }
         };
         (weight != [0.0; 3]).then_some((weight, filter))
@@ -455,13 +463,13 @@ mod tests {
     fn bands_keep_the_light() {
         let mut sums = [0.0; SAMPLES];
         for band in 1..=BANDS {
-            let hat = hat(band);
-            for (sum, share) in sums.iter_mut().zip(hat.values()) {
+            let shares = share_of_band(band);
+            for (sum, share) in sums.iter_mut().zip(shares.values()) {
                 assert!((0.0..=1.0).contains(share));
                 *sum += share;
             }
             // Each has its own wavelength, but for the nm of the grid.
-            assert!(hat.at(center(band)) > 0.7, "{band}");
+            assert!(shares.at(center(band)) > 0.7, "{band}");
         }
         for sum in sums {
             assert!((sum - 1.0).abs() < 1e-14, "{sum}");

@@ -50,9 +50,19 @@ pub(super) fn filter_background(
     first: usize,
     radiance: &mut [Column; 3],
 ) {
+    // What is black has no color.
+    if world.background().0.0 == [0.0; 3] {
+        return;
+    }
+    let mut last: Option<(u16, [f64; 3])> = None;
     for lane in ones(!hit & ((1 << LANES) - 1)) {
-        if let Some(filter) = filters.get(filters.number(first + lane)) {
-            let background = world.background_through(filter).0.0;
+        let number = filters.number(first + lane);
+        if let Some(filter) = filters.get(number) {
+            let background = match last {
+                Some((known, background)) if known == number => background,
+                _ => world.background_through(filter).0.0,
+            };
+            last = Some((number, background));
             for (column, channel) in radiance.iter_mut().zip(background) {
                 column[first + lane] = channel;
             }
