@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use candela::image::Film;
 use candela::render::{Counts, Job, Options, Renderer};
-use candela::scene::Scene;
+use candela::scene::{Material, Scene};
 use candela::world::World;
 
 /// Relative to the package, where tests run.
@@ -21,6 +21,15 @@ pub(crate) fn scene_files() -> Vec<PathBuf> {
     files.sort();
     assert!(!files.is_empty());
     files
+}
+
+/// Whether anything in a scene is perfectly smooth, a mirror or glass.
+pub(crate) fn is_smooth(scene: &Scene) -> bool {
+    let mut materials = scene.materials.iter();
+    materials.any(|material| match &material.value {
+        Material::Phong(lobes) | Material::NormalizedPhong(lobes) => lobes.coat.is_some(),
+        Material::Mirror(_) | Material::Metal(_) | Material::Glass(_) | Material::Pane(_) => true,
+    })
 }
 
 /// The file's name without its extension.

@@ -156,8 +156,9 @@ impl KnownFilters {
 /// A step whose branches are being followed.
 struct Taken {
     step: Box<Step>,
-    /// The next of its branches.
+    /// The next of its branches, and how many there are.
     next: u16,
+    count: u16,
     /// That by which its rays left the points that the camera sees.
     first: Branch,
 }
@@ -278,19 +279,23 @@ impl Paths {
 impl Tracer<'_, '_, '_, '_> {
     /// Follows all branches of the points that the camera sees, to their ends.
     fn follow<S: Simd>(&mut self, simd: S, seen: Above<'_>, spare: &mut Vec<Box<Step>>) {
-        let count = if self.setup.world.has_dispersion() {
-            2 + BANDS
-        } else {
-            2
-        };
         // What is on its way, from the camera on: recursion would take a stack as deep as the paths.
         let mut steps: Vec<Taken> = Vec::new();
         let mut next_of_seen = 0;
+        let count_of_seen = self.branches(seen);
         loop {
             let depth = steps.len();
-            let (above, next, first) = match steps.last_mut() {
-                None => (seen, &mut next_of_seen, None),
-                Some(taken) => (taken.step.above(), &mut taken.next, Some(taken.first)),
+            let (above, next, count, first) = match steps.last_mut() {
+                None => (seen, &mut next_of_seen, count_of_seen, None),
+                Some(taken) => {
+                    let Taken {
+                        step,
+                        next,
+                        count,
+                        first,
+                    } = taken;
+                    (step.above(), next, *count, Some(*first))
+                }
             };
             if *next == count {
                 match steps.pop() {
@@ -313,11 +318,26 @@ impl Tracer<'_, '_, '_, '_> {
             }
             let first = first.unwrap_or(branch);
             self.see(simd, first, &mut step);
+            let count = self.branches(step.above());
             steps.push(Taken {
                 step,
                 next: 0,
+                count,
                 first,
             });
+        }
+    }
+
+    /// How many branches may leave the points of a batch.
+    fn branches(&self, above: Above<'_>) -> u16 {
+        let Setup { world, .. } = *self.setup;
+        let is_split = |slot: usize| {
+            above.lanes.band[slot] == 0 && world.disperses(above.points.material[slot] as usize)
+        };
+        if world.has_dispersion() && hits(above.points).any(is_split) {
+            2 + BANDS
+        } else {
+            2
         }
     }
 
@@ -336,7 +356,10 @@ impl Tracer<'_, '_, '_, '_> {
         let mut known = KnownFilters::default();
         for slot in hits(above.points) {
             let material = above.points.material[slot];
-            if world.delta(material as usize).is_none() {
+            let is_banded = above.lanes.band[slot] != 0 || !world.disperses(material as usize);
+            if world.delta(material as usize).is_none()
+                || is_banded && matches!(branch, Branch::Dispersed(_))
+            {
                 continue;
             }
             let [origin, direction] = above.rays.ray(slot);

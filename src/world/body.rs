@@ -28,7 +28,7 @@ impl Body {
 /// How many bodies may be around one point.
 const MOST: usize = 8;
 
-/// Nothing, where a body could be.
+/// No body.
 const NONE: u32 = u32::MAX;
 
 /// The bodies of glass that a point is inside of, by their ranks: those of [`World::bodies`], smallest first.
@@ -103,7 +103,8 @@ impl World {
 
     /// The rank of a body of glass in [`World::bodies`].
     pub(crate) fn body_rank(&self, object: u32) -> Option<u32> {
-        self.body_ranks.get(&object).copied()
+        let rank = self.body_ranks.get(object as usize).copied()?;
+        (rank != NONE).then_some(rank)
     }
 }
 

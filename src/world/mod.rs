@@ -33,7 +33,6 @@ mod reflectances;
 #[doc(hidden)]
 pub mod spectra;
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -88,8 +87,8 @@ pub struct World {
     /// Whether any of these disperses light, which is carried spectrally.
     has_dispersion: bool,
     bodies: Vec<Body>,
-    /// The place of each body among them, by its object.
-    body_ranks: HashMap<u32, u32>,
+    /// The place among them of each object, `u32::MAX` of what is none.
+    body_ranks: Vec<u32>,
     /// How often light is followed through mirrors and glass.
     max_depth: u32,
     lights: Vec<Named<Light>>,
@@ -315,6 +314,14 @@ impl World {
     #[doc(hidden)]
     pub fn has_deltas(&self) -> bool {
         self.has_deltas
+    }
+
+    /// Whether a material disperses light that goes into it.
+    pub(crate) fn disperses(&self, material: usize) -> bool {
+        match &self.deltas[material] {
+            Some(Delta::Glass(glass)) => self.has_dispersion && glass.dispersion.is_some(),
+            _ => false,
+        }
     }
 
     /// Whether any body of glass disperses light.

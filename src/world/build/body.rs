@@ -51,8 +51,12 @@ impl Builder<'_> {
                 .total_cmp(&b.volume())
                 .then(a.object.cmp(&b.object))
         });
-        let ranks = bodies.iter().zip(0..);
-        world.body_ranks = ranks.map(|(body, rank)| (body.object, rank)).collect();
+        if !bodies.is_empty() {
+            world.body_ranks = vec![u32::MAX; world.objects.len()];
+        }
+        for (body, rank) in bodies.iter().zip(0..) {
+            world.body_ranks[body.object as usize] = rank;
+        }
         world.bodies = bodies;
     }
 }

@@ -262,7 +262,7 @@ impl<'a> Builder<'a> {
             has_panes: false,
             has_dispersion: false,
             bodies: Vec::new(),
-            body_ranks: HashMap::new(),
+            body_ranks: Vec::new(),
             max_depth,
             lights,
             light_groups,
