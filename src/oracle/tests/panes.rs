@@ -29,9 +29,12 @@ fn panes_reflect_from_both_faces() {
     }
 }
 
+/// Adds a pane to a scene.
+type Adds = fn(Builder) -> Builder;
+
 #[test]
 fn lamps_shine_through_panes() {
-    let lit = |pane_at: Option<fn(Builder) -> Builder>| {
+    let lit = |pane_at: Option<Adds>| {
         let floor = Builder::looking([0.0, -0.4, 0.3], [0.0; 3])
             .light([3.0_f64.sqrt(), 0.0, 1.0], 5.0)
             .plane([0.0; 3], [0.0, 0.0, 1.0]);
@@ -41,7 +44,7 @@ fn lamps_shine_through_panes() {
     let aslant = 0.836_232_462_710;
     let across = 0.96 / 1.04;
     let at_the_side = (1.0 - fresnel(30.0, 1.5)) / (1.0 + fresnel(30.0, 1.5));
-    let cases: [(fn(Builder) -> Builder, f64, usize); 5] = [
+    let cases: [(Adds, f64, usize); 5] = [
         (|b| b.plane([0.0, 0.0, 0.5], [0.0, 0.0, 1.0]), aslant, 1),
         // From within, and through all of it.
         (|b| b.sphere([3.0_f64.sqrt(), 0.0, 1.0], 0.5), across, 1),
@@ -113,14 +116,16 @@ fn lamps_with_an_area_shine_through_panes() {
         let Some([from, to]) = pane_of else {
             return floor;
         };
-        let mut mesh = MeshFile::default();
-        mesh.positions = vec![
-            [from, -9.0, 0.5],
-            [to, -9.0, 0.5],
-            [to, 9.0, 0.5],
-            [from, 9.0, 0.5],
-        ];
-        mesh.triangles = vec![[0, 1, 2], [0, 2, 3]];
+        let mesh = MeshFile {
+            positions: vec![
+                [from, -9.0, 0.5],
+                [to, -9.0, 0.5],
+                [to, 9.0, 0.5],
+                [from, 9.0, 0.5],
+            ],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..MeshFile::default()
+        };
         floor.mesh(&Arc::new(mesh), AS_IS).of("pane", pane(1.5))
     };
     // L π ∫ T(θ) sin 2θ dθ up to 45°, by Simpson's rule.
