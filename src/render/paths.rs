@@ -460,11 +460,9 @@ impl Tracer<'_, '_, '_, '_> {
             Branch::Reflected => &mut self.arrived.reflected,
             Branch::Transmitted | Branch::Dispersed(_) => &mut self.arrived.transmitted,
         };
-        for channel in 0..3 {
-            for slot in 0..lanes.count {
-                let radiance = shaded.radiance[channel][slot];
-                sums[channel][usize::from(lanes.sample[slot])] +=
-                    lanes.weight[channel][slot] * radiance;
+        for ((sums, weight), radiance) in sums.iter_mut().zip(&lanes.weight).zip(&shaded.radiance) {
+            for (slot, &sample) in lanes.sample[..lanes.count].iter().enumerate() {
+                sums[usize::from(sample)] += weight[slot] * radiance[slot];
             }
         }
     }

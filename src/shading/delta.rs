@@ -71,6 +71,7 @@ pub(crate) enum Filter {
 }
 
 /// How much of the radiance arrives, before it is known whether light is carried spectrally.
+#[derive(Clone, Copy)]
 enum Factor<'w> {
     Gray(f64),
     Tinted(&'w Tint, f64),

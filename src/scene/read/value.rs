@@ -158,10 +158,7 @@ impl Reader<'_> {
         let missing = if table.contains_key(COLOR.name) && size.is_some() {
             keys.push(&COLOR);
             size
-        } else if table.contains_key(VALUES.name) {
-            keys.push(&VALUES);
-            Some(&WAVELENGTHS)
-        } else if purpose.is_index() {
+        } else if table.contains_key(VALUES.name) || purpose.is_index() {
             keys.push(&VALUES);
             Some(&WAVELENGTHS)
         } else if table.is_empty() || table.contains_key(SPACE.name) {

@@ -200,7 +200,7 @@ fn glasses() -> Vec<&'static str> {
 }
 
 fn metal(fields: &mut Fields<'_, '_, '_>) -> Option<Material> {
-    let preset = fields.get(&PRESET).map(|node| node.span());
+    let preset = fields.get(&PRESET).map(toml::Spanned::span);
     let (has_n, has_k) = (
         fields.get(&METAL_N).is_some(),
         fields.get(&METAL_K).is_some(),
