@@ -289,6 +289,14 @@ pub(crate) fn assert_agrees(name: &str, scene: &Scene) -> usize {
     comparison.lit
 }
 
+/// How many pixels of a scene there are, and how many are not the oracle's.
+pub(crate) fn disagreement(name: &str, scene: &Scene) -> [u64; 2] {
+    let comparison = compare(scene);
+    println!("{name}: {comparison:?}");
+    let differ = comparison.wrong.len() as u64 + comparison.flips as u64;
+    [comparison.pixels as u64, differ]
+}
+
 /// The worst of as many scenes as are asked for.
 fn worst_of_generated() -> f64 {
     if generate::count() < MANY {

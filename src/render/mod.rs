@@ -29,6 +29,7 @@ mod paths;
 mod renderer;
 mod sampling;
 mod scheduler;
+mod setup;
 mod shares;
 mod sink;
 mod statistics;

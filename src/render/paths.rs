@@ -13,7 +13,7 @@ use fearless_simd::Simd;
 use super::batch::NumberedSamples;
 use super::counts::Counts;
 use super::layer_sums::LayerSums;
-use super::tile::Setup;
+use super::setup::Setup;
 use crate::math::{DVec3, Point};
 use crate::shading::{self, Arriving, BANDS, Branch, Filter, LightTerms, Shaded};
 use crate::simd::{DVec3x16, LANES, ones};

@@ -1,56 +1,22 @@
 //! Tiles: running sums of their pixels, to which passes add samples.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use fearless_simd::Simd;
 
-use super::accuracy::Goal;
 use super::bands::Further;
 use super::batch::{Batch, PIXELS, Selection, TilePixels};
 use super::counts::Counts;
-use super::layer_sums::{LayerSums, RequestedLayers};
+use super::layer_sums::LayerSums;
 use super::paths::Paths;
-use super::sampling::Sampler;
+pub(super) use super::setup::{Kept, Setup};
 use super::sink::RenderedTile;
 use super::statistics::Statistics;
 use super::sums::PixelSums;
-use crate::camera::Camera;
 use crate::image::Window;
 use crate::shading::{self, LightTerms, Shaded};
-use crate::simd::{Kernel, LANES, SimdLevel};
-use crate::visibility::{MetLeaves, Points, Visibility, Workspace};
-use crate::world::World;
-
-/// What all tiles have in common.
-#[derive(Clone, Copy)]
-pub(super) struct Setup<'w> {
-    pub(super) world: &'w World,
-    pub(super) camera: &'w Camera,
-    pub(super) visibility: &'w Visibility<'w>,
-    /// Whether it is counted what visibility takes, and where it is noted which leaves are met.
-    pub(super) counts_work: bool,
-    pub(super) met_leaves: Option<&'w Arc<MetLeaves>>,
-    pub(super) simd: SimdLevel,
-    /// [`Options::cuts_areas`](super::Options::cuts_areas)
-    pub(super) cuts_areas: bool,
-    /// Where all samples of a pixel are, of which a pass takes a range.
-    pub(super) sampler: &'w Sampler,
-    pub(super) layers: Option<&'w RequestedLayers<'w>>,
-    pub(super) sums: Kept,
-    /// Where pixels are rendered to an error, which.
-    pub(super) goal: Option<&'w Goal>,
-}
-
-/// What is kept of samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Kept {
-    /// Their sums.
-    #[default]
-    Sums,
-    /// [`Statistics`] beside these.
-    SumsAndStatistics,
-}
+use crate::simd::{Kernel, LANES};
+use crate::visibility::{Points, Workspace};
 
 /// The running sums of a tile's pixels, in the order of their samples.
 ///
@@ -183,7 +149,8 @@ impl<'w> Tile<'w> {
 impl Setup<'_> {
     /// Channels beside R, G, B, A.
     pub(super) fn channels(&self) -> usize {
-        self.layers.map_or(0, RequestedLayers::channels)
+        self.layers
+            .map_or(0, super::layer_sums::RequestedLayers::channels)
     }
 }
 
