@@ -97,6 +97,11 @@ for name; do
     yard) exposed="--iso 100 --shutter 1/100 --aperture 16" ;;
     soft-shadow) exposed="--iso 100 --shutter 1/6 --aperture 4 --view aces2" ;;
     neon) exposed="--exposure 0.7 --view aces2" ;;
+    mirror-ball) exposed="--exposure 0.6 --view aces2" ;;
+    facing-mirrors | hall-of-mirrors) exposed="--exposure 0.5 --view aces2" ;;
+    window) exposed="--exposure 0.9 --view aces2" ;;
+    metals) exposed="--exposure 0.8 --view aces2" ;;
+    prism) exposed="--exposure -1.5" ;;
     office) exposed="--iso 100 --shutter 1/10 --aperture 4 --view aces2" ;;
     *) exposed= ;;
     esac

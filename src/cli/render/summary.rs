@@ -142,7 +142,7 @@ impl Summary<'_> {
         if !self.has_lights {
             return None;
         }
-        if lit == 0 && self.counts.brightest == 0.0 {
+        if lit == 0 && self.counts.secondary_rays == 0 {
             return Some(format!(
                 "every light is hidden or below the surface, wherever the camera looks; {} says which \
                  and by what",
