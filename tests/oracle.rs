@@ -15,7 +15,7 @@ use candela::world::World;
 use rayon::prelude::*;
 
 use crate::generate;
-use crate::images::{at_width, bits, film_of, name_of, parse, scene_files};
+use crate::images::{at_width, bits, film_of, is_smooth, name_of, parse, scene_files};
 use crate::measured::{HALF_LAST_BIT, Measured};
 use crate::openimageio::{idiff_agrees, idiff_agrees_within};
 
@@ -354,6 +354,9 @@ fn affordable_width(scene: &Scene) -> u32 {
     if has_areas(scene) {
         rays /= OF_AREAS;
     }
+    if is_smooth(scene) {
+        rays /= OF_WAYS;
+    }
     let [width, height] = scene.image.resolution.value.map(f64::from);
     ((rays * width / height).sqrt() as u32).clamp(16, WIDTH)
 }
@@ -370,6 +373,9 @@ fn has_areas(scene: &Scene) -> bool {
     let mut lights = scene.lights.iter();
     lights.any(|light| matches!(light.value, Light::Area { .. }))
 }
+
+/// About so many ways of light it follows where anything is smooth.
+const OF_WAYS: f64 = 30.0;
 
 /// Of integrals over lights the oracle needs more time than of a ray to a point: so many times.
 const OF_AREAS: f64 = 40.0;
