@@ -22,7 +22,7 @@ impl Sellmeier {
 
     /// n at a wavelength above zero.
     ///
-    /// It is a number, and at least 1, where [`holds`](Self::holds) says so of a range around it.
+    /// It is a number, and at least 1, where a test says so of the visible range.
     pub(crate) fn index(&self, nm: f64) -> f64 {
         let square = wavelength_squared(nm);
         let mut sum = 1.0;

@@ -36,6 +36,6 @@ pub(super) enum Kept {
     /// Their sums.
     #[default]
     Sums,
-    /// [`Statistics`] beside these.
+    /// [`Statistics`](super::statistics::Statistics) beside these.
     SumsAndStatistics,
 }
