@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use candela::image::Film;
-use candela::render::{Counts, Job, Options, Renderer};
+use candela::image::{Film, Window};
+use candela::render::{Counts, Job, Options, Renderer, SimdLevel};
 use candela::scene::{Material, Scene};
 use candela::world::World;
 
@@ -21,6 +21,51 @@ pub(crate) fn scene_files() -> Vec<PathBuf> {
     files.sort();
     assert!(!files.is_empty());
     files
+}
+
+/// What is rendered of a scene that is written here.
+pub(crate) fn film_of_text(text: &str, options: &Options) -> Film {
+    let scene = Scene::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let renderer = Renderer::new(&world).unwrap();
+    renderer.film(&camera, options, &Job::new()).unwrap().0
+}
+
+/// The same bits, those of layers as well, by any number of threads, on any instruction set, and in a part of the image.
+pub(crate) fn assert_same_everywhere(text: &str, options: &Options, part: Window) {
+    let bits = |film: &Film, place: usize| -> Vec<u32> {
+        let values = film.pixels()[place].into_iter().chain(film.values(place));
+        values.map(f32::to_bits).collect()
+    };
+    let whole = film_of_text(text, options);
+    let mut others = Vec::new();
+    for threads in [1, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        others.push(pool.install(|| film_of_text(text, options)));
+    }
+    for (_, simd) in SimdLevel::available() {
+        let options = Options {
+            simd,
+            ..options.clone()
+        };
+        others.push(film_of_text(text, &options));
+    }
+    for other in &others {
+        for place in 0..whole.pixels().len() {
+            assert_eq!(bits(&whole, place), bits(other, place), "{place}\n{text}");
+        }
+    }
+    let options = Options {
+        window: Some(part),
+        ..options.clone()
+    };
+    let film = film_of_text(text, &options);
+    let [width, _] = whole.resolution();
+    for (place, [x, y]) in part.pixels().enumerate() {
+        let pixel = (y * width + x) as usize;
+        assert_eq!(bits(&film, place), bits(&whole, pixel), "{x}, {y}\n{text}");
+    }
 }
 
 /// Whether anything in a scene is perfectly smooth, a mirror or glass.

@@ -1,30 +1,22 @@
 //! Mirrors, metals, glass and panes: closed forms through the whole program, images in plane mirrors, the sums of
 //! layers, and the same bits whatever renders them.
 
-use std::f64::consts::PI;
-
-use candela::image::{Film, Window};
-use candela::render::{Job, Layers, Options, Renderer, SimdLevel};
+use candela::image::Window;
+use candela::render::{Job, Layers, Options, Renderer};
 use candela::scene::{Material, Metal, Mirror, Object, Scene, Value};
 use candela::world::World;
 
 use crate::generate;
+use crate::images::{assert_same_everywhere, film_of_text};
 use crate::measured::{HALF_LAST_BIT, Measured};
 use crate::oracle::disagreement;
 
 /// Relative error where nothing but the rounding to f32 is between the closed form and the pixel.
 const ROUNDING: f64 = Measured::ROOM * HALF_LAST_BIT;
 
-fn film_with(text: &str, options: &Options) -> Film {
-    let scene = Scene::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
-    let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
-    let renderer = Renderer::new(&world).unwrap();
-    renderer.film(&camera, options, &Job::new()).unwrap().0
-}
-
 /// R, G, B of the one pixel of a scene.
 fn pixel(text: &str) -> [f64; 3] {
-    let [r, g, b, _] = film_with(text, &Options::default()).pixels()[0];
+    let [r, g, b, _] = film_of_text(text, &Options::default()).pixels()[0];
     [r, g, b].map(f64::from)
 }
 
@@ -151,7 +143,7 @@ fn a_furnace_hides_glass() {
         [camera.perspective]\neye = [0, 0, 4]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
         [materials.g.glass]\nn = 1.5\n\
         [objects.o.sphere]\nmaterial = \"g\"\ncenter = [0, 0, 0]\nradius = 1\n";
-    let film = film_with(text, &Options::default());
+    let film = film_of_text(text, &Options::default());
     for (place, pixel) in film.pixels().iter().enumerate() {
         let error = (f64::from(pixel[0]) - 1.0).abs();
         assert!(error < 1e-6, "{place}: {pixel:?}");
@@ -202,11 +194,11 @@ fn a_plane_mirror_shows_what_the_mirrored_eye_sees() {
         )
     };
     // The eye sees nothing but the mirror; the mirrored eye sees the other way round.
-    let seen = film_with(
+    let seen = film_of_text(
         &format!("{image}{}{mirror}{things}", camera(-3.5)),
         &Options::default(),
     );
-    let expected = film_with(
+    let expected = film_of_text(
         &format!("{image}{}{things}", camera(-4.5)),
         &Options::default(),
     );
@@ -307,14 +299,14 @@ fn layers_add_up() {
             layers,
             ..Options::default()
         };
-        let film = film_with(&everything(transport), &options);
+        let film = film_of_text(&everything(transport), &options);
         let plain = Options {
             samples: 4,
             ..Options::default()
         };
         assert_eq!(
             film.pixels(),
-            film_with(&everything(transport), &plain).pixels()
+            film_of_text(&everything(transport), &plain).pixels()
         );
         let names: Vec<&str> = film
             .channels()
@@ -366,48 +358,86 @@ fn layers_add_up() {
     }
 }
 
-/// The sphere of everything is lit through π of what it reflects at most: no pixel is brighter than its surroundings.
-#[test]
-fn nothing_smooth_makes_light() {
-    let film = film_with(&everything("rgb"), &Options::default());
-    let brightest = film
-        .pixels()
-        .iter()
-        .map(|pixel| f64::from(pixel[1]))
-        .fold(0.0, f64::max);
-    // The panel itself, or the floor below the lamp.
-    assert!(brightest <= (0.15 + 0.1) * PI * 80.0, "{brightest}");
+/// Renders what takes no light before a background of 1: no channel is further from 1 than what is left out by the depth,
+/// whose bound the counts say. The darkest channel, and that bound.
+fn furnace(text: &str) -> [f64; 2] {
+    let scene = Scene::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}"));
+    let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+    let renderer = Renderer::new(&world).unwrap();
+    let film = renderer.film(&camera, &Options::default(), &Job::new());
+    let (film, counts) = film.unwrap();
+    let mut darkest = 1.0_f64;
+    for (place, pixel) in film.pixels().iter().enumerate() {
+        for channel in &pixel[..3] {
+            let radiance = f64::from(*channel);
+            darkest = darkest.min(radiance);
+            let error = (radiance - 1.0).abs();
+            assert!(
+                error <= counts.depth_rest + 1e-6,
+                "{place}: {pixel:?}, {counts:?}"
+            );
+        }
+    }
+    [darkest, counts.depth_rest]
 }
 
-/// The same bits on any instruction set, whole or in parts, in however many passes.
+/// What takes no light is not seen before a background of 1, but for what lies beyond the depth: that is in the bound, which
+/// is less than all of it.
 #[test]
-fn everything_has_the_same_bits_everywhere() {
+fn a_furnace_hides_what_takes_no_light() {
+    for depth in [1, 3, 12] {
+        let text = format!(
+            "[image]\nresolution = [60, 40]\nbackground = 1\nmax_depth = {depth}\n\
+             [camera.perspective]\neye = [0, 0.5, 5]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+             [materials.mirror.mirror]\nreflectance = 1\n[materials.glass.glass]\nn = 1.5\n\
+             [materials.water.glass]\nn = 1.33\n[materials.pane.pane]\nn = 1.5\n\
+             [objects.mirror.sphere]\nmaterial = \"mirror\"\ncenter = [-1.3, 0, -0.5]\nradius = 0.7\n\
+             [objects.glass.sphere]\nmaterial = \"glass\"\ncenter = [0.4, 0, 0]\nradius = 0.7\n\
+             [objects.drop.sphere]\nmaterial = \"water\"\ncenter = [0.5, 0.1, 0.2]\nradius = 0.3\n\
+             [objects.across.sphere]\nmaterial = \"water\"\ncenter = [1.1, 0.2, 0.1]\nradius = 0.4\n\
+             [objects.pane.triangle]\nmaterial = \"pane\"\nvertices = [[-2, -1, 1], [0.5, -1, 1], [-1, 2, 1]]\n"
+        );
+        let [darkest, left_out] = furnace(&text);
+        // The bound is not far off: one sample a pixel, and nothing is brighter than the background.
+        assert!(
+            left_out > 1e-12 && 1.0 - darkest > 0.1 * left_out,
+            "{darkest}, {left_out}"
+        );
+    }
+}
+
+/// Light that leaves one glass for another that disperses it is split there: nothing of a background of 1 is lost.
+#[test]
+fn overlapping_glass_loses_no_light_where_one_disperses_it() {
+    let text = "[image]\nresolution = [12, 12]\nbackground = 1\nmax_depth = 8\ntransport = \"spectral\"\n\
+        [camera.orthographic]\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\nheight = 0.2\n\
+        [materials.flint.glass]\nsellmeier = \"N-SF11\"\ndispersion = true\n[materials.clear.glass]\nn = 1.3\n\
+        [objects.large.sphere]\nmaterial = \"flint\"\ncenter = [0, 0, 0]\nradius = 1\n\
+        [objects.small.sphere]\nmaterial = \"clear\"\ncenter = [0, 0, 0.8]\nradius = 0.5\n";
+    let [darkest, _] = furnace(text);
+    assert!(darkest > 0.99, "{darkest}");
+}
+
+#[test]
+fn threads_instructions_and_parts_make_no_difference() {
+    let part = Window {
+        x: 37,
+        y: 21,
+        width: 30,
+        height: 25,
+    };
     for transport in ["rgb", "spectral"] {
-        let text = everything(transport);
-        let options = |simd| Options {
+        let options = Options {
             samples: 3,
-            simd,
+            layers: Layers {
+                lights: true,
+                diffuse: true,
+                specular: true,
+                ..Layers::default()
+            },
             ..Options::default()
         };
-        let whole = film_with(&text, &options(SimdLevel::default()));
-        for (_, simd) in SimdLevel::available() {
-            assert_eq!(film_with(&text, &options(simd)).pixels(), whole.pixels());
-        }
-        let window = Window {
-            x: 37,
-            y: 21,
-            width: 30,
-            height: 25,
-        };
-        let part = Options {
-            window: Some(window),
-            ..options(SimdLevel::default())
-        };
-        let part = film_with(&text, &part);
-        for (place, pixel) in part.pixels().iter().enumerate() {
-            let (x, y) = (place % 30 + 37, place / 30 + 21);
-            assert_eq!(*pixel, whole.pixels()[y * 96 + x], "{x}, {y}");
-        }
+        assert_same_everywhere(&everything(transport), &options, part);
     }
 }
 
@@ -516,4 +546,49 @@ fn generated_scenes_agree_with_the_oracle() {
     // What is seen by way of balls that touch each other is decided by the last digit, as edges are.
     println!("{differ} of {pixels} pixels differ");
     assert!(differ * 2000 <= pixels, "{differ} of {pixels}");
+}
+
+/// Smooth meshes, whose interpolated normals may face away from the viewer at their outlines.
+#[test]
+fn smooth_meshes_agree_with_the_oracle() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut ball = String::new();
+    let (columns, rows) = (7, 5);
+    for row in 0..=rows {
+        let (across, up) = (std::f64::consts::PI * f64::from(row) / f64::from(rows)).sin_cos();
+        for column in 0..columns {
+            let turn = std::f64::consts::TAU * f64::from(column) / f64::from(columns);
+            let (x, z) = (across * turn.sin(), across * turn.cos());
+            ball += &format!("v {x:?} {up:?} {z:?}\nvn {x:?} {up:?} {z:?}\n");
+        }
+    }
+    for row in 0..rows {
+        for column in 0..columns {
+            let at = |row: i32, column: i32| row * columns + column % columns + 1;
+            let [a, b] = [at(row, column), at(row, column + 1)];
+            let [c, d] = [at(row + 1, column + 1), at(row + 1, column)];
+            for [a, b, c] in [[a, d, c], [a, c, b]] {
+                ball += &format!("f {a}//{a} {b}//{b} {c}//{c}\n");
+            }
+        }
+    }
+    std::fs::write(folder.path().join("ball.obj"), ball).unwrap();
+    for material in [
+        "mirror]\nreflectance = 0.9\nschlick = true",
+        "metal]\nn = 0.2\nk = 3",
+        "phong]\ndiffuse = 0.2\nreflectance = 0.05\nschlick = true",
+    ] {
+        let text = format!(
+            "[image]\nresolution = [80, 80]\nbackground = [0.2, 0.3, 0.5]\ntransport = \"rgb\"\n\
+             [camera.perspective]\neye = [0, 1, 4]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+             [materials.m.{material}\n[materials.floor.phong]\ndiffuse = 0.2\n\
+             [lights.l.point]\nposition = [3, 4, 3]\nintensity = 60\n\
+             [objects.ball.mesh]\nmaterial = \"m\"\nfile = \"ball.obj\"\n\
+             [objects.floor.plane]\nmaterial = \"floor\"\npoint = [0, -1.2, 0]\nnormal = [0, 1, 0]\n"
+        );
+        let path = folder.path().join("ball.toml");
+        let scene = Scene::parse(&text, &path).unwrap_or_else(|error| panic!("{error}"));
+        let [pixels, differ] = disagreement(material, &scene);
+        assert!(differ * 2000 <= pixels, "{material}: {differ} of {pixels}");
+    }
 }

@@ -10,7 +10,7 @@
 //! not larger than what the rounding of what was written alone can make it, see [`ROUNDING`].
 
 use super::camera::Ray;
-use super::surface::{Surface, barycentric, is_in_rectangle};
+use super::surface::{barycentric, is_in_rectangle};
 use super::vector::{Vector, WideVector, add, dot, length, narrowed, scale, subtract, unit};
 use super::wide::{Real, Wide};
 
@@ -53,14 +53,12 @@ impl Segment {
         subtract(self.to, self.from)
     }
 
-    /// The line that it is a part of, from p on.
-    pub(super) fn may_meet(&self, surface: &Surface) -> bool {
-        let along = unit(self.vector());
-        along.is_none_or(|direction| {
-            surface.may_meet(&Ray {
-                origin: self.from,
-                direction,
-            })
+    /// The line that it is a part of, from p on; `None` of no length.
+    pub(super) fn line(&self) -> Option<Ray> {
+        let direction = unit(self.vector())?;
+        Some(Ray {
+            origin: self.from,
+            direction,
         })
     }
 

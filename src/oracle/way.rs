@@ -1,6 +1,7 @@
 //! L4 from a point that is seen to a light: where the way starts, and what stands in it.
 
 use super::Oracle;
+use super::camera::Ray;
 use super::hit::{Hit, starts_inwards};
 use super::lamp::{BEYOND_ALL, Lamp, Place};
 use super::occlusion::{
@@ -67,9 +68,14 @@ impl Oracle {
         among: impl Iterator<Item = usize>,
     ) -> Between {
         let segment = &self.shadow_segment(hit, light);
+        let line = segment.line();
         let mut nearest: Option<(usize, f64)> = None;
         let mut panes = Vec::new();
         for index in among {
+            let is_beside = |line: &Ray| !self.surfaces[index].may_meet(line);
+            if line.as_ref().is_some_and(is_beside) {
+                continue;
+            }
             let Some(part) = self.part_between(hit, segment, index) else {
                 continue;
             };
@@ -95,9 +101,6 @@ impl Oracle {
     fn part_between(&self, hit: &Hit, segment: &Segment, index: usize) -> Option<f64> {
         let surface = &self.surfaces[index];
         let own = index == hit.surface;
-        if !segment.may_meet(surface) {
-            return None;
-        }
         let magnitude = surface.shape.magnitude();
         match &surface.shape {
             // A flat surface never stands before its own points.

@@ -8,7 +8,7 @@ use crate::memory::OutOfMemory;
 use crate::shading::{AreaSpace, Crossing, Opaque, PaneSpace, area_illuminance};
 use crate::simd::{Kernel, LANES, SimdLevel};
 use crate::visibility::{
-    BATCH, Column, IncoherentSegments, RayStart, SegmentBatch, Visibility, Workspace,
+    BATCH, IncoherentSegments, RayStart, SegmentBatch, Visibility, Workspace, vector,
 };
 use crate::world::{Plan, World};
 
@@ -126,11 +126,7 @@ fn crossing(
     segment: usize,
     to_light: Option<Direction>,
 ) -> Crossing {
-    let at = |columns: &[Column; 3]| {
-        let [x, y, z] = columns;
-        DVec3::new(x[segment], y[segment], z[segment])
-    };
-    let position = at(&segments.start.position);
+    let position = vector(&segments.start.position, segment);
     let start = RayStart {
         t: 0.0,
         position,
@@ -139,7 +135,11 @@ fn crossing(
     };
     match to_light {
         Some(to_light) => Crossing::new(start, to_light.get(), f64::INFINITY),
-        None => Crossing::new(start, at(&segments.end.position) - position, 1.0),
+        None => Crossing::new(
+            start,
+            vector(&segments.end.position, segment) - position,
+            1.0,
+        ),
     }
 }
 

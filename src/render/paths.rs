@@ -14,11 +14,13 @@ use super::batch::NumberedSamples;
 use super::counts::Counts;
 use super::layer_sums::LayerSums;
 use super::setup::Setup;
-use crate::math::{DVec3, Point};
+use crate::math::Point;
 use crate::shading::{self, Arriving, BANDS, Branch, Filter, LightTerms, Shaded};
 use crate::simd::{DVec3x16, LANES, ones};
 use crate::spectrum::Spectrum;
-use crate::visibility::{BATCH, Column, IncoherentRays, PACKETS, Points, RayBatch, Workspace};
+use crate::visibility::{
+    BATCH, Column, IncoherentRays, PACKETS, Points, RayBatch, Workspace, vector,
+};
 use crate::world::Media;
 
 /// A branch of which less than this arrives is not followed: of light that is 10⁶ times as bright as what is beside it,
@@ -41,7 +43,7 @@ pub(super) struct Paths {
 struct Arrived {
     reflected: [Column; 3],
     transmitted: [Column; 3],
-    /// How much of L of rays that were not followed would have arrived, of each sample.
+    /// How much of the brightest radiance rays that were not followed would have brought at most, of each sample.
     cut: Column,
 }
 
@@ -332,7 +334,7 @@ impl Tracer<'_, '_, '_, '_> {
     fn branches(&self, above: Above<'_>) -> u16 {
         let Setup { world, .. } = *self.setup;
         let is_split = |slot: usize| {
-            above.lanes.band[slot] == 0 && world.disperses(above.points.material[slot] as usize)
+            above.lanes.band[slot] == 0 && world.may_disperse(above.points.material[slot] as usize)
         };
         if world.has_dispersion() && hits(above.points).any(is_split) {
             2 + BANDS
@@ -356,10 +358,13 @@ impl Tracer<'_, '_, '_, '_> {
         let mut known = KnownFilters::default();
         for slot in hits(above.points) {
             let material = above.points.material[slot];
-            let is_banded = above.lanes.band[slot] != 0 || !world.disperses(material as usize);
-            if world.delta(material as usize).is_none()
-                || is_banded && matches!(branch, Branch::Dispersed(_))
-            {
+            let is_there = match branch {
+                Branch::Reflected | Branch::Transmitted => world.delta(material as usize).is_some(),
+                Branch::Dispersed(_) => {
+                    above.lanes.band[slot] == 0 && world.may_disperse(material as usize)
+                }
+            };
+            if !is_there {
                 continue;
             }
             let [origin, direction] = above.rays.ray(slot);
@@ -386,7 +391,8 @@ impl Tracer<'_, '_, '_, '_> {
                         Some(Filter::Own(filter)) => filter.peak().0,
                         Some(Filter::Band(_)) | None => 1.0,
                     };
-                    self.arrived.cut[usize::from(sample)] += most * peak;
+                    let inside = shading::most_in(world, leaving.media);
+                    self.arrived.cut[usize::from(sample)] += most * peak * inside;
                     self.counts.cut_rays += 1;
                 }
                 continue;
@@ -510,8 +516,7 @@ fn absorb(
             continue;
         }
         let is_hit = points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
-        let [x, y, z] = &points.position;
-        let end = DVec3::new(x[slot], y[slot], z[slot]);
+        let end = vector(&points.position, slot);
         let distance = match rays.start(slot) {
             Some(start) if is_hit => (end - start.position).length(),
             Some(_) | None => f64::INFINITY,

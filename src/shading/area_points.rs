@@ -25,16 +25,17 @@ impl Asked<'_, '_> {
             for lane in ones(lit.points[packet]) {
                 let slot = packet * LANES + lane;
                 let start = self.points.start(slot);
-                let from = RayStart {
-                    t: 0.0,
-                    position: start.position.0,
-                    error: start.error,
-                    primitive: start.primitive,
-                };
                 let receiver = self.receiver(slot, &start);
                 let (scene, panes) = ((self.world, self.visibility), &mut area.panes);
-                let [diffuse, specular] =
-                    through_panes(simd, scene, self.light, &from, &receiver, panes, space);
+                let [diffuse, specular] = through_panes(
+                    simd,
+                    scene,
+                    self.light,
+                    &start.into(),
+                    &receiver,
+                    panes,
+                    space,
+                );
                 let AreaTerms { geometry, seen } = &mut *lit.terms;
                 geometry.diffuse[slot] *= diffuse;
                 geometry.specular[slot] *= specular;

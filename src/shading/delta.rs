@@ -15,7 +15,7 @@ use super::groups::coat_reflectance;
 use crate::math::DVec3;
 use crate::optics;
 use crate::spectrum::{FIRST, Spectrum};
-use crate::visibility::{Column, Points, RayStart, object_and_triangle};
+use crate::visibility::{Points, RayStart, object_and_triangle, vector};
 use crate::world::colorimetry::SpectralReflectance;
 use crate::world::delta::{Absorption, ComplexIndex, Glass, Tint};
 use crate::world::geometry::area_vector;
@@ -76,7 +76,7 @@ enum Factor<'w> {
     Gray(f64),
     Tinted(&'w Tint, f64),
     Metal(&'w ComplexIndex, f64),
-    /// F of a boundary that disperses light, from one medium to another; or 1 − F and its n².
+    /// F of a boundary that disperses light, from one medium to another.
     Boundary {
         from: Option<&'w Glass>,
         to: Option<&'w Glass>,
@@ -213,6 +213,16 @@ fn index(glass: Option<&Glass>, band: u16) -> f64 {
     }
 }
 
+/// How many times as much radiance as in air there may be inside of bodies: n², n the largest of all wavelengths.
+pub(crate) fn most_in(world: &World, media: Media) -> f64 {
+    let largest = |glass: &Glass| match &glass.dispersion {
+        Some(dispersion) => dispersion.peak().0.max(glass.n),
+        None => glass.n,
+    };
+    let n = body_of(world, media).map_or(1.0, largest);
+    n * n
+}
+
 /// The wavelength of a band in nm. Bands are as far apart in 1/λ² as each other, and so nearly in the refractive index
 /// of any glass (Cauchy's formula, n = A + B/λ²).
 fn center(band: u16) -> f64 {
@@ -228,15 +238,9 @@ pub(crate) fn share_of_band(band: u16) -> Spectrum {
     let before = (band > 1).then(|| center(band - 1));
     let after = (band < BANDS).then(|| center(band + 1));
     Spectrum::from_fn(|nm| {
-        let (end, is_last) = if nm < middle {
-            (before, before.is_none())
-        } else {
-            (after, after.is_none())
-        };
-        match end {
-            Some(end) => (1.0 - (nm - middle) / (end - middle)).max(0.0),
-            None => f64::from(u8::from(is_last)),
-        }
+        // What is beyond the last of them goes its way.
+        let neighbor = if nm < middle { before } else { after };
+        neighbor.map_or(1.0, |end| (1.0 - (nm - middle) / (end - middle)).max(0.0))
     })
 }
 
@@ -247,6 +251,7 @@ struct Surface {
     primitive: u64,
     to_viewer: DVec3,
     geometric_normal: DVec3,
+    /// n of the cosines, towards the viewer.
     normal: DVec3,
     /// n·q of the plane through the point.
     plane: f64,
@@ -255,18 +260,21 @@ struct Surface {
 
 impl Surface {
     fn new(world: &World, points: &Points, slot: usize) -> Self {
-        let at = |columns: &[Column; 3]| {
-            let [x, y, z] = columns;
-            DVec3::new(x[slot], y[slot], z[slot])
+        let geometric_normal = vector(points.geometric_normals(), slot);
+        let to_viewer = vector(&points.to_viewer, slot);
+        let shading_normal = vector(points.shading_normals(), slot);
+        // An interpolated normal may face away from the viewer.
+        let normal = if shading_normal.dot(to_viewer) < 0.0 {
+            -shading_normal
+        } else {
+            shading_normal
         };
-        let geometric_normal = at(points.geometric_normals());
-        let normal = at(points.shading_normals());
         let shape = world.objects()[points.object(slot) as usize].shape;
         Self {
-            position: at(&points.position),
+            position: vector(&points.position, slot),
             error: points.error[slot],
             primitive: points.primitive[slot],
-            to_viewer: at(&points.to_viewer),
+            to_viewer,
             geometric_normal,
             normal,
             plane: points.plane(slot),
@@ -275,7 +283,7 @@ impl Surface {
     }
 
     fn cos_viewer(&self) -> f64 {
-        self.normal.dot(self.to_viewer).clamp(0.0, 1.0)
+        self.normal.dot(self.to_viewer).min(1.0)
     }
 
     /// The start of a ray with that origin.
@@ -295,6 +303,7 @@ impl Surface {
         (self.position - origin).dot(direction) / direction.length_squared()
     }
 
+    /// L_r: of a flat surface from the image of the eye.
     fn reflected(
         &self,
         world: &World,
@@ -307,29 +316,19 @@ impl Surface {
         if direction.dot(self.geometric_normal) <= 0.0 {
             return None;
         }
-        let (weight, filter) = factor.apart(world)?;
-        let (origin, direction, start) = if self.is_flat {
+        let (ray, t) = if self.is_flat {
             let n = self.normal;
             let height = n.dot(arriving.origin) - self.plane;
-            (
-                arriving.origin - n * (2.0 * height),
-                optics::reflected(arriving.direction, n),
-                self.start(self.t_of(arriving)),
-            )
+            let image = arriving.origin - n * (2.0 * height);
+            let direction = optics::reflected(arriving.direction, n);
+            ([image, direction], self.t_of(arriving))
         } else {
-            (self.position, direction, self.start(0.0))
+            ([self.position, direction], 0.0)
         };
-        Some(Leaving {
-            origin,
-            direction,
-            start,
-            weight,
-            filter,
-            media,
-            band: arriving.band,
-        })
+        self.leaving(world, ray, t, factor, (media, arriving.band))
     }
 
+    /// What is along the ray itself.
     fn straight(
         &self,
         world: &World,
@@ -337,15 +336,28 @@ impl Surface {
         media: Media,
         factor: Factor<'_>,
     ) -> Option<Leaving> {
+        let ray = [arriving.origin, arriving.direction];
+        let t = self.t_of(arriving);
+        self.leaving(world, ray, t, factor, (media, arriving.band))
+    }
+
+    fn leaving(
+        &self,
+        world: &World,
+        [origin, direction]: [DVec3; 2],
+        t: f64,
+        factor: Factor<'_>,
+        (media, band): (Media, u16),
+    ) -> Option<Leaving> {
         let (weight, filter) = factor.apart(world)?;
         Some(Leaving {
-            origin: arriving.origin,
-            direction: arriving.direction,
-            start: self.start(self.t_of(arriving)),
+            origin,
+            direction,
+            start: self.start(t),
             weight,
             filter,
             media,
-            band: arriving.band,
+            band,
         })
     }
 

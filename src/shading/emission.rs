@@ -1,9 +1,9 @@
 //! What is seen of light that no surface reflects: lights themselves, and the background.
 
 use super::filters::Filters;
-use crate::math::{DVec3, Point};
+use crate::math::Point;
 use crate::simd::{LANES, ones};
-use crate::visibility::{Column, Points};
+use crate::visibility::{Column, Points, vector};
 use crate::world::World;
 use crate::world::light::AreaLight;
 
@@ -76,10 +76,7 @@ pub(crate) fn emitter_seen<'w>(
     points: &Points,
     slot: usize,
 ) -> Option<(usize, &'w AreaLight)> {
-    let at = |columns: &[Column; 3]| {
-        let [x, y, z] = columns;
-        DVec3::new(x[slot], y[slot], z[slot])
-    };
-    let (position, to_viewer) = (Point(at(&points.position)), at(&points.to_viewer));
+    let position = Point(vector(&points.position, slot));
+    let to_viewer = vector(&points.to_viewer, slot);
     world.emitter_seen(points.object(slot), position, to_viewer)
 }

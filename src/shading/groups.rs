@@ -30,7 +30,8 @@ pub(super) enum Shininess {
 #[inline]
 pub(crate) fn coat_reflectance(reflectance: f64, schlick: bool, cos_viewer: f64) -> f64 {
     if schlick {
-        optics::schlick(reflectance, cos_viewer.clamp(0.0, 1.0))
+        // An interpolated normal may face away from the viewer.
+        optics::schlick(reflectance, cos_viewer.abs().min(1.0))
     } else {
         reflectance
     }

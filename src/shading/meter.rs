@@ -41,7 +41,6 @@ pub(crate) fn area_illuminance<S: Simd>(
     visibility.shaft(simd, &shaft, question, u64::MAX, all, &mut space.shafts);
     let sight = emitter.sight(point, normal);
     space.occluders.clear();
-    let mut passed = 1.0;
     for &shape in &space.shafts.list {
         let (object, _) = object_and_triangle(shape);
         if !is_light(world, shape, index) && !world.is_pane(object) {
@@ -60,7 +59,7 @@ pub(crate) fn area_illuminance<S: Simd>(
         seen.map_or(0.0, |seen| seen.value.irradiance)
     };
     let is_pane = |&shape: &u64| world.is_pane(object_and_triangle(shape).0);
-    if irradiance > 0.0 && space.shafts.list.iter().any(is_pane) {
+    let [passed, _] = if irradiance > 0.0 && space.shafts.list.iter().any(is_pane) {
         let start = RayStart {
             t: 0.0,
             position: point.0,
@@ -68,7 +67,9 @@ pub(crate) fn area_illuminance<S: Simd>(
             primitive: u64::MAX,
         };
         let (scene, panes) = ((world, visibility), &mut space.panes);
-        [passed, _] = through_panes(simd, scene, light, &start, &receiver, panes, tracing);
-    }
+        through_panes(simd, scene, light, &start, &receiver, panes, tracing)
+    } else {
+        [1.0; 2]
+    };
     irradiance * passed * light.over_area()
 }

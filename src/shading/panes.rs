@@ -83,13 +83,8 @@ impl PaneSpace {
                     Some(to_light) => (to_light.get(), f64::INFINITY),
                     None => (origin.from(start.position), 1.0),
                 };
-                let start = RayStart {
-                    t: 0.0,
-                    position: start.position.0,
-                    error: start.error,
-                    primitive: start.primitive,
-                };
-                self.crossings.push(Crossing::new(start, direction, end));
+                self.crossings
+                    .push(Crossing::new(start.into(), direction, end));
                 slots.push(slot);
             }
         }

@@ -63,7 +63,7 @@ pub(super) fn columns_mut(columns: &mut [Column; 3], packet: usize) -> [&mut [f6
 
 /// The vector of one ray in three columns.
 #[inline(always)]
-pub(super) fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {
+pub(crate) fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {
     let [x, y, z] = columns;
     DVec3::new(x[ray], y[ray], z[ray])
 }

@@ -48,7 +48,7 @@ use std::sync::Arc;
 use fearless_simd::Simd;
 
 pub(crate) use batch::{BATCH, PACKETS};
-pub(crate) use batch::{Column, columns};
+pub(crate) use batch::{Column, columns, vector};
 pub(crate) use incoherent::IncoherentSegments;
 pub(crate) use points::Facing;
 pub(crate) use points::{Points, Start};

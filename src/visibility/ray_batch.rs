@@ -3,6 +3,7 @@
 use fearless_simd::Simd;
 
 use super::batch::{BATCH, Column, columns, columns_mut, first_lanes, vector};
+use super::points::Start;
 use super::rays::Rays;
 use crate::math::{DVec3, Point};
 use crate::simd::{DVec3x16, LANES};
@@ -62,6 +63,18 @@ pub(crate) struct RayStart {
     pub(crate) error: f64,
     /// What it is on: a flat shape is not met again, a sphere at its other side alone.
     pub(crate) primitive: u64,
+}
+
+impl From<Start> for RayStart {
+    /// Of a ray from there.
+    fn from(start: Start) -> Self {
+        Self {
+            t: 0.0,
+            position: start.position.0,
+            error: start.error,
+            primitive: start.primitive,
+        }
+    }
 }
 
 impl<F> RayBatch<'_, F> {

@@ -316,12 +316,10 @@ impl World {
         self.has_deltas
     }
 
-    /// Whether a material disperses light that goes into it.
-    pub(crate) fn disperses(&self, material: usize) -> bool {
-        match &self.deltas[material] {
-            Some(Delta::Glass(glass)) => self.has_dispersion && glass.dispersion.is_some(),
-            _ => false,
-        }
+    /// Whether light may be dispersed at the boundary of a body of this material: it is of glass, whatever glass is on the
+    /// other side of it.
+    pub(crate) fn may_disperse(&self, material: usize) -> bool {
+        self.has_dispersion && matches!(self.deltas[material], Some(Delta::Glass(_)))
     }
 
     /// Whether any body of glass disperses light.

@@ -6,23 +6,16 @@ mod published;
 
 use std::fmt::Write;
 
-use candela::image::{Film, Window};
+use candela::image::Window;
 use candela::oracle::Oracle;
-use candela::render::{ErrorTarget, Job, Layers, Options, Renderer, SimdLevel};
+use candela::render::{ErrorTarget, Layers, Options};
 use candela::scene::Scene;
-use candela::world::World;
 
+use crate::images::{assert_same_everywhere, film_of_text};
 use crate::measured::{HALF_LAST_BIT, Measured};
 
 /// Relative error where nothing but the rounding to f32 is between the integral and the pixel.
 const ROUNDING: f64 = Measured::ROOM * HALF_LAST_BIT;
-
-fn film_with(text: &str, options: &Options) -> Film {
-    let scene = Scene::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
-    let (world, camera) = World::new(&scene).unwrap_or_else(|error| panic!("{error}\n{text}"));
-    let renderer = Renderer::new(&world).unwrap();
-    renderer.film(&camera, options, &Job::new()).unwrap().0
-}
 
 /// One point, at the origin, of a surface that a light of luminance 1 shines on.
 struct AtOrigin<'a> {
@@ -56,7 +49,7 @@ impl AtOrigin<'_> {
     }
 
     fn radiance(&self) -> f64 {
-        let film = film_with(&self.scene(), &Options::default());
+        let film = film_of_text(&self.scene(), &Options::default());
         f64::from(film.pixels()[0][0])
     }
 }
@@ -141,7 +134,7 @@ fn penumbrae_are_those_of_the_oracle() {
         let text = generated(seed);
         let scene = Scene::parse(&text, "test.toml").unwrap();
         let oracle = Oracle::new(&scene);
-        let film = film_with(&text, &Options::default());
+        let film = film_of_text(&text, &Options::default());
         let values = film.pixels().iter().map(|pixel| pixel[0]);
         let floor = 1e-3 * f64::from(values.fold(0.0, f32::max));
         for (place, pixel) in film.pixels().iter().enumerate() {
@@ -176,53 +169,13 @@ fn threads_instructions_and_parts_make_no_difference() {
             layers: layers.clone(),
             ..Options::default()
         };
-        let bits = |film: &Film, place: usize| -> Vec<u32> {
-            let values = film.pixels()[place].into_iter().chain(film.values(place));
-            values.map(f32::to_bits).collect()
-        };
-        let whole = film_with(&text, &options);
-        let mut others = Vec::new();
-        for threads in [1, 3] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            others.push(pool.build().unwrap().install(|| film_with(&text, &options)));
-        }
-        for (_, simd) in SimdLevel::available() {
-            others.push(film_with(
-                &text,
-                &Options {
-                    simd,
-                    ..options.clone()
-                },
-            ));
-        }
-        for other in &others {
-            for place in 0..whole.pixels().len() {
-                assert_eq!(
-                    bits(&whole, place),
-                    bits(other, place),
-                    "seed {seed}, {place}"
-                );
-            }
-        }
-        let window = Window {
+        let part = Window {
             x: 3,
             y: 5,
             width: 13,
             height: 9,
         };
-        let part = Options {
-            window: Some(window),
-            ..options
-        };
-        let part = film_with(&text, &part);
-        for (place, [x, y]) in window.pixels().enumerate() {
-            let pixel = (y * 20 + x) as usize;
-            assert_eq!(
-                bits(&part, place),
-                bits(&whole, pixel),
-                "seed {seed}, {x},{y}"
-            );
-        }
+        assert_same_everywhere(&text, &options, part);
     }
 }
 
@@ -241,7 +194,7 @@ fn layers_add_up() {
             ..Layers::default()
         },
     ] {
-        let film = film_with(
+        let film = film_of_text(
             &text,
             &Options {
                 layers,
@@ -278,7 +231,7 @@ fn a_light_is_seen_from_its_front() {
                  [objects.o.sphere]\nmaterial = \"m\"\ncenter = [0, 0, -9]\nradius = 1\n\
                  [lights.l.{shape}\ncenter = [0, 0, 0]\ndirection = {direction}\nluminance = 7\n"
             );
-            let pixel = film_with(&text, &Options::default()).pixels()[0];
+            let pixel = film_of_text(&text, &Options::default()).pixels()[0];
             assert_eq!(
                 pixel,
                 [expected, expected, expected, 1.0],
@@ -305,7 +258,7 @@ fn an_up_along_the_axis_is_the_default() {
                  luminance = 3\n{up}"
             )
         };
-        let film = |up: &str| film_with(&scene(up), &Options::default());
+        let film = |up: &str| film_of_text(&scene(up), &Options::default());
         let written = film(&format!("up = {up:?}"));
         assert!(written.pixels() == film("").pixels(), "{direction:?}");
     }
