@@ -25,6 +25,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::Shadow;
 use super::model::{Model, Vector};
 use super::surface::{Surface, rounding};
 use crate::emitter::{
@@ -52,6 +53,12 @@ pub(super) struct Past<'a> {
 const ACCURACY: Accuracy = Accuracy {
     relative: 1e-6,
     most_cells: 65_536,
+};
+
+/// The same where it is only asked whether anything arrives.
+const ACCURACY_OF_DARK: Accuracy = Accuracy {
+    most_cells: 64,
+    ..ACCURACY
 };
 
 /// Second differences of what arrives past shapes are taken to be larger by this.
@@ -422,6 +429,67 @@ impl Place {
         }
         Some(ends)
     }
+}
+
+/// Whether balls hide all of a light from everywhere on a flat surface, all of whose points are before the light.
+///
+/// It is so where smaller balls hide it from the middle, by as much as other points are apart from there: if a segment to the
+/// middle is nearer to a ball's center than R − δ, one with the same other end to a point no further than δ from the middle is
+/// nearer than R.
+pub(super) fn is_hidden(
+    surface: &Surface,
+    emitter: &Emitter,
+    balls: impl Iterator<Item = (DVec3, f64)>,
+    Shadow { shadow, occluders }: &mut Shadow,
+) -> bool {
+    let Some(horizon) = surface.plane().and_then(|[_, normal]| Normal::new(normal)) else {
+        return false;
+    };
+    let (middle, apart) = (surface.position.center(), surface.position.radius());
+    let center = emitter.center().0;
+    let [least, most] = emitter.bounds();
+    occluders.clear();
+    occluders.extend(balls.filter_map(|(center, radius)| {
+        let smaller = radius - apart - rounding(middle, center);
+        // A ball that the light is in, or that it reaches into, is not between.
+        let is_outside = (center.clamp(least, most) - center).length() > radius;
+        (is_outside && smaller > 0.0).then_some(Occluder::Ball {
+            center,
+            radius: smaller,
+        })
+    }));
+    // Mostly it is seen right away that its middle is not hidden.
+    let hides_middle = |occluder: &Occluder| {
+        let Occluder::Ball {
+            center: of_ball,
+            radius,
+        } = *occluder
+        else {
+            return false;
+        };
+        let way = center - middle;
+        let along = (way.dot(of_ball - middle) / way.length_squared()).clamp(0.0, 1.0);
+        (middle + way * along - of_ball).length() < radius
+    };
+    if !occluders.iter().any(hides_middle) {
+        return false;
+    }
+    let receiver = Receiver {
+        horizon,
+        normal: horizon,
+        gloss: None,
+    };
+    let error = rounding(middle, center);
+    let seen = emitter.received_past(
+        Point(middle),
+        &receiver,
+        occluders,
+        error,
+        &ACCURACY_OF_DARK,
+        shadow,
+    );
+    // Of what is not decided a half is counted.
+    seen.is_some_and(|seen| seen.value.solid_angle <= 0.0)
 }
 
 /// How far a box is from a light, at least; 0 where a point in it may be behind the light.

@@ -328,14 +328,17 @@ fn occluded(surface: &Surface, light: DVec3, occluder: &Solid) -> Option<Model> 
 
 /// What one linear function is of another, if that is a positive number.
 fn ratio(f: &Model, g: &Model) -> Option<f64> {
-    let (ratio, size) = (g.center / f.center, f.magnitude());
-    let is_same = [
+    let pairs = [
         (f.center, g.center),
         (f.slope[0], g.slope[0]),
         (f.slope[1], g.slope[1]),
-    ]
-    .iter()
-    .all(|(f, g)| (f * ratio - g).abs() <= 1e-9 * ratio.abs() * size);
+    ];
+    // Any of them may be 0, as the center is where the line passes through the middle of the square.
+    let largest = |a: (f64, f64), b: (f64, f64)| if a.0.abs() < b.0.abs() { b } else { a };
+    let (of_f, of_g) = pairs.into_iter().reduce(largest)?;
+    let (ratio, size) = (of_g / of_f, f.magnitude());
+    let mut pairs = pairs.iter();
+    let is_same = pairs.all(|(f, g)| (f * ratio - g).abs() <= 1e-9 * ratio.abs() * size);
     (ratio > 0.0 && is_same).then_some(ratio)
 }
 

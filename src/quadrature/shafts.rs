@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::area::nearest;
+use super::area::{is_hidden, nearest};
 use super::surface::{Solid, Surface, rounding};
 use super::view::{Square, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
@@ -508,11 +508,23 @@ impl Quadrature<'_> {
                 });
                 if self.space.list.is_empty() && may_be_lit {
                     Reach::Lit
+                } else if nearest(emitter, bounds) > room && self.is_hidden(surface, emitter) {
+                    Reach::Dark
                 } else {
                     self.partial(surface, emitter)
                 }
             }
         }
+    }
+
+    /// Whether the balls of the last answer's list hide all of a light.
+    fn is_hidden(&self, surface: &Surface, emitter: &Emitter) -> bool {
+        let balls = self.space.list.iter();
+        let balls = balls.filter_map(|&shape| match self.solid(shape) {
+            Solid::Sphere { center, radius } => Some((center, radius)),
+            Solid::Plane { .. } | Solid::Triangle { .. } | Solid::Disk { .. } => None,
+        });
+        is_hidden(surface, emitter, balls, &mut self.shadow.borrow_mut())
     }
 
     /// The list of the last answer may hide a part of a light with an area.

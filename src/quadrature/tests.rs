@@ -1,9 +1,14 @@
 //! Verdicts against many samples, and against each other.
 
+use super::shafts::border;
+use super::surface::Solid;
 use super::*;
+use crate::emitter::Emitter;
+use crate::math::{Normal, Point};
 use crate::render::{Job, Options, Renderer};
 use crate::scene::Scene;
 use crate::simd::SimdLevel;
+use crate::visibility::{ShaftQuestion, object_and_triangle};
 use crate::world::Plan;
 
 const RESOLUTION: [u32; 2] = [96, 54];
@@ -31,18 +36,7 @@ fn verdicts(
     simd: SimdLevel,
     windows: &[Window],
 ) -> Vec<Verdict> {
-    verdicts_for(TARGET, world, camera, visibility, simd, windows)
-}
-
-fn verdicts_for(
-    target: Target,
-    world: &World,
-    camera: &Camera,
-    visibility: &Visibility<'_>,
-    simd: SimdLevel,
-    windows: &[Window],
-) -> Vec<Verdict> {
-    let mut quadrature = Quadrature::new(world, camera, visibility, simd, target, true);
+    let mut quadrature = Quadrature::new(world, camera, visibility, simd, TARGET, true);
     let mut all = Vec::new();
     for &window in windows {
         let mut verdicts = Vec::new();
@@ -57,7 +51,7 @@ fn verdicts_for(
 #[track_caller]
 fn bounds_hold_of(
     name: &str,
-    (target, window): (Target, Window),
+    window: Window,
     world: &World,
     camera: &Camera,
     visibility: &Visibility<'_>,
@@ -73,7 +67,7 @@ fn bounds_hold_of(
     };
     let (centers, many) = (film(1), film(4096));
     let simd = SimdLevel::default();
-    let verdicts = verdicts_for(target, world, camera, visibility, simd, &[window]);
+    let verdicts = verdicts(world, camera, visibility, simd, &[window]);
     let mut counts = [0; 3];
     for (pixel, verdict) in verdicts.iter().enumerate() {
         let truth = many.pixels()[pixel].map(f64::from);
@@ -130,13 +124,8 @@ fn bounds_hold() {
         "mesh",
     ] {
         with_scene(name, |world, camera, visibility| {
-            let counts = bounds_hold_of(
-                name,
-                (TARGET, Window::whole(RESOLUTION)),
-                world,
-                camera,
-                visibility,
-            );
+            let window = Window::whole(RESOLUTION);
+            let counts = bounds_hold_of(name, window, world, camera, visibility);
             assert!(counts[0] > 0, "{name}: {counts:?}");
         });
     }
@@ -169,13 +158,8 @@ fn bounds_hold_of_disks() {
             world.add_disk(center, DVec3::from_array(normal), radius);
         }
         let visibility = Visibility::new(&world, &Plan::new(&world));
-        let [smooth, integrated, _] = bounds_hold_of(
-            "disks",
-            (TARGET, Window::whole(RESOLUTION)),
-            &world,
-            &camera,
-            &visibility,
-        );
+        let window = Window::whole(RESOLUTION);
+        let [smooth, integrated, _] = bounds_hold_of("disks", window, &world, &camera, &visibility);
         assert!(smooth > 1000 && integrated > 50, "{smooth} {integrated}");
     }
 }
@@ -224,7 +208,7 @@ fn bounds_hold_under_lights_with_an_area() {
             height: 24,
         };
         let [smooth, integrated, open] =
-            bounds_hold_of(light, (TARGET, window), &world, &camera, &visibility);
+            bounds_hold_of(light, window, &world, &camera, &visibility);
         assert!(
             smooth > 200 && integrated > 10,
             "{light}: {smooth} {integrated} {open}"
@@ -351,4 +335,178 @@ fn the_border_of_a_spot_is_an_edge() {
         }
     }
     assert!(borders > 10);
+}
+
+/// A camera above the plane z = 0 that looks down on it, whose pixel in column 8 and row 7 is from 0 to 1 in x and in y;
+/// and triangles by their numbers.
+fn from_above<T>(
+    triangles: &[[[f64; 3]; 3]],
+    work: impl FnOnce(&Quadrature<'_>, &View, &[u64]) -> T,
+) -> T {
+    let mut scene = "
+        [image]
+        resolution = [16, 16]
+        [camera.orthographic]
+        eye = [0, 0, 9]
+        look_at = [0, 0, 0]
+        height = 16
+        [materials.m.phong]
+        diffuse = 0.5
+        [lights.l.point]
+        position = [0, 0, 10]
+        intensity = 100
+    "
+    .to_owned();
+    for (number, vertices) in triangles.iter().enumerate() {
+        scene +=
+            &format!("[objects.t{number}.triangle]\nmaterial = 'm'\nvertices = {vertices:?}\n");
+    }
+    let (world, camera) = World::new(&Scene::parse(&scene, "above.toml").unwrap()).unwrap();
+    let visibility = Visibility::new(&world, &Plan::new(&world));
+    let simd = SimdLevel::default();
+    let mut quadrature = Quadrature::new(&world, &camera, &visibility, simd, TARGET, true);
+    let shaft = quadrature.window(aligned([0, 0], 16));
+    quadrature.ask(&shaft, ShaftQuestion::Contents, u64::MAX, 16);
+    let mut shapes = quadrature.space.list.clone();
+    // In the order of the file.
+    shapes.sort_by_key(|&shape| object_and_triangle(shape).0);
+    let view = View::new(&camera, aligned([8, 7], 1));
+    work(&quadrature, &view, &shapes)
+}
+
+/// A triangle that is all of the pixel up to x at one side of it, at these heights there and at the other corner.
+fn up_to(x: f64, [near, far]: [f64; 2]) -> [[f64; 3]; 3] {
+    [[x, -7.0, near], [x, 7.0, near], [-7.0, 0.0, far]]
+}
+
+#[test]
+fn what_is_covered_is_dropped() {
+    let front = up_to(0.5, [1.0; 2]);
+    let beside = [[0.5, -7.0, 1.0], [0.5, 7.0, 1.0], [7.0, 0.0, 1.0]];
+    for (others, kept) in [
+        // Behind it, and no wider.
+        (vec![up_to(0.4, [0.0; 2])], vec![0]),
+        (vec![up_to(0.5, [0.0; 2])], vec![0]),
+        (vec![up_to(0.4, [0.5, 1.0])], vec![0]),
+        // Wider: a strip of it is seen.
+        (vec![up_to(0.6, [0.0; 2])], vec![0, 1]),
+        // Before it, in its plane, and through it.
+        (vec![up_to(0.4, [2.0; 2])], vec![0, 1]),
+        (vec![up_to(0.4, [1.0; 2])], vec![0, 1]),
+        (vec![up_to(0.4, [0.0, 2.0])], vec![0, 1]),
+        // Behind two that have an edge in common nothing is seen, which is in the middle of the pixel here.
+        (vec![beside, up_to(0.6, [0.0; 2])], vec![0, 1]),
+        (vec![beside, up_to(0.4, [2.0; 2])], vec![0, 1, 2]),
+        // What is before both covers one of them.
+        (vec![beside, up_to(0.6, [2.0; 2])], vec![1, 2]),
+    ] {
+        let triangles: Vec<_> = [front].into_iter().chain(others.clone()).collect();
+        from_above(&triangles, |quadrature, view, shapes| {
+            assert_eq!(shapes.len(), triangles.len());
+            let mut left = shapes.to_vec();
+            quadrature.drop_covered(view, &mut left);
+            let expected: Vec<u64> = kept.iter().map(|&number: &usize| shapes[number]).collect();
+            assert_eq!(left, expected, "{others:?}");
+        });
+    }
+}
+
+/// Past an edge 1 above the plane, what is seen of a light 4 above it moves three times as far as the eye does: that part
+/// of the light comes into view from one side of the pixel to the other, and that of its diagonal is the most.
+#[test]
+fn borders_move_across_a_light() {
+    let down = Normal::new(-DVec3::Z).unwrap();
+    let middle = Point::new(0.5, 0.5, 4.0);
+    let (a, b) = (DVec3::new(0.0, 5.0, 0.0), DVec3::new(20.0, 0.0, 0.0));
+    let rectangle = Emitter::rectangle(middle, [a, b], false).unwrap();
+    let disk = Emitter::disk(middle, down, 20.0, false).unwrap();
+    let globe = Emitter::sphere(middle, 0.5).unwrap();
+    from_above(&[up_to(0.5, [1.0; 2])], |_, view, _| {
+        let plane = Solid::Plane {
+            point: DVec3::ZERO,
+            normal: DVec3::Z,
+        };
+        let surface = Surface::new(view, &plane).unwrap();
+        let edge = |height: f64| Solid::Triangle {
+            corners: [[0.5, -7.0], [0.5, 7.0], [-7.0, 0.0]].map(|[x, y]| DVec3::new(x, y, height)),
+            normal: DVec3::Z,
+            normals: None,
+            is_lifted: false,
+        };
+        let most =
+            |emitter: &Emitter, solids: &[Solid]| border(&surface, emitter, solids.iter().copied());
+        for (emitter, size) in [(&rectangle, 10.0), (&disk, 40.0), (&globe, 1.0)] {
+            assert_eq!(most(emitter, &[]), 0.0);
+            // How far it moves at least, as a part of the light, and not 20 times that.
+            for height in [2.0, 3.0, 3.5] {
+                let least = (4.0 - height) / height / size;
+                let found = most(emitter, &[edge(height)]);
+                assert!(
+                    found >= least && found <= 20.0 * least,
+                    "{height}: {found} {least}"
+                );
+                // The widest of several counts.
+                assert_eq!(most(emitter, &[edge(3.9), edge(height)]), found);
+            }
+            // What the points may touch may hide all of it from one and nothing from another.
+            assert_eq!(most(emitter, &[edge(1.0)]), f64::INFINITY);
+        }
+    });
+}
+
+/// Where a ball touches the floor, and as far from there as nothing is seen of a light past the ball, all is dark, and that
+/// is proven although the ball is as near as can be.
+#[test]
+fn it_is_dark_below_a_ball() {
+    for light in [
+        "disk]\ndirection = [0, -1, 0]\nradius = 0.5",
+        "rectangle]\ndirection = [0, -1, 0]\nsize = [0.7, 0.6]",
+        "sphere]\nradius = 0.5",
+    ] {
+        let scene = format!(
+            "[image]\nresolution = [96, 54]\n\
+             [camera.perspective]\neye = [0, 0.4, 3]\nlook_at = [0, 0.1, 0.3]\nvertical_fov = 20\n\
+             [materials.m.phong]\ndiffuse = 0.5\nspecular = 0.2\nshininess = 8\n\
+             [lights.l.{light}\ncenter = [0, 6, 0]\nluminance = 100\n\
+             [objects.floor.plane]\nmaterial = 'm'\npoint = [0, 0, 0]\nnormal = [0, 1, 0]\n\
+             [objects.ball.sphere]\nmaterial = 'm'\ncenter = [0, 1, 0]\nradius = 1\n"
+        );
+        let (world, camera) = World::new(&Scene::parse(&scene, "ball.toml").unwrap()).unwrap();
+        let visibility = Visibility::new(&world, &Plan::new(&world));
+        let window = Window::whole(RESOLUTION);
+        bounds_hold_of(light, window, &world, &camera, &visibility);
+        let simd = SimdLevel::default();
+        let told = verdicts(&world, &camera, &visibility, simd, &[window]);
+        let anchor = world.anchor();
+        let center = DVec3::Y - anchor;
+        let mut dark = 0;
+        for ([x, y], verdict) in window.pixels().zip(told) {
+            // Two tangents, of the ball and the light, meet the floor further away than this.
+            let is_below = [[0, 0], [1, 0], [0, 1], [1, 1]]
+                .iter()
+                .all(|[right, down]| {
+                    let ray = camera.ray(f64::from(x + right), f64::from(y + down));
+                    let (from, way) = (ray.origin.0, ray.direction);
+                    let floor = from - way * ((from.y + anchor.y) / way.y);
+                    let nearest = from + way * ((center - from).dot(way) / way.length_squared());
+                    way.y < 0.0
+                        && (floor + anchor).length() < 0.8
+                        && (nearest - center).length() > 1.0
+                });
+            if is_below {
+                dark += 1;
+                let is_dark = matches!(
+                    verdict,
+                    Verdict::Smooth {
+                        side: 1,
+                        error: [0.0, 0.0, 0.0],
+                        is_bound: true,
+                        ..
+                    }
+                );
+                assert!(is_dark, "{light}: {x}, {y}: {verdict:?}");
+            }
+        }
+        assert!(dark > 100, "{light}: {dark}");
+    }
 }
