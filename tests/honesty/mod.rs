@@ -13,7 +13,7 @@ use candela::world::World;
 use rayon::prelude::*;
 
 use crate::generate::{self, Random};
-use crate::images::{at_width, name_of, parse, scene_files};
+use crate::images::{at_width, is_smooth, name_of, parse, scene_files};
 use crate::measured::HALF_LAST_BIT;
 
 use pool::{Pool, median};
@@ -352,7 +352,8 @@ fn is_long() -> bool {
     pixels() >= LONG
 }
 
-/// The true mean of a pixel under lights with an area takes seconds: those scenes are for the long sweep.
+/// The true mean of a pixel under lights with an area takes seconds, as it does over mirrors: those scenes are for the long
+/// sweep.
 fn has_areas(scene: &Scene) -> bool {
     let mut lights = scene.lights.iter();
     lights.any(|light| matches!(light.value, Light::Area { .. }))
@@ -367,7 +368,10 @@ fn files() -> Vec<(String, Scene)> {
             let scene = Scene::load(path).unwrap_or_else(|error| panic!("{error}"));
             (name_of(path), at_width(scene, WIDTH))
         })
-        .filter(|(_, scene)| is_long() || surfaces(scene) <= FEW && !has_areas(scene))
+        .filter(|(_, scene)| {
+            let is_short = surfaces(scene) <= FEW && !has_areas(scene) && !is_smooth(scene);
+            is_long() || is_short
+        })
         .collect()
 }
 
