@@ -548,6 +548,37 @@ fn generated_scenes_agree_with_the_oracle() {
     assert!(differ * 2000 <= pixels, "{differ} of {pixels}");
 }
 
+/// Through glass that disperses it each wavelength is the oracle's, where they part and where they come together again.
+#[test]
+fn dispersed_light_agrees_with_the_oracle() {
+    let rest = "[materials.flint.glass]\nsellmeier = \"N-SF11\"\ndispersion = true\n\
+        [materials.floor.phong]\ndiffuse = 0.2\n[materials.red.phong]\ndiffuse = [0.28, 0.02, 0.02]\n\
+        [materials.bright.phong]\ndiffuse = 0.3\nspecular = 0.5\nshininess = 40\n\
+        [lights.key.point]\nposition = [3, 6, 4]\nintensity = { candela = 90, color = { illuminant = \"D65\" } }\n\
+        [objects.floor.plane]\nmaterial = \"floor\"\npoint = [0, -1.01, 0]\nnormal = [0, 1, 0]\n\
+        [objects.stripe.triangle]\nmaterial = \"red\"\nvertices = [[-3, -1, -4], [3, -1, -4.3], [0, -1, -4.6]]\n\
+        [objects.behind.sphere]\nmaterial = \"bright\"\ncenter = [0.4, 0.2, -3]\nradius = 0.5\n";
+    for (name, body) in [
+        (
+            "ball",
+            "[objects.body.sphere]\nmaterial = \"flint\"\ncenter = [0, 0, 0]\nradius = 1\n",
+        ),
+        (
+            "two balls",
+            "[objects.body.sphere]\nmaterial = \"flint\"\ncenter = [-0.6, 0, 0]\nradius = 0.6\n\
+             [objects.other.sphere]\nmaterial = \"flint\"\ncenter = [0.5, 0.1, -0.9]\nradius = 0.7\n",
+        ),
+    ] {
+        let text = format!(
+            "[image]\nresolution = [24, 16]\nbackground = [0.1, 0.2, 0.4]\nmax_depth = 4\n\
+             [camera.perspective]\neye = [0, 0.6, 5]\nlook_at = [0, 0, 0]\nvertical_fov = 30\n{rest}{body}"
+        );
+        let scene = Scene::parse(&text, "test.toml").unwrap_or_else(|error| panic!("{error}"));
+        let [pixels, differ] = disagreement(name, &scene);
+        assert!(differ * 100 <= pixels, "{name}: {differ} of {pixels}");
+    }
+}
+
 /// Smooth meshes, whose interpolated normals may face away from the viewer at their outlines.
 #[test]
 fn smooth_meshes_agree_with_the_oracle() {

@@ -5,21 +5,21 @@
 //! large. Branches are followed one after the other to their ends, the reflected one first, so that the sum of a sample
 //! has the same order beside any others.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-
 use fearless_simd::Simd;
 
 use super::batch::NumberedSamples;
 use super::counts::Counts;
+use super::dispersion::{Seen, Segment, Spread};
 use super::layer_sums::LayerSums;
+use super::path_step::{Above, KnownFilters, Lanes, Step, absorb, hits};
 use super::setup::Setup;
-use crate::math::Point;
-use crate::shading::{self, Arriving, BANDS, Branch, Filter, LightTerms, Shaded};
-use crate::simd::{DVec3x16, LANES, ones};
+use crate::math::{DVec3, Point};
+use crate::shading::{self, Arriving, Branch, Shaded};
+use crate::simd::{DVec3x16, LANES};
 use crate::spectrum::Spectrum;
 use crate::visibility::{
-    BATCH, Column, IncoherentRays, PACKETS, Points, RayBatch, Workspace, vector,
+    BATCH, Column, IncoherentRays, Points, RayBatch, Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace,
+    Visibility, Workspace, object_and_triangle, vector,
 };
 use crate::world::Media;
 
@@ -36,6 +36,7 @@ pub(super) struct Paths {
     arrived: Arrived,
     /// The bodies of glass that the eye is inside of, where all rays have one.
     around_eye: Option<(Point, Media)>,
+    shafts: ShaftSpace,
 }
 
 /// What comes by the branches of a batch of camera rays, in cd/m² per primary.
@@ -57,112 +58,38 @@ impl Default for Arrived {
     }
 }
 
-/// A batch of rays that have left surfaces, and what they meet.
-struct Step {
-    rays: IncoherentRays,
-    points: Points,
-    shaded: Shaded,
-    terms: LightTerms,
-    lanes: Lanes,
-    /// Parts of layers, at the places of the camera rays.
-    scattered: [Column; 3],
-}
-
-impl Default for Step {
-    fn default() -> Self {
-        Self {
-            rays: IncoherentRays::default(),
-            points: Points::default(),
-            shaded: Shaded::default(),
-            terms: LightTerms::default(),
-            lanes: Lanes::default(),
-            scattered: [Column::ZERO; 3],
-        }
-    }
-}
-
-/// What rays have been through.
-#[derive(Clone, Debug)]
-struct Lanes {
-    /// The camera ray that each comes from, by its place in its batch.
-    sample: [u16; BATCH],
-    /// How much of the radiance arrives, per primary.
-    weight: [Column; 3],
-    media: [Media; BATCH],
-    band: [u16; BATCH],
-    count: usize,
-}
-
-impl Default for Lanes {
-    fn default() -> Self {
-        Self {
-            sample: [0; BATCH],
-            weight: [Column::ZERO; 3],
-            media: [Media::NONE; BATCH],
-            band: [0; BATCH],
-            count: 0,
-        }
-    }
-}
-
-/// The filters that rays of one branch have, so far.
-#[derive(Default)]
-struct KnownFilters {
-    /// By the number of the filter before, and the band that the ray is part of from here on, 0 for none.
-    by_band: HashMap<(u16, u16), u16>,
-    /// The last one of a material, and what it was before.
-    last: Option<(u16, u32, u16)>,
-}
-
-impl KnownFilters {
-    /// A filter that follows from two numbers.
-    fn filter(
-        &mut self,
-        shaded: &mut Shaded,
-        ray: usize,
-        key: (u16, u16),
-        make: impl FnOnce() -> Spectrum,
-    ) {
-        match self.by_band.entry(key) {
-            Entry::Occupied(known) => shaded.filters.share(ray, *known.get()),
-            Entry::Vacant(place) => {
-                shaded.filters.push(ray, make());
-                place.insert(shaded.filters.number(ray));
-            }
-        }
-    }
-
-    /// A filter of a material, which may depend on the angle.
-    fn own(
-        &mut self,
-        shaded: &mut Shaded,
-        ray: usize,
-        (before, material): (u16, u32),
-        filter: Spectrum,
-    ) {
-        match self.last {
-            Some((known, of, number))
-                if (known, of) == (before, material)
-                    && shaded.filters.get(number) == Some(&filter) =>
-            {
-                shaded.filters.share(ray, number);
-            }
-            _ => {
-                shaded.filters.push(ray, filter);
-                self.last = Some((before, material, shaded.filters.number(ray)));
-            }
-        }
-    }
-}
-
 /// A step whose branches are being followed.
 struct Taken {
     step: Box<Step>,
-    /// The next of its branches, and how many there are.
-    next: u16,
-    count: u16,
+    branches: Branches,
     /// That by which its rays left the points that the camera sees.
     first: Branch,
+}
+
+/// The branches of a step.
+#[derive(Default)]
+struct Branches {
+    /// How many have been followed.
+    followed: usize,
+    /// Where light is dispersed, the wavelengths that it is split into.
+    spreads: Option<Vec<Split>>,
+}
+
+/// A point at which light is dispersed.
+struct Split {
+    slot: usize,
+    spread: Spread,
+    ways: Vec<u16>,
+}
+
+/// A ray that leaves a point by one wavelength's way.
+struct Way {
+    slot: usize,
+    nm: u16,
+    /// What of each wavelength takes it; `None` is all.
+    share: Option<Spectrum>,
+    /// The place that it is noted at.
+    sample: u16,
 }
 
 /// What is the same for all rays of a batch, and where what they see goes.
@@ -170,18 +97,21 @@ struct Tracer<'t, 's, 'w, 'l> {
     setup: &'t Setup<'w>,
     samples: NumberedSamples<'s>,
     tracing: &'t mut Workspace,
+    shafts: &'t mut ShaftSpace,
     layers: Option<&'t mut LayerSums<'l>>,
     arrived: &'t mut Arrived,
+    /// How often rays have been reflected or refracted that the first batch of all is made of.
+    depth: u32,
+    /// What is looked at along the ways of wavelengths, before light takes them.
+    sights: Option<Sights>,
     counts: Counts,
 }
 
-/// Rays, what they meet, and what they have been through.
-#[derive(Clone, Copy)]
-struct Above<'a> {
-    rays: &'a IncoherentRays,
-    points: &'a Points,
-    shaded: &'a Shaded,
-    lanes: &'a Lanes,
+/// What is seen along the ways of wavelengths.
+struct Sights {
+    seen: Vec<Seen>,
+    /// Further away than this there is nothing.
+    reach: f64,
 }
 
 impl Paths {
@@ -215,8 +145,11 @@ impl Paths {
             setup,
             samples,
             tracing,
+            shafts: &mut self.shafts,
             layers,
             arrived: &mut self.arrived,
+            depth: 0,
+            sights: None,
             counts: Counts::default(),
         };
         let above = Above {
@@ -261,7 +194,7 @@ impl Paths {
         for weight in &mut seen.weight {
             weight.fill(1.0);
         }
-        seen.band.fill(0);
+        seen.nm.fill(0);
         if world.bodies().is_empty() {
             return;
         }
@@ -279,72 +212,245 @@ impl Paths {
 }
 
 impl Tracer<'_, '_, '_, '_> {
-    /// Follows all branches of the points that the camera sees, to their ends.
+    /// Follows all branches of points that are seen, to their ends.
     fn follow<S: Simd>(&mut self, simd: S, seen: Above<'_>, spare: &mut Vec<Box<Step>>) {
         // What is on its way, from the camera on: recursion would take a stack as deep as the paths.
         let mut steps: Vec<Taken> = Vec::new();
-        let mut next_of_seen = 0;
-        let count_of_seen = self.branches(seen);
+        let mut of_seen = Branches::default();
         loop {
-            let depth = steps.len();
-            let (above, next, count, first) = match steps.last_mut() {
-                None => (seen, &mut next_of_seen, count_of_seen, None),
+            let depth = self.depth + steps.len() as u32;
+            let (above, branches, first) = match steps.last_mut() {
+                None => (seen, &mut of_seen, None),
                 Some(taken) => {
                     let Taken {
                         step,
-                        next,
-                        count,
+                        branches,
                         first,
                     } = taken;
-                    (step.above(), next, *count, Some(*first))
+                    (step.above(), branches, Some(*first))
                 }
             };
-            if *next == count {
+            let mut step = spare.pop().unwrap_or_default();
+            let Some(branch) = self.leave_next(simd, above, depth, branches, &mut step, spare)
+            else {
+                spare.push(step);
                 match steps.pop() {
                     Some(taken) => spare.push(taken.step),
                     None => return,
                 }
                 continue;
-            }
-            let branch = match *next {
-                0 => Branch::Reflected,
-                1 => Branch::Transmitted,
-                band => Branch::Dispersed(band - 2),
             };
-            *next += 1;
-            let mut step = spare.pop().unwrap_or_default();
-            self.leave(above, depth as u32, branch, &mut step);
             if step.lanes.count == 0 {
                 spare.push(step);
                 continue;
             }
             let first = first.unwrap_or(branch);
             self.see(simd, first, &mut step);
-            let count = self.branches(step.above());
             steps.push(Taken {
                 step,
-                next: 0,
-                count,
+                branches: Branches::default(),
                 first,
             });
         }
     }
 
-    /// How many branches may leave the points of a batch.
-    fn branches(&self, above: Above<'_>) -> u16 {
-        let Setup { world, .. } = *self.setup;
-        let is_split = |slot: usize| {
-            above.lanes.band[slot] == 0 && world.may_disperse(above.points.material[slot] as usize)
+    /// Takes the rays that leave the points of a batch by the next branch, and tells which that is; `None` where all
+    /// have been followed.
+    fn leave_next<S: Simd>(
+        &mut self,
+        simd: S,
+        above: Above<'_>,
+        depth: u32,
+        branches: &mut Branches,
+        step: &mut Step,
+        spare: &mut Vec<Box<Step>>,
+    ) -> Option<Branch> {
+        let number = branches.followed;
+        branches.followed += 1;
+        step.clear();
+        let mut known = KnownFilters::default();
+        let branch = match number {
+            0 => Branch::Reflected,
+            1 => Branch::Transmitted,
+            _ => {
+                let splits = branches
+                    .spreads
+                    .get_or_insert_with(|| self.splits(simd, above, depth, spare));
+                let mut is_any = false;
+                for Split { slot, spread, ways } in splits {
+                    if let Some(&nm) = ways.get(number - 2) {
+                        is_any = true;
+                        let way = Way {
+                            slot: *slot,
+                            nm,
+                            share: Some(spread.share(nm)),
+                            sample: above.lanes.sample[*slot],
+                        };
+                        self.leave_by(above, depth, way, step, &mut known);
+                    }
+                }
+                return is_any.then_some(Branch::Transmitted);
+            }
         };
-        if world.has_dispersion() && hits(above.points).any(is_split) {
-            2 + BANDS
-        } else {
-            2
+        for slot in hits(above.points) {
+            let material = above.points.material[slot] as usize;
+            if self.setup.world.delta(material).is_some() {
+                let sample = above.lanes.sample[slot];
+                self.leave(
+                    above,
+                    depth,
+                    (slot, branch),
+                    (None, sample),
+                    step,
+                    &mut known,
+                );
+            }
         }
+        Some(branch)
     }
 
-    /// Takes the rays that leave the points of a batch by one branch.
-    fn leave(&mut self, above: Above<'_>, depth: u32, branch: Branch, step: &mut Step) {
+    /// The points of a batch that disperse light, and into which wavelengths.
+    fn splits<S: Simd>(
+        &mut self,
+        simd: S,
+        above: Above<'_>,
+        depth: u32,
+        spare: &mut Vec<Box<Step>>,
+    ) -> Vec<Split> {
+        let world = self.setup.world;
+        if !world.has_dispersion() {
+            return Vec::new();
+        }
+        let is_split = |slot: &usize| {
+            above.lanes.nm[*slot] == 0 && world.may_disperse(above.points.material[*slot] as usize)
+        };
+        let slots = hits(above.points).filter(is_split);
+        let mut splits: Vec<Split> = slots
+            .map(|slot| Split {
+                slot,
+                spread: Spread::new(),
+                ways: Vec::new(),
+            })
+            .collect();
+        if depth >= world.max_depth() {
+            // None is followed, which one counts.
+            for split in &mut splits {
+                split.ways.push(Spread::MIDDLE);
+            }
+            return splits;
+        }
+        loop {
+            let mut wanted = Vec::new();
+            for (place, Split { spread, .. }) in splits.iter().enumerate() {
+                spread.wanted(|nm| wanted.push((place, nm)));
+            }
+            if wanted.is_empty() {
+                break;
+            }
+            for part in wanted.chunks(BATCH) {
+                let ways = part.iter().enumerate().map(|(sample, &(place, nm))| Way {
+                    slot: splits[place].slot,
+                    nm,
+                    share: None,
+                    sample: sample as u16,
+                });
+                let seen = self.look_along(simd, above, depth, ways, spare);
+                for (&(place, nm), seen) in part.iter().zip(seen) {
+                    splits[place].spread.note(nm, seen);
+                }
+            }
+            let visibility = self.setup.visibility;
+            for Split { spread, .. } in &mut splits {
+                spread.decide(|segments| is_free(simd, visibility, segments, self.shafts));
+            }
+        }
+        for Split { spread, ways, .. } in &mut splits {
+            *ways = spread.ways();
+        }
+        splits
+    }
+
+    /// What is seen along the ways of wavelengths, of which there are at most [`BATCH`].
+    fn look_along<S: Simd>(
+        &mut self,
+        simd: S,
+        above: Above<'_>,
+        depth: u32,
+        ways: impl Iterator<Item = Way>,
+        spare: &mut Vec<Box<Step>>,
+    ) -> Vec<Seen> {
+        let mut arrived = Box::<Arrived>::default();
+        let mut step = spare.pop().unwrap_or_default();
+        step.clear();
+        let mut tracer = Tracer {
+            setup: self.setup,
+            samples: self.samples,
+            tracing: &mut *self.tracing,
+            shafts: &mut *self.shafts,
+            layers: None,
+            arrived: &mut arrived,
+            depth: depth + 1,
+            sights: None,
+            counts: Counts::default(),
+        };
+        let mut known = KnownFilters::default();
+        let mut sights = Sights {
+            seen: Vec::new(),
+            reach: self.setup.visibility.reach(),
+        };
+        for way in ways {
+            sights.seen.push(Seen::default());
+            tracer.leave_by(above, depth, way, &mut step, &mut known);
+        }
+        tracer.sights = Some(sights);
+        if step.lanes.count > 0 {
+            tracer.see(simd, Branch::Transmitted, &mut step);
+            tracer.follow(simd, step.above(), spare);
+        }
+        spare.push(step);
+        let Tracer { sights, counts, .. } = tracer;
+        self.counts.secondary_rays += counts.secondary_rays;
+        self.counts.shadow_rays += counts.shadow_rays;
+        self.counts.lit += counts.lit;
+        let mut seen = sights.map_or_else(Vec::new, |sights| sights.seen);
+        for (sample, seen) in seen.iter_mut().enumerate() {
+            for (channel, value) in seen.value.iter_mut().enumerate() {
+                *value = arrived.reflected[channel][sample] + arrived.transmitted[channel][sample];
+            }
+            seen.is_cut = arrived.cut[sample] > 0.0;
+        }
+        seen
+    }
+
+    /// Takes a ray that leaves a point by one wavelength's way.
+    fn leave_by(
+        &mut self,
+        above: Above<'_>,
+        depth: u32,
+        way: Way,
+        step: &mut Step,
+        known: &mut KnownFilters,
+    ) {
+        let Way {
+            slot,
+            nm,
+            share,
+            sample,
+        } = way;
+        let branch = Branch::Dispersed(nm);
+        self.leave(above, depth, (slot, branch), (share, sample), step, known);
+    }
+
+    /// Takes the ray that leaves a point by one branch, or what share of it there is.
+    fn leave(
+        &mut self,
+        above: Above<'_>,
+        depth: u32,
+        (slot, branch): (usize, Branch),
+        (share, sample): (Option<Spectrum>, u16),
+        step: &mut Step,
+        known: &mut KnownFilters,
+    ) {
         let Setup { world, .. } = *self.setup;
         let Step {
             rays,
@@ -352,75 +458,50 @@ impl Tracer<'_, '_, '_, '_> {
             lanes,
             ..
         } = step;
-        rays.clear();
-        shaded.filters.clear();
-        lanes.count = 0;
-        let mut known = KnownFilters::default();
-        for slot in hits(above.points) {
-            let material = above.points.material[slot];
-            let is_there = match branch {
-                Branch::Reflected | Branch::Transmitted => world.delta(material as usize).is_some(),
-                Branch::Dispersed(_) => {
-                    above.lanes.band[slot] == 0 && world.may_disperse(material as usize)
-                }
-            };
-            if !is_there {
-                continue;
+        let [origin, direction] = above.rays.ray(slot);
+        let arriving = Arriving {
+            origin,
+            direction,
+            media: above.lanes.media[slot],
+            nm: above.lanes.nm[slot],
+        };
+        let Some(leaving) = shading::leave(world, above.points, slot, &arriving, branch) else {
+            return;
+        };
+        let filter = share.or(leaving.filter);
+        let mut weight = leaving.weight;
+        for (weight, above) in weight.iter_mut().zip(&above.lanes.weight) {
+            *weight *= above[slot];
+        }
+        let most = weight
+            .iter()
+            .fold(0.0, |most, weight| f64::max(most, weight.abs()));
+        if depth >= world.max_depth() || most < NEGLIGIBLE {
+            if most > 0.0 {
+                let peak = filter.map_or(1.0, |filter| filter.peak().0);
+                let inside = shading::most_in(world, leaving.media);
+                self.arrived.cut[usize::from(sample)] += most * peak * inside;
+                self.counts.cut_rays += 1;
             }
-            let [origin, direction] = above.rays.ray(slot);
-            let arriving = Arriving {
-                origin,
-                direction,
-                media: above.lanes.media[slot],
-                band: above.lanes.band[slot],
-            };
-            let Some(leaving) = shading::leave(world, above.points, slot, &arriving, branch) else {
-                continue;
-            };
-            let sample = above.lanes.sample[slot];
-            let mut weight = leaving.weight;
-            for (weight, above) in weight.iter_mut().zip(&above.lanes.weight) {
-                *weight *= above[slot];
-            }
-            let most = weight
-                .iter()
-                .fold(0.0, |most, weight| f64::max(most, weight.abs()));
-            if depth >= world.max_depth() || most < NEGLIGIBLE {
-                if most > 0.0 {
-                    let peak = match &leaving.filter {
-                        Some(Filter::Own(filter)) => filter.peak().0,
-                        Some(Filter::Band(_)) | None => 1.0,
-                    };
-                    let inside = shading::most_in(world, leaving.media);
-                    self.arrived.cut[usize::from(sample)] += most * peak * inside;
-                    self.counts.cut_rays += 1;
-                }
-                continue;
-            }
-            let place = lanes.count;
-            lanes.count += 1;
-            rays.push_from(leaving.origin, leaving.direction, &leaving.start);
-            lanes.sample[place] = sample;
-            for (column, weight) in lanes.weight.iter_mut().zip(weight) {
-                column[place] = weight;
-            }
-            lanes.media[place] = leaving.media;
-            lanes.band[place] = leaving.band;
-            let before = above.shaded.filters.number(slot);
-            let past = above.shaded.filters.get(before);
-            match (past, leaving.filter) {
-                (None, None) => continue,
-                (Some(past), None) => known.filter(shaded, place, (before, 0), || past.clone()),
-                (past, Some(Filter::Band(band))) => {
-                    known.filter(shaded, place, (before, band), || {
-                        let share = shading::share_of_band(band);
-                        past.map_or_else(|| share.clone(), |past| past.times(&share))
-                    });
-                }
-                (past, Some(Filter::Own(factor))) => {
-                    let filter = past.map_or_else(|| factor.clone(), |past| past.times(&factor));
-                    known.own(shaded, place, (before, material), filter);
-                }
+            return;
+        }
+        let place = lanes.count;
+        lanes.count += 1;
+        rays.push_from(leaving.origin, leaving.direction, &leaving.start);
+        lanes.sample[place] = sample;
+        for (column, weight) in lanes.weight.iter_mut().zip(weight) {
+            column[place] = weight;
+        }
+        lanes.media[place] = leaving.media;
+        lanes.nm[place] = leaving.nm;
+        let before = above.shaded.filters.number(slot);
+        match (above.shaded.filters.get(before), filter) {
+            (None, None) => {}
+            (Some(past), None) => known.pass_on(shaded, place, before, past),
+            (past, Some(filter)) => {
+                let filter = past.map_or_else(|| filter.clone(), |past| past.times(&filter));
+                let material = above.points.material[slot];
+                known.own(shaded, place, (before, material), filter);
             }
         }
     }
@@ -443,6 +524,9 @@ impl Tracer<'_, '_, '_, '_> {
         visibility.nearest(simd, &batch, self.tracing, points);
         self.counts.secondary_rays += lanes.count as u64;
         absorb(self.setup, rays, points, shaded, lanes);
+        if let Some(sights) = &mut self.sights {
+            sights.note(rays, points, lanes);
+        }
         shaded.cuts_areas = self.setup.cuts_areas;
         match &mut self.layers {
             Some(layers) if layers.requested().wants_light() => {
@@ -474,67 +558,55 @@ impl Tracer<'_, '_, '_, '_> {
     }
 }
 
-impl Step {
-    fn above(&self) -> Above<'_> {
-        Above {
-            rays: &self.rays,
-            points: &self.points,
-            shaded: &self.shaded,
-            lanes: &self.lanes,
-        }
-    }
-}
-
-impl Lanes {
-    /// What arrives of a part of the radiance, at the places of the camera rays.
-    fn scatter(&self, from: &[Column; 3], to: &mut [Column; 3]) {
-        for (channel, to) in to.iter_mut().enumerate() {
-            to.fill(0.0);
-            for slot in 0..self.count {
-                to[usize::from(self.sample[slot])] =
-                    self.weight[channel][slot] * from[channel][slot];
-            }
-        }
-    }
-}
-
-/// The points that are hit.
-fn hits(points: &Points) -> impl Iterator<Item = usize> {
-    (0..PACKETS).flat_map(|packet| ones(points.hit[packet]).map(move |lane| packet * LANES + lane))
-}
-
-/// Takes away what the glass between the ends of rays absorbs.
-fn absorb(
-    setup: &Setup<'_>,
-    rays: &IncoherentRays,
-    points: &Points,
-    shaded: &mut Shaded,
-    lanes: &mut Lanes,
-) {
-    for slot in 0..lanes.count {
-        if lanes.media[slot].top().is_none() {
-            continue;
-        }
-        let is_hit = points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
-        let end = vector(&points.position, slot);
-        let distance = match rays.start(slot) {
-            Some(start) if is_hit => (end - start.position).length(),
-            Some(_) | None => f64::INFINITY,
-        };
-        let Some((factors, filter)) = shading::absorbed(setup.world, lanes.media[slot], distance)
-        else {
-            continue;
-        };
-        for (weight, factor) in lanes.weight.iter_mut().zip(factors) {
-            weight[slot] *= factor;
-        }
-        if let Some(filter) = filter {
-            let filters = &mut shaded.filters;
-            let filter = match filters.get(filters.number(slot)) {
-                Some(before) => before.times(&filter),
-                None => filter,
+impl Sights {
+    /// Notes what rays have met.
+    fn note(&mut self, rays: &IncoherentRays, points: &Points, lanes: &Lanes) {
+        for slot in 0..lanes.count {
+            let Some(start) = rays.start(slot) else {
+                continue;
             };
-            filters.push(slot, filter);
+            let is_hit = points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
+            let end = if is_hit {
+                vector(&points.position, slot)
+            } else {
+                let [_, direction] = rays.ray(slot);
+                let far = 4.0 * (self.reach + start.position.length());
+                start.position + direction.normalize_or_zero() * far
+            };
+            let (from, _) = object_and_triangle(start.primitive);
+            self.seen[usize::from(lanes.sample[slot])]
+                .segments
+                .push(Segment {
+                    ends: [start.position, end],
+                    objects: [Some(from), is_hit.then(|| points.object(slot))],
+                });
         }
+    }
+}
+
+/// Whether nothing but the objects at their ends is in the shaft around segments.
+fn is_free<S: Simd>(
+    simd: S,
+    visibility: &Visibility<'_>,
+    segments: [&Segment; 5],
+    shafts: &mut ShaftSpace,
+) -> bool {
+    /// More are not gone through.
+    const MOST_LISTED: usize = 16;
+    let [from, to] = [0, 1].map(|end| {
+        let points = segments.map(|segment| segment.ends[end]);
+        let [first, ..] = points;
+        let least = points.into_iter().fold(first, DVec3::min);
+        [least, points.into_iter().fold(first, DVec3::max)]
+    });
+    let shaft = Shaft::ToBox { from, to };
+    let question = ShaftQuestion::Contents;
+    let objects = segments[0].objects;
+    let is_end = |shape: u64| objects.contains(&Some(object_and_triangle(shape).0));
+    match visibility.shaft(simd, &shaft, question, u64::MAX, MOST_LISTED, shafts) {
+        ShaftAnswer::Nothing => true,
+        ShaftAnswer::All(shape) => is_end(shape),
+        ShaftAnswer::These => shafts.list.iter().all(|&shape| is_end(shape)),
+        ShaftAnswer::TooMany => false,
     }
 }

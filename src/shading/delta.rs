@@ -21,19 +21,13 @@ use crate::world::delta::{Absorption, ComplexIndex, Glass, Tint};
 use crate::world::geometry::area_vector;
 use crate::world::{Delta, Media, Shape, World};
 
-/// How many wavelengths a ray is split into where a glass disperses it.
-pub(crate) const BANDS: u16 = 32;
-
-/// The wavelengths in nm between which bands are: beyond them little is seen.
-const BANDED: [f64; 2] = [380.0, 740.0];
-
 /// Which of the rays that leave a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Branch {
     Reflected,
     /// Refracted, or straight on.
     Transmitted,
-    /// Refracted where the glass disperses light: one of [`BANDS`].
+    /// Refracted where the glass disperses light: this wavelength in nm.
     Dispersed(u16),
 }
 
@@ -44,8 +38,8 @@ pub(crate) struct Arriving {
     pub(crate) direction: DVec3,
     /// The bodies that it is inside of.
     pub(crate) media: Media,
-    /// Which of [`BANDS`] it is, plus 1; 0 where it has all wavelengths.
-    pub(crate) band: u16,
+    /// The wavelength in nm whose way it takes; 0 where it is that of all.
+    pub(crate) nm: u16,
 }
 
 /// A ray that leaves a point.
@@ -57,17 +51,9 @@ pub(crate) struct Leaving {
     /// How much of its radiance arrives, per channel; where light is carried spectrally all three are the same.
     pub(crate) weight: [f64; 3],
     /// What of it arrives at each wavelength besides.
-    pub(crate) filter: Option<Filter>,
+    pub(crate) filter: Option<Spectrum>,
     pub(crate) media: Media,
-    pub(crate) band: u16,
-}
-
-/// What of a ray's light arrives at each wavelength.
-#[derive(Clone, Debug)]
-pub(crate) enum Filter {
-    Own(Spectrum),
-    /// The share of one of [`BANDS`], counted from 1.
-    Band(u16),
+    pub(crate) nm: u16,
 }
 
 /// How much of the radiance arrives, before it is known whether light is carried spectrally.
@@ -136,7 +122,7 @@ pub(crate) fn leave(
             let disperses =
                 |glass: Option<&Glass>| glass.is_some_and(|glass| glass.dispersion.is_some());
             let is_split = world.spectra().is_some() && (disperses(from) || disperses(to));
-            let band = match (is_split && arriving.band == 0, branch) {
+            let nm = match (is_split && arriving.nm == 0, branch) {
                 (true, Branch::Reflected) => {
                     return surface.reflected(
                         world,
@@ -150,17 +136,16 @@ pub(crate) fn leave(
                     );
                 }
                 (true, Branch::Transmitted) | (false, Branch::Dispersed(_)) => return None,
-                (true, Branch::Dispersed(band)) => band + 1,
-                (false, Branch::Reflected | Branch::Transmitted) => arriving.band,
+                (true, Branch::Dispersed(nm)) => nm,
+                (false, Branch::Reflected | Branch::Transmitted) => arriving.nm,
             };
-            let eta = index(to, band) / index(from, band);
+            let eta = index(to, nm) / index(from, nm);
             let reflectance = optics::dielectric(cosine, eta);
             if branch == Branch::Reflected {
                 return surface.reflected(world, arriving, before, Factor::Gray(reflectance));
             }
             let mut leaving = surface.refracted(beyond, eta, 1.0 - reflectance)?;
-            leaving.band = band;
-            leaving.filter = (arriving.band != band).then_some(Filter::Band(band));
+            leaving.nm = nm;
             Some(leaving)
         }
         _ => None,
@@ -202,12 +187,12 @@ fn body_of(world: &World, media: Media) -> Option<&Glass> {
     }
 }
 
-/// The refractive index of a medium for a band; of all wavelengths that at 587.6 nm.
-fn index(glass: Option<&Glass>, band: u16) -> f64 {
+/// The refractive index of a medium for a wavelength in nm; of all, 0, that at 587.6 nm.
+fn index(glass: Option<&Glass>, nm: u16) -> f64 {
     match glass {
         None => 1.0,
         Some(glass) => match &glass.dispersion {
-            Some(dispersion) if band > 0 => dispersion.at(center(band)),
+            Some(dispersion) if nm > 0 => dispersion.at(f64::from(nm)),
             Some(_) | None => glass.n,
         },
     }
@@ -221,27 +206,6 @@ pub(crate) fn most_in(world: &World, media: Media) -> f64 {
     };
     let n = body_of(world, media).map_or(1.0, largest);
     n * n
-}
-
-/// The wavelength of a band in nm. Bands are as far apart in 1/λ² as each other, and so nearly in the refractive index
-/// of any glass (Cauchy's formula, n = A + B/λ²).
-fn center(band: u16) -> f64 {
-    let part = f64::from(band - 1) / f64::from(BANDS - 1);
-    let [first, last] = BANDED.map(|nm| 1.0 / (nm * nm));
-    1.0 / (first + (last - first) * part).sqrt()
-}
-
-/// The share of each wavelength that goes the way of a band: linear from the one before to the next, so that together
-/// they are 1.
-pub(crate) fn share_of_band(band: u16) -> Spectrum {
-    let middle = center(band);
-    let before = (band > 1).then(|| center(band - 1));
-    let after = (band < BANDS).then(|| center(band + 1));
-    Spectrum::from_fn(|nm| {
-        // What is beyond the last of them goes its way.
-        let neighbor = if nm < middle { before } else { after };
-        neighbor.map_or(1.0, |end| (1.0 - (nm - middle) / (end - middle)).max(0.0))
-    })
 }
 
 /// A point of a smooth surface.
@@ -325,7 +289,7 @@ impl Surface {
         } else {
             ([self.position, direction], 0.0)
         };
-        self.leaving(world, ray, t, factor, (media, arriving.band))
+        self.leaving(world, ray, t, factor, (media, arriving.nm))
     }
 
     /// What is along the ray itself.
@@ -338,7 +302,7 @@ impl Surface {
     ) -> Option<Leaving> {
         let ray = [arriving.origin, arriving.direction];
         let t = self.t_of(arriving);
-        self.leaving(world, ray, t, factor, (media, arriving.band))
+        self.leaving(world, ray, t, factor, (media, arriving.nm))
     }
 
     fn leaving(
@@ -347,7 +311,7 @@ impl Surface {
         [origin, direction]: [DVec3; 2],
         t: f64,
         factor: Factor<'_>,
-        (media, band): (Media, u16),
+        (media, nm): (Media, u16),
     ) -> Option<Leaving> {
         let (weight, filter) = factor.apart(world)?;
         Some(Leaving {
@@ -357,7 +321,7 @@ impl Surface {
             weight,
             filter,
             media,
-            band,
+            nm,
         })
     }
 
@@ -374,7 +338,7 @@ impl Surface {
             weight: [transmittance / (eta * eta); 3],
             filter: None,
             media,
-            band: 0,
+            nm: 0,
         })
     }
 
@@ -411,7 +375,7 @@ impl Surface {
 
 impl Factor<'_> {
     /// Its weight per channel, and its filter where light is carried spectrally; `None` where nothing arrives.
-    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Filter>)> {
+    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Spectrum>)> {
         let (weight, filter) = match *self {
             Self::Gray(weight) => ([weight; 3], None),
             Self::Tinted(tint, cosine) => {
@@ -428,7 +392,7 @@ impl Factor<'_> {
                     Some(SpectralReflectance::Spectrum(r0)) => {
                         let mut r0 = r0.values().iter();
                         let value = |_| at(r0.next().copied().unwrap_or_default());
-                        ([1.0; 3], Some(Filter::Own(Spectrum::from_fn(value))))
+                        ([1.0; 3], Some(Spectrum::from_fn(value)))
                     }
                 }
             }
@@ -439,7 +403,7 @@ impl Factor<'_> {
                     optics::conductor(cosine, n, k)
                 });
                 match world.spectra() {
-                    Some(_) => ([1.0; 3], Some(Filter::Own(reflectance))),
+                    Some(_) => ([1.0; 3], Some(reflectance)),
                     None => (world.color_of_reflectance(&reflectance), None),
                 }
             }
@@ -459,36 +423,9 @@ impl Factor<'_> {
                     let place = (nm - f64::from(FIRST)) as usize;
                     optics::dielectric(cos_incident, at(to, place) / at(from, place))
                 });
-                ([1.0; 3], Some(Filter::Own(filter)))
+                ([1.0; 3], Some(filter))
             }
         };
         (weight != [0.0; 3]).then_some((weight, filter))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::spectrum::SAMPLES;
-
-    /// Whatever is parted into bands is all there: at each wavelength their shares are 1.
-    #[test]
-    fn bands_keep_the_light() {
-        let mut sums = [0.0; SAMPLES];
-        for band in 1..=BANDS {
-            let shares = share_of_band(band);
-            for (sum, share) in sums.iter_mut().zip(shares.values()) {
-                assert!((0.0..=1.0).contains(share));
-                *sum += share;
-            }
-            // Each has its own wavelength, but for the nm of the grid.
-            assert!(shares.at(center(band)) > 0.7, "{band}");
-        }
-        for sum in sums {
-            assert!((sum - 1.0).abs() < 1e-14, "{sum}");
-        }
-        for (band, nm) in [1, BANDS].into_iter().zip(BANDED) {
-            assert!((center(band) - nm).abs() < 1e-9);
-        }
     }
 }

@@ -1,0 +1,190 @@
+//! The rays that leave the points of a batch by one branch, what they meet, and what they have been through.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use super::setup::Setup;
+use crate::shading::{self, LightTerms, Shaded};
+use crate::simd::{LANES, ones};
+use crate::spectrum::Spectrum;
+use crate::visibility::{BATCH, Column, IncoherentRays, PACKETS, Points, vector};
+use crate::world::Media;
+
+/// A batch of rays that have left surfaces, and what they meet.
+pub(super) struct Step {
+    pub(super) rays: IncoherentRays,
+    pub(super) points: Points,
+    pub(super) shaded: Shaded,
+    pub(super) terms: LightTerms,
+    pub(super) lanes: Lanes,
+    /// Parts of layers, at the places of the camera rays.
+    pub(super) scattered: [Column; 3],
+}
+
+impl Default for Step {
+    fn default() -> Self {
+        Self {
+            rays: IncoherentRays::default(),
+            points: Points::default(),
+            shaded: Shaded::default(),
+            terms: LightTerms::default(),
+            lanes: Lanes::default(),
+            scattered: [Column::ZERO; 3],
+        }
+    }
+}
+
+/// What rays have been through.
+#[derive(Clone, Debug)]
+pub(super) struct Lanes {
+    /// The camera ray that each comes from, by its place in its batch.
+    pub(super) sample: [u16; BATCH],
+    /// How much of the radiance arrives, per primary.
+    pub(super) weight: [Column; 3],
+    pub(super) media: [Media; BATCH],
+    /// The wavelength in nm whose way it takes; 0 where it is that of all.
+    pub(super) nm: [u16; BATCH],
+    pub(super) count: usize,
+}
+
+impl Default for Lanes {
+    fn default() -> Self {
+        Self {
+            sample: [0; BATCH],
+            weight: [Column::ZERO; 3],
+            media: [Media::NONE; BATCH],
+            nm: [0; BATCH],
+            count: 0,
+        }
+    }
+}
+
+/// Rays, what they meet, and what they have been through.
+#[derive(Clone, Copy)]
+pub(super) struct Above<'a> {
+    pub(super) rays: &'a IncoherentRays,
+    pub(super) points: &'a Points,
+    pub(super) shaded: &'a Shaded,
+    pub(super) lanes: &'a Lanes,
+}
+
+/// The filters that rays of one branch have, so far.
+#[derive(Default)]
+pub(super) struct KnownFilters {
+    /// Those that nothing was put to, by their numbers before.
+    passed_on: HashMap<u16, u16>,
+    /// The last one of a material, and what it was before.
+    last: Option<(u16, u32, u16)>,
+}
+
+impl KnownFilters {
+    /// A filter that a surface does not change.
+    pub(super) fn pass_on(
+        &mut self,
+        shaded: &mut Shaded,
+        ray: usize,
+        before: u16,
+        filter: &Spectrum,
+    ) {
+        match self.passed_on.entry(before) {
+            Entry::Occupied(known) => shaded.filters.share(ray, *known.get()),
+            Entry::Vacant(place) => {
+                shaded.filters.push(ray, filter.clone());
+                place.insert(shaded.filters.number(ray));
+            }
+        }
+    }
+
+    /// A filter of a material, which may depend on the angle.
+    pub(super) fn own(
+        &mut self,
+        shaded: &mut Shaded,
+        ray: usize,
+        (before, material): (u16, u32),
+        filter: Spectrum,
+    ) {
+        match self.last {
+            Some((known, of, number))
+                if (known, of) == (before, material)
+                    && shaded.filters.get(number) == Some(&filter) =>
+            {
+                shaded.filters.share(ray, number);
+            }
+            _ => {
+                shaded.filters.push(ray, filter);
+                self.last = Some((before, material, shaded.filters.number(ray)));
+            }
+        }
+    }
+}
+
+impl Step {
+    pub(super) fn clear(&mut self) {
+        self.rays.clear();
+        self.shaded.filters.clear();
+        self.lanes.count = 0;
+    }
+
+    pub(super) fn above(&self) -> Above<'_> {
+        Above {
+            rays: &self.rays,
+            points: &self.points,
+            shaded: &self.shaded,
+            lanes: &self.lanes,
+        }
+    }
+}
+
+impl Lanes {
+    /// What arrives of a part of the radiance, at the places of the camera rays.
+    pub(super) fn scatter(&self, from: &[Column; 3], to: &mut [Column; 3]) {
+        for (channel, to) in to.iter_mut().enumerate() {
+            to.fill(0.0);
+            for slot in 0..self.count {
+                to[usize::from(self.sample[slot])] =
+                    self.weight[channel][slot] * from[channel][slot];
+            }
+        }
+    }
+}
+
+/// The points that are hit.
+pub(super) fn hits(points: &Points) -> impl Iterator<Item = usize> {
+    (0..PACKETS).flat_map(|packet| ones(points.hit[packet]).map(move |lane| packet * LANES + lane))
+}
+
+/// Takes away what the glass between the ends of rays absorbs.
+pub(super) fn absorb(
+    setup: &Setup<'_>,
+    rays: &IncoherentRays,
+    points: &Points,
+    shaded: &mut Shaded,
+    lanes: &mut Lanes,
+) {
+    for slot in 0..lanes.count {
+        if lanes.media[slot].top().is_none() {
+            continue;
+        }
+        let is_hit = points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
+        let end = vector(&points.position, slot);
+        let distance = match rays.start(slot) {
+            Some(start) if is_hit => (end - start.position).length(),
+            Some(_) | None => f64::INFINITY,
+        };
+        let Some((factors, filter)) = shading::absorbed(setup.world, lanes.media[slot], distance)
+        else {
+            continue;
+        };
+        for (weight, factor) in lanes.weight.iter_mut().zip(factors) {
+            weight[slot] *= factor;
+        }
+        if let Some(filter) = filter {
+            let filters = &mut shaded.filters;
+            let filter = match filters.get(filters.number(slot)) {
+                Some(before) => before.times(&filter),
+                None => filter,
+            };
+            filters.push(slot, filter);
+        }
+    }
+}
