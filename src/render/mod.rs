@@ -33,6 +33,7 @@ mod sampling;
 mod scheduler;
 mod setup;
 mod shares;
+mod sights;
 mod sink;
 mod statistics;
 mod sums;

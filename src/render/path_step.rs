@@ -136,6 +136,18 @@ impl Step {
 }
 
 impl Lanes {
+    /// Camera rays have been through nothing.
+    pub(super) fn of_camera() -> Self {
+        let mut lanes = Self::default();
+        for (slot, sample) in lanes.sample.iter_mut().enumerate() {
+            *sample = slot as u16;
+        }
+        for weight in &mut lanes.weight {
+            weight.fill(1.0);
+        }
+        lanes
+    }
+
     /// What arrives of a part of the radiance, at the places of the camera rays.
     pub(super) fn scatter(&self, from: &[Column; 3], to: &mut [Column; 3]) {
         for (channel, to) in to.iter_mut().enumerate() {

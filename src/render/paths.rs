@@ -9,26 +9,23 @@ use fearless_simd::Simd;
 
 use super::batch::NumberedSamples;
 use super::counts::Counts;
-use super::dispersion::{Seen, Segment, Spread};
+use super::dispersion::{Seen, Spread};
 use super::layer_sums::LayerSums;
 use super::path_step::{Above, KnownFilters, Lanes, Step, absorb, hits};
 use super::setup::Setup;
-use crate::math::{DVec3, Point};
-use crate::shading::{self, Arriving, Branch, Shaded};
-use crate::simd::{DVec3x16, LANES};
+use super::sights::{Sights, is_free};
+use crate::math::Point;
+use crate::shading::{self, Arriving, Branch, Leaving, PlaneMirror, Shaded};
+use crate::simd::DVec3x16;
 use crate::spectrum::Spectrum;
-use crate::visibility::{
-    BATCH, Column, IncoherentRays, Points, RayBatch, Shaft, ShaftAnswer, ShaftQuestion, ShaftSpace,
-    Visibility, Workspace, object_and_triangle, vector,
-};
-use crate::world::Media;
+use crate::visibility::{BATCH, Column, IncoherentRays, Points, RayBatch, ShaftSpace, Workspace};
+use crate::world::{Delta, Media};
 
 /// A branch of which less than this arrives is not followed: of light that is 10⁶ times as bright as what is beside it,
 /// the last digit of 32 bits would be more.
 const NEGLIGIBLE: f64 = 1e-14;
 
 /// What a thread needs to follow light, to be used again and again.
-#[derive(Default)]
 pub(super) struct Paths {
     rays: IncoherentRays,
     seen: Lanes,
@@ -37,6 +34,19 @@ pub(super) struct Paths {
     /// The bodies of glass that the eye is inside of, where all rays have one.
     around_eye: Option<(Point, Media)>,
     shafts: ShaftSpace,
+}
+
+impl Default for Paths {
+    fn default() -> Self {
+        Self {
+            rays: IncoherentRays::default(),
+            seen: Lanes::of_camera(),
+            spare: Vec::new(),
+            arrived: Arrived::default(),
+            around_eye: None,
+            shafts: ShaftSpace::default(),
+        }
+    }
 }
 
 /// What comes by the branches of a batch of camera rays, in cd/m² per primary.
@@ -107,13 +117,6 @@ struct Tracer<'t, 's, 'w, 'l> {
     counts: Counts,
 }
 
-/// What is seen along the ways of wavelengths.
-struct Sights {
-    seen: Vec<Seen>,
-    /// Further away than this there is nothing.
-    reach: f64,
-}
-
 impl Paths {
     /// Follows the light of a batch of camera rays through mirrors and glass, and adds what arrives to their radiance.
     #[inline(never)]
@@ -134,7 +137,10 @@ impl Paths {
         if !hits(points).any(is_smooth) {
             return Counts::default();
         }
-        self.rays.take(simd, rays);
+        simd.vectorize(
+            #[inline(always)]
+            || self.rays.take(simd, rays),
+        );
         self.begin_seen(setup);
         for channel in 0..3 {
             self.arrived.reflected[channel].fill(0.0);
@@ -188,13 +194,6 @@ impl Paths {
         let world = setup.world;
         let seen = &mut self.seen;
         seen.count = self.rays.count();
-        for slot in 0..BATCH {
-            seen.sample[slot] = slot as u16;
-        }
-        for weight in &mut seen.weight {
-            weight.fill(1.0);
-        }
-        seen.nm.fill(0);
         if world.bodies().is_empty() {
             return;
         }
@@ -292,19 +291,40 @@ impl Tracer<'_, '_, '_, '_> {
                 return is_any.then_some(Branch::Transmitted);
             }
         };
+        let world = self.setup.world;
+        let mut mirror: Option<PlaneMirror> = None;
         for slot in hits(above.points) {
-            let material = above.points.material[slot] as usize;
-            if self.setup.world.delta(material).is_some() {
-                let sample = above.lanes.sample[slot];
-                self.leave(
-                    above,
-                    depth,
-                    (slot, branch),
-                    (None, sample),
-                    step,
-                    &mut known,
-                );
+            let delta = world.delta(above.points.material[slot] as usize);
+            let is_left = match branch {
+                Branch::Reflected => delta.is_some(),
+                _ => delta.is_some_and(Delta::transmits),
+            };
+            if !is_left {
+                continue;
             }
+            let sample = above.lanes.sample[slot];
+            if branch == Branch::Reflected {
+                let [eye, direction] = above.rays.ray(slot);
+                let mirror = match &mut mirror {
+                    Some(mirror) if mirror.is_of(above.points, slot, eye) => mirror,
+                    other => other.insert(PlaneMirror::of(world, above.points, slot, eye)),
+                };
+                let lane = (above.lanes.media[slot], above.lanes.nm[slot]);
+                if let Some(leaving) = mirror.reflected(above.points, slot, direction, lane) {
+                    if let Some(leaving) = leaving {
+                        self.take(above, depth, slot, leaving, sample, step, &mut known);
+                    }
+                    continue;
+                }
+            }
+            self.leave(
+                above,
+                depth,
+                (slot, branch),
+                (None, sample),
+                step,
+                &mut known,
+            );
         }
         Some(branch)
     }
@@ -451,13 +471,7 @@ impl Tracer<'_, '_, '_, '_> {
         step: &mut Step,
         known: &mut KnownFilters,
     ) {
-        let Setup { world, .. } = *self.setup;
-        let Step {
-            rays,
-            shaded,
-            lanes,
-            ..
-        } = step;
+        let world = self.setup.world;
         let [origin, direction] = above.rays.ray(slot);
         let arriving = Arriving {
             origin,
@@ -465,10 +479,33 @@ impl Tracer<'_, '_, '_, '_> {
             media: above.lanes.media[slot],
             nm: above.lanes.nm[slot],
         };
-        let Some(leaving) = shading::leave(world, above.points, slot, &arriving, branch) else {
-            return;
-        };
-        let filter = share.or(leaving.filter);
+        if let Some(mut leaving) = shading::leave(world, above.points, slot, &arriving, branch) {
+            leaving.filter = share.or(leaving.filter);
+            self.take(above, depth, slot, leaving, sample, step, known);
+        }
+    }
+
+    /// Takes a ray that leaves a point to the others, unless next to nothing of it arrives.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a step of `leave`")]
+    fn take(
+        &mut self,
+        above: Above<'_>,
+        depth: u32,
+        slot: usize,
+        leaving: Leaving,
+        sample: u16,
+        step: &mut Step,
+        known: &mut KnownFilters,
+    ) {
+        let world = self.setup.world;
+        let Step {
+            rays,
+            shaded,
+            lanes,
+            ..
+        } = step;
+        let filter = leaving.filter;
         let mut weight = leaving.weight;
         for (weight, above) in weight.iter_mut().zip(&above.lanes.weight) {
             *weight *= above[slot];
@@ -555,58 +592,5 @@ impl Tracer<'_, '_, '_, '_> {
                 sums[usize::from(sample)] += weight[slot] * radiance[slot];
             }
         }
-    }
-}
-
-impl Sights {
-    /// Notes what rays have met.
-    fn note(&mut self, rays: &IncoherentRays, points: &Points, lanes: &Lanes) {
-        for slot in 0..lanes.count {
-            let Some(start) = rays.start(slot) else {
-                continue;
-            };
-            let is_hit = points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
-            let end = if is_hit {
-                vector(&points.position, slot)
-            } else {
-                let [_, direction] = rays.ray(slot);
-                let far = 4.0 * (self.reach + start.position.length());
-                start.position + direction.normalize_or_zero() * far
-            };
-            let (from, _) = object_and_triangle(start.primitive);
-            self.seen[usize::from(lanes.sample[slot])]
-                .segments
-                .push(Segment {
-                    ends: [start.position, end],
-                    objects: [Some(from), is_hit.then(|| points.object(slot))],
-                });
-        }
-    }
-}
-
-/// Whether nothing but the objects at their ends is in the shaft around segments.
-fn is_free<S: Simd>(
-    simd: S,
-    visibility: &Visibility<'_>,
-    segments: [&Segment; 5],
-    shafts: &mut ShaftSpace,
-) -> bool {
-    /// More are not gone through.
-    const MOST_LISTED: usize = 16;
-    let [from, to] = [0, 1].map(|end| {
-        let points = segments.map(|segment| segment.ends[end]);
-        let [first, ..] = points;
-        let least = points.into_iter().fold(first, DVec3::min);
-        [least, points.into_iter().fold(first, DVec3::max)]
-    });
-    let shaft = Shaft::ToBox { from, to };
-    let question = ShaftQuestion::Contents;
-    let objects = segments[0].objects;
-    let is_end = |shape: u64| objects.contains(&Some(object_and_triangle(shape).0));
-    match visibility.shaft(simd, &shaft, question, u64::MAX, MOST_LISTED, shafts) {
-        ShaftAnswer::Nothing => true,
-        ShaftAnswer::All(shape) => is_end(shape),
-        ShaftAnswer::These => shafts.list.iter().all(|&shape| is_end(shape)),
-        ShaftAnswer::TooMany => false,
     }
 }

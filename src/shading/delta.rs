@@ -76,6 +76,107 @@ struct Boundary {
     beyond: Media,
 }
 
+/// A flat surface that reflects the same share of all rays, and an eye before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneMirror {
+    primitive: u64,
+    eye: DVec3,
+    /// Its image; `None` where the surface is not as simple as that.
+    image: Option<EyeImage>,
+}
+
+/// The image of an eye in a plane mirror.
+#[derive(Clone, Copy, Debug)]
+struct EyeImage {
+    position: DVec3,
+    normal: DVec3,
+    weight: [f64; 3],
+}
+
+impl PlaneMirror {
+    /// The surface that is seen at a point.
+    pub(crate) fn of(world: &World, points: &Points, slot: usize, eye: DVec3) -> Self {
+        let surface = Surface::new(world, points, slot);
+        let weight = world
+            .delta(points.material[slot] as usize)
+            .and_then(|delta| {
+                let factor = match delta {
+                    Delta::Mirror(tint) if !tint.schlick => Factor::Tinted(tint, 1.0),
+                    Delta::Coat {
+                        reflectance,
+                        schlick: false,
+                    } => Factor::Gray(*reflectance),
+                    _ => return None,
+                };
+                match factor.apart(world)? {
+                    (weight, None) => Some(weight),
+                    (_, Some(_)) => None,
+                }
+            });
+        let image = weight.filter(|_| surface.is_flat).map(|weight| EyeImage {
+            position: surface.image_of(eye),
+            normal: surface.normal,
+            weight,
+        });
+        Self {
+            primitive: points.primitive[slot],
+            eye,
+            image,
+        }
+    }
+
+    /// Whether it is that of another point and eye.
+    #[inline]
+    pub(crate) fn is_of(&self, points: &Points, slot: usize, eye: DVec3) -> bool {
+        self.primitive == points.primitive[slot] && self.eye == eye
+    }
+
+    /// What [`leave`] says of a ray that it reflects, if it is as simple as that; `Some(None)` where none is.
+    #[inline]
+    pub(crate) fn reflected(
+        &self,
+        points: &Points,
+        slot: usize,
+        direction: DVec3,
+        (media, nm): (Media, u16),
+    ) -> Option<Option<Leaving>> {
+        let EyeImage {
+            position,
+            normal,
+            weight,
+        } = self.image?;
+        // An interpolated normal makes another mirror of each point.
+        if vector(points.shading_normals(), slot) != vector(points.geometric_normals(), slot) {
+            return None;
+        }
+        let to_viewer = vector(&points.to_viewer, slot);
+        if optics::reflected(-to_viewer, normal).dot(normal) <= 0.0 {
+            return Some(None);
+        }
+        let start = vector(&points.position, slot);
+        Some(Some(Leaving {
+            origin: position,
+            direction: optics::reflected(direction, normal),
+            start: RayStart {
+                t: t_of(start, self.eye, direction),
+                position: start,
+                error: points.error[slot],
+                primitive: self.primitive,
+            },
+            weight,
+            filter: None,
+            media,
+            nm,
+        }))
+    }
+}
+
+/// t of a point of a ray.
+#[inline]
+fn t_of(point: DVec3, origin: DVec3, direction: DVec3) -> f64 {
+    (point - origin).dot(direction) / direction.length_squared()
+}
+
 /// A ray that leaves a point of a smooth surface; `None` where there is none.
 pub(crate) fn leave(
     world: &World,
@@ -261,10 +362,13 @@ impl Surface {
     }
 
     fn t_of(&self, arriving: &Arriving) -> f64 {
-        let Arriving {
-            origin, direction, ..
-        } = *arriving;
-        (self.position - origin).dot(direction) / direction.length_squared()
+        t_of(self.position, arriving.origin, arriving.direction)
+    }
+
+    /// The image of an eye in the plane of the surface.
+    fn image_of(&self, eye: DVec3) -> DVec3 {
+        let height = self.normal.dot(eye) - self.plane;
+        eye - self.normal * (2.0 * height)
     }
 
     /// L_r: of a flat surface from the image of the eye.
@@ -281,10 +385,8 @@ impl Surface {
             return None;
         }
         let (ray, t) = if self.is_flat {
-            let n = self.normal;
-            let height = n.dot(arriving.origin) - self.plane;
-            let image = arriving.origin - n * (2.0 * height);
-            let direction = optics::reflected(arriving.direction, n);
+            let image = self.image_of(arriving.origin);
+            let direction = optics::reflected(arriving.direction, self.normal);
             ([image, direction], self.t_of(arriving))
         } else {
             ([self.position, direction], 0.0)

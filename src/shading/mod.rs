@@ -19,7 +19,7 @@ use fearless_simd::Simd;
 
 pub(crate) use area::AreaSpace;
 use area::{AreaTerms, Asked};
-pub(crate) use delta::{Arriving, Branch, absorbed, leave, most_in};
+pub(crate) use delta::{Arriving, Branch, Leaving, PlaneMirror, absorbed, leave, most_in};
 use emission::{add_emission, filter_background};
 pub(crate) use emission::{emission, emitter_seen};
 pub(crate) use filters::Filters;

@@ -2,6 +2,7 @@
 //! in f32 what is certain, and for the few that are left in packets of sixteen, in f64; for those to a sun see
 //! [`sun`].
 
+mod mirrored;
 mod sun;
 
 use fearless_simd::Simd;

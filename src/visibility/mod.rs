@@ -135,6 +135,8 @@ pub(crate) struct Workspace {
     /// Groups of points that are still to be asked for a light.
     groups: Vec<[u32; PACKETS]>,
     incoherent: IncoherentSpace,
+    /// Rays that a projection does not tell.
+    open: IncoherentRays,
 }
 
 impl Default for Workspace {
@@ -145,6 +147,7 @@ impl Default for Workspace {
             stack: Box::new(EMPTY_STACK),
             groups: Vec::new(),
             incoherent: IncoherentSpace::default(),
+            open: IncoherentRays::default(),
         }
     }
 }
@@ -255,6 +258,9 @@ impl<'w> Visibility<'w> {
             || match rays {
                 RayBatch::FromPoint { .. } | RayBatch::Along { .. } => {
                     self.nearest_coherent(simd, rays, space, points);
+                }
+                RayBatch::Any(rays) if rays.eye().is_some() => {
+                    self.nearest_mirrored(simd, rays, space, points);
                 }
                 RayBatch::Any(rays) => self.nearest_incoherent(simd, rays, space, points),
             },

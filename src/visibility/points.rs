@@ -20,6 +20,7 @@ use crate::math::{DVec3, Normal, Point};
 use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
 pub(crate) use facing::Facing;
 use lift::Lifts;
+pub(super) use met::surface_of;
 use met::{KnownShape, SurfaceRecords, below, meet_triangles};
 use unit::unit;
 

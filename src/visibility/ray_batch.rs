@@ -39,6 +39,8 @@ pub(crate) struct IncoherentRays {
     direction: [Column; 3],
     /// Where each starts, if any starts at a surface.
     starts: Option<Box<Starts>>,
+    /// The origin of all of them, where they share one and leave surfaces beyond it.
+    eye: Option<DVec3>,
     count: usize,
 }
 
@@ -111,6 +113,7 @@ impl Default for IncoherentRays {
             origin: [Column::ZERO; 3],
             direction: [Column::ZERO; 3],
             starts: None,
+            eye: None,
             count: 0,
         }
     }
@@ -120,6 +123,7 @@ impl IncoherentRays {
     /// Forgets all rays.
     pub(crate) fn clear(&mut self) {
         self.count = 0;
+        self.eye = None;
     }
 
     /// Puts a ray to the others; there are at most [`BATCH`].
@@ -143,7 +147,7 @@ impl IncoherentRays {
             RayBatch::FromPoint { count, .. } | RayBatch::Along { count, .. } => *count,
             RayBatch::Any(rays) => rays.count,
         };
-        self.starts = None;
+        (self.starts, self.eye) = (None, None);
         for packet in 0..self.count.div_ceil(LANES) {
             let rays = batch.packet(simd, packet);
             rays.origin.store(columns_mut(&mut self.origin, packet));
@@ -153,8 +157,11 @@ impl IncoherentRays {
     }
 
     /// Puts a ray that leaves a surface to the others, all of which do.
+    #[inline]
     pub(crate) fn push_from(&mut self, origin: DVec3, direction: DVec3, start: &RayStart) {
         let ray = self.count;
+        let is_shared = start.t > 0.0 && (ray == 0 || self.eye == Some(origin));
+        self.eye = is_shared.then_some(origin);
         self.push(origin, direction);
         let starts = self.starts.get_or_insert_with(|| {
             Box::new(Starts {
@@ -182,6 +189,19 @@ impl IncoherentRays {
             error: starts.error[ray],
             primitive: starts.primitive[ray],
         })
+    }
+
+    /// The origin of all rays, where they share one and leave surfaces beyond it: the image of an eye in a plane mirror.
+    #[inline(always)]
+    pub(super) fn eye(&self) -> Option<DVec3> {
+        self.eye
+    }
+
+    /// t and error of all starts, and what they are on, if any starts at a surface.
+    #[inline(always)]
+    pub(super) fn starts(&self) -> Option<([&Column; 2], &[u64; BATCH])> {
+        let starts = self.starts.as_ref()?;
+        Some(([&starts.t, &starts.error], &starts.primitive))
     }
 
     /// How many there are.

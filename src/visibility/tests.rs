@@ -16,6 +16,7 @@ mod contacts;
 mod disks;
 mod incoherent;
 mod lifted;
+mod mirrored;
 mod parallel;
 mod parts;
 mod shafts;
@@ -229,21 +230,6 @@ impl Compare<'_> {
     }
 }
 
-/// The same rays, as if they shared nothing.
-fn separate<S: Simd>(
-    simd: S,
-    rays: &RayBatch<'_, impl Fn(usize) -> DVec3x16<S>>,
-) -> IncoherentRays {
-    let mut separate = IncoherentRays::default();
-    for packet in 0..PACKETS {
-        let rays = rays.packet(simd, packet);
-        for lane in 0..LANES {
-            separate.push(rays.origin.lane(lane), rays.direction.lane(lane));
-        }
-    }
-    separate
-}
-
 /// The segments from a light to points of surfaces, as if they shared nothing.
 fn segments_from(light: Point, points: &Points) -> IncoherentSegments {
     let mut segments = IncoherentSegments::default();
@@ -295,9 +281,17 @@ impl Kernel for Compare<'_> {
                 self.ways[way].nearest(simd, &rays, &mut spaces[way], &mut points[way]);
             }
             // The same rays, of which it is not known that they share anything.
-            let separate = separate(simd, &rays);
-            let separate: RayBatch<'_, fn(usize) -> DVec3x16<S>> = RayBatch::Any(&separate);
-            self.ways[0].nearest(simd, &separate, &mut spaces[2], &mut points[2]);
+            let separate = incoherent::separate(simd, &rays);
+            let batch: RayBatch<'_, fn(usize) -> DVec3x16<S>> = RayBatch::Any(&separate);
+            self.ways[0].nearest(simd, &batch, &mut spaces[2], &mut points[2]);
+            mirrored::compare(
+                simd,
+                self.world,
+                self.ways,
+                &points[1],
+                &separate,
+                &mut spaces[2],
+            );
             // A projection that does not fit leaves all rays to the packets, one that is only bounded none.
             let fallback = |space: &Workspace, bits: &dyn Fn(usize) -> u32| -> u32 {
                 let fallback = |packet| match space.projection.state {

@@ -85,6 +85,14 @@ impl Delta {
         }
     }
 
+    /// Whether anything is seen through it.
+    pub(crate) fn transmits(&self) -> bool {
+        match self {
+            Self::Glass(_) | Self::Pane { .. } => true,
+            Self::Mirror(_) | Self::Coat { .. } | Self::Metal(_) => false,
+        }
+    }
+
     /// Whether there are lobes under it, which lights light.
     pub fn has_lobes(&self) -> bool {
         match self {

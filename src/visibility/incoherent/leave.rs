@@ -7,6 +7,7 @@ use crate::math::DVec3;
 use crate::visibility::primitive::Primitive;
 use crate::visibility::ray_batch::RayStart;
 use crate::visibility::search::Way;
+use crate::visibility::shape::single_crossings;
 
 /// Whether a ray that leaves a surface may meet a flat shape at t, a point and any normal of which are given.
 #[inline]
@@ -23,8 +24,8 @@ pub(super) fn flat(
 
 /// Where a ray that leaves a surface first meets a sphere, if it does.
 ///
-/// |o + t ω − c|² = r² has the roots t = (−b ± √D)/|ω|² with b = (o − c)·ω; where the start is on the sphere, one of
-/// them is there, and the other as far beyond the middle of both.
+/// Where the start is on the sphere, one of the crossings is there, and the other as far beyond the middle of both. All
+/// others are those of [`shape`](crate::visibility::shape), to the bit.
 #[inline]
 pub(super) fn sphere(
     way: &Way,
@@ -40,19 +41,6 @@ pub(super) fn sphere(
         let t = start.t - 2.0 * outwards.dot(way.direction) / square;
         return (t > start.t).then_some(t);
     }
-    let to_origin = way.origin - center;
-    let along = to_origin.dot(way.direction);
-    // The squared distance of the line from the center, without the digits that |o − c|² − r² loses.
-    let beside = to_origin - way.direction * (along / square);
-    let inside = (radius * radius - beside.length_squared()) * square;
-    if inside < 0.0 || inside.is_nan() {
-        return None;
-    }
-    let distance = to_origin.length();
-    let product = (distance - radius) * (distance + radius);
-    // Of the two sums the one that loses no digits; the other root is the product of both over it.
-    let sum = -(along + inside.sqrt().copysign(along));
-    let (one, other) = (sum / square, product / sum);
-    let crossings = [one.min(other), one.max(other)];
+    let crossings = single_crossings([way.origin, way.direction], center, radius)?;
     crossings.into_iter().find(|&t| t > start.t)
 }

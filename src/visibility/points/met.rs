@@ -278,7 +278,7 @@ impl SurfaceRecords {
 }
 
 #[inline]
-fn surface_of(world: &World, primitive: Primitive) -> SurfaceRecord {
+pub(in crate::visibility) fn surface_of(world: &World, primitive: Primitive) -> SurfaceRecord {
     let (object, triangle) = primitive.parts();
     let object = &world.objects()[object as usize];
     let material = object.material as u32;

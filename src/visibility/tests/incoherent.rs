@@ -94,6 +94,21 @@ impl<'w> Everything<'w> {
     }
 }
 
+/// The same rays, as if they shared nothing.
+pub(super) fn separate<S: Simd>(
+    simd: S,
+    rays: &RayBatch<'_, impl Fn(usize) -> DVec3x16<S>>,
+) -> IncoherentRays {
+    let mut separate = IncoherentRays::default();
+    for packet in 0..PACKETS {
+        let rays = rays.packet(simd, packet);
+        for lane in 0..LANES {
+            separate.push(rays.origin.lane(lane), rays.direction.lane(lane));
+        }
+    }
+    separate
+}
+
 /// The nearest hit of each of some rays among all shapes.
 struct BruteForce<'a>(&'a Everything<'a>, &'a [Ray]);
 
