@@ -202,12 +202,12 @@ def finish(material):
     if "reflectance" not in keys:
         return texture(material)
     reflectance = rgb(keys["reflectance"])
-    reflection = f"reflection {{ {color(reflectance)}, 1 falloff 5 }}" if keys.get("schlick") else f"reflection {color(reflectance)}"
+    reflection = f"{{ {color(reflectance)}, 1 falloff 5 }}" if keys.get("schlick") else color(reflectance)
     # What is below a coat POV-Ray leaves as it is.
     if material.model == "phong" and keys.get("schlick"):
         raise Refused("differs: its coats leave the lobes as they are")
     diffuse = mul(material.diffuse, 1 - reflectance[0]) if material.model == "phong" else [0.0] * 3
-    return f"texture {{ pigment {{ {color(diffuse)} }} finish {{ ambient 0 diffuse 1 {reflection} }} }}"
+    return f"texture {{ pigment {{ {color(diffuse)} }} finish {{ ambient 0 diffuse 1 reflection {reflection} }} }}"
 
 
 def slab(triangles):
