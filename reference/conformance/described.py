@@ -46,7 +46,7 @@ def described(scene, folder):
             size=float(camera["vertical_fov" if kind == "perspective" else "height"]),
         ),
         materials={name: material(entry) for name, entry in scene["materials"].items()},
-        lights=[light(entry) for entry in scene["lights"].values()],
+        lights=[light(entry) for entry in scene.get("lights", {}).values()],
         objects=[shape(entry, folder) for entry in scene["objects"].values()],
     )
 
@@ -58,6 +58,8 @@ def material(entry):
         diffuse=rgb(keys.get("diffuse", 0)),
         specular=rgb(keys.get("specular", 0)),
         shininess=keys.get("shininess", 1),
+        # Of smooth materials, as they are written.
+        keys=keys,
     )
 
 

@@ -22,8 +22,19 @@ def render(scene, program, peak):
     return {channel: total[:, :, i].ravel().tolist() for i, channel in enumerate("RGB")}
 
 
-def dark(mi, np, scene, sampler):
-    """The scene without its lights, as a dictionary."""
+def matt(material):
+    if any(material.specular):
+        raise Refused("a specular lobe")
+    k = mul(material.diffuse, 1 / pi) if material.model == "normalized_phong" else material.diffuse
+    return {
+        "type": "twosided",
+        # Its reflectance ρ is ρ/π of light: the lights are π times as strong.
+        "nested": {"type": "diffuse", "reflectance": {"type": "rgb", "value": k}},
+    }
+
+
+def dark(mi, np, scene, sampler, bsdf=matt):
+    """The scene without its lights, as a dictionary; `bsdf` says a material in Mitsuba's words."""
     transform = mi.ScalarTransform4f
     if any(scene.background):
         raise Refused("a background that does not light")
@@ -47,14 +58,7 @@ def dark(mi, np, scene, sampler):
         sensor |= {"to_world": world @ transform().scale([wide, wide, 1]), "near_clip": 1e-4 * extent, "far_clip": 1e6 * extent}
     described = {"type": "scene", "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 0}, "sensor": sensor}
     for name, material in scene.materials.items():
-        if any(material.specular):
-            raise Refused("a specular lobe")
-        k = mul(material.diffuse, 1 / pi) if material.model == "normalized_phong" else material.diffuse
-        described[f"bsdf_{name}"] = {
-            "type": "twosided",
-            # Its reflectance ρ is ρ/π of light: the lights are π times as strong.
-            "nested": {"type": "diffuse", "reflectance": {"type": "rgb", "value": k}},
-        }
+        described[f"bsdf_{name}"] = bsdf(material)
     for number, object_ in enumerate(scene.objects):
         for part, shape in enumerate(shapes(mi, np, object_, scene, extent)):
             described[f"shape_{number}_{part}"] = shape | {"bsdf": {"type": "ref", "id": f"bsdf_{object_.material}"}}

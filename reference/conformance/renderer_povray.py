@@ -100,20 +100,25 @@ def picture(path):
 
 
 def render(scene, program, peak):
+    size = min(length(sub(light.position, scene.camera.look_at)) for light in scene.lights)
+    finish = {name: texture(material) for name, material in scene.materials.items()}
+    lines = [lamp(light, size) for light in scene.lights]
+    lines += [shape for object_ in scene.objects for shape in shapes(object_, finish[object_.material])]
+    return exposed(scene, program, peak, "max_trace_level 1", lines)
+
+
+def exposed(scene, program, peak, settings, contents):
+    """The picture of lamps and solids that are said in POV-Ray's words."""
     program = program or shutil.which("povray")
     if program is None:
         raise SystemExit("povray is not there; Debian has it as the package povray")
-    size = min(length(sub(light.position, scene.camera.look_at)) for light in scene.lights)
-    finish = {name: texture(material) for name, material in scene.materials.items()}
-    solids = [shape for object_ in scene.objects for shape in shapes(object_, finish[object_.material])]
     result = [[None] * (scene.width * scene.height) for _ in range(3)]
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        lines = ["#version 3.7;", "global_settings { assumed_gamma 1 max_trace_level 1 }"]
+        lines = ["#version 3.7;", f"global_settings {{ assumed_gamma 1 {settings} }}"]
         # A frame an exposure.
         lines += [f"#declare gain = {0.9 / peak:.17g} * pow({STEP:g}, frame_number - 1);", camera(scene)]
-        lines += [f"background {{ {color(scene.background)} * gain }}"]
-        lines += [lamp(light, size) for light in scene.lights] + solids
+        lines += [f"background {{ {color(scene.background)} * gain }}"] + contents
         (folder / "scene.pov").write_text("\n".join(lines) + "\n")
         subprocess.run(
             [program, "scene.pov", "+Oout.ppm", "+FP16", "File_Gamma=1", "Dither=off", "-A", "-J", "-D",
