@@ -91,7 +91,7 @@ for name; do
     moving) width=480 frame=18 ;;
     *) width=480 ;;
     esac
-    # Each sample of the prism follows 32 wavelengths.
+    # Each sample of the prism follows many wavelengths.
     samples=64
     [ "$name" = prism ] && samples=16
     # Scenes in the light of real places are exposed as with a camera.
@@ -105,7 +105,7 @@ for name; do
     hall-of-mirrors) exposed="--exposure 0.5 --view aces2" ;;
     window) exposed="--exposure 1.6 --view aces2" ;;
     metals) exposed="--exposure 0.8 --view aces2" ;;
-    prism) exposed="--exposure -1.5" ;;
+    prism) exposed="--exposure -2 --view aces2" ;;
     office) exposed="--iso 100 --shutter 1/10 --aperture 4 --view aces2" ;;
     *) exposed= ;;
     esac
