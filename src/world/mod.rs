@@ -15,6 +15,7 @@ mod brightness;
 mod build;
 #[doc(hidden)]
 pub mod colorimetry;
+mod contact;
 mod containment;
 #[doc(hidden)]
 pub mod delta;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
+use super::contact::touching_glass;
 use super::containment::contained;
 use super::material::Model;
 use super::{Light, Material, Object, Shape, World};
@@ -47,6 +48,13 @@ pub enum Warning {
         /// The light's name.
         light: String,
         /// The plane's name.
+        object: String,
+    },
+    /// A face of glass lies exactly on one of another object: what is behind both is seen.
+    GlassTouches {
+        /// The name of the glass.
+        glass: String,
+        /// The name of the other object.
         object: String,
     },
     /// A mesh has triangles without area, which were dropped.
@@ -149,6 +157,11 @@ impl fmt::Display for Warning {
             Self::SunBelow { light, object } => write!(
                 f,
                 "light `{light}` comes from below plane `{object}`, which hides it from all that is above"
+            ),
+            Self::GlassTouches { glass, object } => write!(
+                f,
+                "glass `{glass}` lies exactly on object `{object}`, and what is behind both is seen where they touch; let it \
+                 sink in a little, or leave a gap"
             ),
             Self::Degenerate {
                 object,
@@ -265,6 +278,12 @@ pub fn warnings(world: &World) -> Vec<Warning> {
     }
     warnings.extend(outside(world));
     warnings.extend(suns_below(world));
+    let name = |object: usize| world.objects()[object].name.clone();
+    let touching = touching_glass(world).into_iter();
+    warnings.extend(touching.map(|[glass, object]| Warning::GlassTouches {
+        glass: name(glass),
+        object: name(object),
+    }));
     warnings.extend(long_layers(world));
     for light in world.lights() {
         if let Light::Ies(luminaire) = &light.value {
