@@ -8,7 +8,6 @@ Prints the table of docs/mirrors.md. README.md beside this file says what each p
 """
 
 import argparse
-import os
 import shutil
 import sys
 import tomllib
@@ -21,7 +20,7 @@ sys.path.insert(0, str(HERE.parent / "conformance"))
 import renderer_candela  # noqa: E402
 from described import Refused, described, rays, rgb  # noqa: E402
 from peer import Missing  # noqa: E402
-from peer_mitsuba import newest_llvm  # noqa: E402
+from peer_mitsuba import modules  # noqa: E402
 from renderer_mitsuba import dark, emitters, matt  # noqa: E402
 from renderer_povray import color, exposed, lamp, shapes, texture, vector  # noqa: E402
 from vectors import add, cross, length, mul, sub, unit  # noqa: E402
@@ -96,17 +95,7 @@ class Mitsuba:
     """
 
     def __init__(self, scene, closer):
-        library = newest_llvm()
-        if library is None:
-            raise Missing("LLVM's library is not there (Debian: libllvm19)")
-        os.environ.setdefault("DRJIT_LIBLLVM_PATH", library)
-        try:
-            import drjit
-            import mitsuba
-            import numpy
-        except ImportError:
-            raise Missing("the Python packages mitsuba and numpy are not there") from None
-        mitsuba.set_variant("llvm_ad_rgb")
+        mitsuba, drjit, numpy = modules()
         self.mi, self.dr, self.np = mitsuba, drjit, numpy
         self.scene, self.closer = scene, closer
         # What rays see that meet nothing is added here: as an emitter it would light things.

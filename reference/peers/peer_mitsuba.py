@@ -14,21 +14,27 @@ from renderer_mitsuba import dark, emitters
 AT_ONCE = 2**27
 
 
+def modules():
+    """mitsuba as `llvm_ad_rgb`, drjit and numpy."""
+    library = newest_llvm()
+    if library is None:
+        raise Missing("LLVM's library is not there (Debian: libllvm19)")
+    os.environ.setdefault("DRJIT_LIBLLVM_PATH", library)
+    try:
+        import drjit
+        import mitsuba
+        import numpy
+    except ImportError:
+        raise Missing("the Python packages mitsuba and numpy are not there") from None
+    mitsuba.set_variant("llvm_ad_rgb")
+    return mitsuba, drjit, numpy
+
+
 class Peer:
     NAME, TITLE = "mitsuba", "Mitsuba 3"
 
     def __init__(self, scene, options):
-        library = newest_llvm()
-        if library is None:
-            raise Missing("LLVM's library is not there (Debian: libllvm19)")
-        os.environ.setdefault("DRJIT_LIBLLVM_PATH", library)
-        try:
-            import drjit
-            import mitsuba
-            import numpy
-        except ImportError:
-            raise Missing("the Python packages mitsuba and numpy are not there") from None
-        mitsuba.set_variant("llvm_ad_rgb")
+        mitsuba, drjit, numpy = modules()
         drjit.set_thread_count(options.threads)
         self.mi, self.dr, self.np = mitsuba, drjit, numpy
         has_planes = any(object_.kind == "plane" for object_ in scene.objects)

@@ -230,9 +230,7 @@ fn fit(
     largest: f64,
     is_free: &mut impl FnMut([&Segment; 5]) -> bool,
 ) -> Option<Fit> {
-    let is_nothing = seen
-        .iter()
-        .all(|seen| seen.largest() == 0.0 && !seen.is_cut);
+    let is_nothing = seen.iter().all(|seen| seen.is_nothing());
     if interval.is_shortest() {
         return Some(if is_nothing { Fit::Nothing } else { Fit::Each });
     }
@@ -240,8 +238,7 @@ fn fit(
         return None;
     }
     let misses = |fit: Fit| {
-        let nodes = fit.places().iter().map(|&node| interval.0[node]);
-        let nodes: Vec<u16> = nodes.collect();
+        let nodes: Vec<u16> = interval.nodes(fit).collect();
         let mut most: f64 = 0.0;
         for (&nm, of_nm) in interval.0.iter().zip(&seen) {
             let mut off = of_nm.value;
@@ -278,13 +275,10 @@ impl Seen {
 
     /// Whether two ways meet the same objects, in the same order.
     fn meets_the_same(&self, other: &Self) -> bool {
-        let objects = |seen: &Self| {
-            seen.segments
-                .iter()
-                .map(|segment| segment.objects)
-                .collect::<Vec<_>>()
-        };
-        self.is_cut == other.is_cut && objects(self) == objects(other)
+        fn objects(seen: &Seen) -> impl Iterator<Item = [Option<u32>; 2]> {
+            seen.segments.iter().map(|segment| segment.objects)
+        }
+        self.is_cut == other.is_cut && objects(self).eq(objects(other))
     }
 
     fn largest(&self) -> f64 {
@@ -314,22 +308,31 @@ fn basis(nodes: &[u16], which: usize, nm: u16) -> f64 {
 mod tests {
     use super::*;
 
-    /// What a spread makes of light that arrives as `seen` tells, wavelength by wavelength, and how many were asked.
-    fn told(seen: impl Fn(u16) -> Seen) -> ([f64; SAMPLES], usize, usize) {
+    /// A spread that has looked along all ways that it wants to, and how many.
+    fn looked(
+        seen: impl Fn(u16) -> Seen,
+        is_free: impl Fn([&Segment; 5]) -> bool,
+    ) -> (Spread, usize) {
         let mut spread = Spread::new();
         let mut asked = 0;
         loop {
             let mut wanted = Vec::new();
             spread.wanted(|nm| wanted.push(nm));
             if wanted.is_empty() {
-                break;
+                return (spread, asked);
             }
             asked += wanted.len();
             for nm in wanted {
                 spread.note(nm, seen(nm));
             }
-            spread.decide(|_| true);
+            spread.decide(&is_free);
         }
+    }
+
+    /// What a spread makes of light that arrives as `seen` tells, wavelength by wavelength, how many were asked and how
+    /// many ways it takes.
+    fn told(seen: impl Fn(u16) -> Seen) -> ([f64; SAMPLES], usize, usize) {
+        let (spread, asked) = looked(&seen, |_| true);
         let ways = spread.ways();
         let mut sums = [0.0; SAMPLES];
         for &way in &ways {
@@ -415,24 +418,11 @@ mod tests {
                 f64::from(u8::from(slit.contains(&nm))),
             )
         };
-        let mut spread = Spread::new();
-        let mut asked = 0;
-        loop {
-            let mut wanted = Vec::new();
-            spread.wanted(|nm| wanted.push(nm));
-            if wanted.is_empty() {
-                break;
-            }
-            asked += wanted.len();
-            for nm in wanted {
-                spread.note(nm, seen(nm));
-            }
-            spread.decide(|segments| {
-                let [first, .., last] = segments.map(|segment| segment.ends[1].x * 100.0);
-                let is_beside = last < f64::from(slit.start) || first >= f64::from(slit.end);
-                is_beside || segments[0].objects[1] == Some(1)
-            });
-        }
+        let (spread, asked) = looked(seen, |segments| {
+            let [first, .., last] = segments.map(|segment| segment.ends[1].x * 100.0);
+            let is_beside = last < f64::from(slit.start) || first >= f64::from(slit.end);
+            is_beside || segments[0].objects[1] == Some(1)
+        });
         assert_eq!(spread.ways(), [613, 614]);
         assert!(asked < 50, "{asked}");
     }
@@ -449,19 +439,11 @@ mod tests {
     /// Whatever is split is all there: at each wavelength the shares are 1.
     #[test]
     fn shares_keep_the_light() {
-        let mut spread = Spread::new();
-        loop {
-            let mut wanted = Vec::new();
-            spread.wanted(|nm| wanted.push(nm));
-            if wanted.is_empty() {
-                break;
-            }
-            for nm in wanted {
-                let t = f64::from(nm) / 100.0;
-                spread.note(nm, gray(2.0 + t.sin() + if nm > 611 { 0.3 } else { 0.0 }));
-            }
-            spread.decide(|_| true);
-        }
+        let seen = |nm: u16| {
+            let step = if nm > 611 { 0.3 } else { 0.0 };
+            gray(2.0 + (f64::from(nm) / 100.0).sin() + step)
+        };
+        let (spread, _) = looked(seen, |_| true);
         let mut sums = [0.0; SAMPLES];
         for way in spread.ways() {
             for (sum, share) in sums.iter_mut().zip(spread.share(way).values()) {

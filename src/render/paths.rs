@@ -359,6 +359,7 @@ impl Tracer<'_, '_, '_, '_> {
             }
             return splits;
         }
+        let reach = self.setup.visibility.reach();
         loop {
             let mut wanted = Vec::new();
             for (place, Split { spread, .. }) in splits.iter().enumerate() {
@@ -374,7 +375,11 @@ impl Tracer<'_, '_, '_, '_> {
                     share: None,
                     sample: sample as u16,
                 });
-                let seen = self.look_along(simd, above, depth, ways, spare);
+                let sights = Sights {
+                    seen: vec![Seen::default(); part.len()],
+                    reach,
+                };
+                let seen = self.look_along(simd, above, depth, ways, sights, spare);
                 for (&(place, nm), seen) in part.iter().zip(seen) {
                     splits[place].spread.note(nm, seen);
                 }
@@ -390,13 +395,14 @@ impl Tracer<'_, '_, '_, '_> {
         splits
     }
 
-    /// What is seen along the ways of wavelengths, of which there are at most [`BATCH`].
+    /// What is seen along the ways of wavelengths, of which there are at most [`BATCH`]; `sights` has a place for each.
     fn look_along<S: Simd>(
         &mut self,
         simd: S,
         above: Above<'_>,
         depth: u32,
         ways: impl Iterator<Item = Way>,
+        sights: Sights,
         spare: &mut Vec<Box<Step>>,
     ) -> Vec<Seen> {
         let mut arrived = Box::<Arrived>::default();
@@ -410,19 +416,13 @@ impl Tracer<'_, '_, '_, '_> {
             layers: None,
             arrived: &mut arrived,
             depth: depth + 1,
-            sights: None,
+            sights: Some(sights),
             counts: Counts::default(),
         };
         let mut known = KnownFilters::default();
-        let mut sights = Sights {
-            seen: Vec::new(),
-            reach: self.setup.visibility.reach(),
-        };
         for way in ways {
-            sights.seen.push(Seen::default());
             tracer.leave_by(above, depth, way, &mut step, &mut known);
         }
-        tracer.sights = Some(sights);
         if step.lanes.count > 0 {
             tracer.see(simd, Branch::Transmitted, &mut step);
             tracer.follow(simd, step.above(), spare);

@@ -96,7 +96,6 @@ struct EyeImage {
 impl PlaneMirror {
     /// The surface that is seen at a point.
     pub(crate) fn of(world: &World, points: &Points, slot: usize, eye: DVec3) -> Self {
-        let surface = Surface::new(world, points, slot);
         let weight = world
             .delta(points.material[slot] as usize)
             .and_then(|delta| {
@@ -113,10 +112,13 @@ impl PlaneMirror {
                     (_, Some(_)) => None,
                 }
             });
-        let image = weight.filter(|_| surface.is_flat).map(|weight| EyeImage {
-            position: surface.image_of(eye),
-            normal: surface.normal,
-            weight,
+        let image = weight.and_then(|weight| {
+            let surface = Surface::new(world, points, slot);
+            surface.is_flat.then(|| EyeImage {
+                position: surface.image_of(eye),
+                normal: surface.normal,
+                weight,
+            })
         });
         Self {
             primitive: points.primitive[slot],

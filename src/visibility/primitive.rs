@@ -2,7 +2,8 @@
 
 use fearless_simd::Simd;
 
-use crate::simd::U64x16;
+use super::batch::BATCH;
+use crate::simd::{LANES, Mask32x16, U64x16};
 
 /// One shape that a ray can hit: its object, and of a mesh its triangle, in the order of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,4 +45,18 @@ pub(super) const DISKS: u32 = 3 << 30;
 pub(super) struct ShapeId {
     pub(super) slot: u32,
     pub(super) primitive: Primitive,
+}
+
+impl ShapeId {
+    /// The points of a packet that are on the shape, of which `primitives` says what each is on.
+    #[inline(always)]
+    pub(super) fn has<S: Simd>(
+        self,
+        simd: S,
+        primitives: &[u64; BATCH],
+        packet: usize,
+    ) -> Mask32x16<S> {
+        let on = U64x16::load(simd, &primitives[packet * LANES..]);
+        Mask32x16::from_bits(simd, on.eq(self.primitive.lanes(simd)).to_bits())
+    }
 }

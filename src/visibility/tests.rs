@@ -172,6 +172,21 @@ impl Writer {
 
     #[track_caller]
     fn agrees_through(&self, camera: &str) -> f64 {
+        self.with_ways(camera, |compare| {
+            let mut bits = None;
+            let mut most_again = 0.0_f64;
+            for (name, level) in SimdLevel::available() {
+                let (fallback, seen) = level.run(compare);
+                most_again = most_again.max(fallback);
+                // The way of one instruction set is the way of all.
+                assert!(*bits.get_or_insert_with(|| seen.clone()) == seen, "{name}");
+            }
+            most_again
+        })
+    }
+
+    /// Both ways of the scene that a camera sees.
+    fn with_ways<T>(&self, camera: &str, work: impl FnOnce(Compare<'_>) -> T) -> T {
         let text = format!("{}{camera}", self.text);
         let mut scene = Scene::parse(&text, "test.toml").unwrap_or_else(|e| panic!("{e}"));
         lifted::add_meshes(&mut scene, &self.meshes);
@@ -183,20 +198,11 @@ impl Writer {
             uses_projection: false,
             ..Visibility::new(&world, &plan)
         };
-        let compare = Compare {
+        work(Compare {
             world: &world,
             camera: &camera,
             ways: [&projection, &packets],
-        };
-        let mut bits = None;
-        let mut most_again = 0.0_f64;
-        for (name, level) in SimdLevel::available() {
-            let (fallback, seen) = level.run(compare);
-            most_again = most_again.max(fallback);
-            // The way of one instruction set is the way of all.
-            assert!(*bits.get_or_insert_with(|| seen.clone()) == seen, "{name}");
-        }
-        most_again
+        })
     }
 }
 

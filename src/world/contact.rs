@@ -8,8 +8,8 @@ use crate::math::DVec3;
 /// How far corners may be off a plane to be on it, over the largest coordinates: a few roundings of f64.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// More pairs of triangles are not looked at.
-const MOST_PAIRS: usize = 10_000_000;
+/// More triangles, and pairs of them, are not looked at.
+const MOST_LOOKED_AT: usize = 10_000_000;
 
 /// Pairs of objects of which the first is of glass and has a face that lies on one of the second, each once; what
 /// would take too long is left out.
@@ -26,10 +26,14 @@ pub(super) fn touching_glass(world: &World) -> Vec<[usize; 2]> {
                     let (point, normal) = (plane.point.0, plane.normal.get());
                     faces.iter().any(|face| is_on(face, point, normal))
                 }
-                Shape::Mesh(_) => {
+                Shape::Mesh(index) => {
+                    looked_at += world.triangles().meshes()[index].triangles.len();
+                    if looked_at > MOST_LOOKED_AT {
+                        return pairs;
+                    }
                     let others = self::faces(world, other, body.bounds);
                     looked_at += faces.len() * others.len();
-                    looked_at <= MOST_PAIRS
+                    looked_at <= MOST_LOOKED_AT
                         && faces
                             .iter()
                             .any(|face| others.iter().any(|other| lie_on_each_other(face, other)))

@@ -8,7 +8,7 @@ use fearless_simd::Simd;
 
 use super::{FEW, unit_of};
 use crate::math::DVec3;
-use crate::simd::{F32x16, F64x16, LANES, Mask32x16, U64x16, ones};
+use crate::simd::{F32x16, F64x16, LANES, U64x16, ones};
 use crate::visibility::batch::{BATCH, Floats, PACKETS, first_lanes};
 use crate::visibility::incoherent::Hits;
 use crate::visibility::points::{Known, Points, surface_of};
@@ -236,13 +236,6 @@ impl Visibility<'_> {
 }
 
 impl BeyondTest<'_, '_> {
-    /// The rays of a packet that leave a shape.
-    #[inline(always)]
-    fn leave<S: Simd>(self, simd: S, packet: usize, id: ShapeId) -> Mask32x16<S> {
-        let on = U64x16::load(simd, &self.primitives[packet * LANES..]);
-        Mask32x16::from_bits(simd, on.eq(id.primitive.lanes(simd)).to_bits())
-    }
-
     /// Where a sphere is; flat shapes are met once, which their depth tells.
     #[inline(always)]
     fn side(self, id: ShapeId) -> Side {
@@ -273,7 +266,7 @@ impl BeyondTest<'_, '_> {
 impl DepthTest for BeyondTest<'_, '_> {
     #[inline(always)]
     fn work(self, all: &mut Work) -> &mut RayWork {
-        &mut all.primary
+        NearestHitTest.work(all)
     }
 
     #[inline(always)]
@@ -293,8 +286,8 @@ impl DepthTest for BeyondTest<'_, '_> {
     }
 
     #[inline(always)]
-    fn ensure_projected<S: Simd>(self, _: S, projection: &mut BatchProjection) -> bool {
-        projection.state == State::Projected
+    fn ensure_projected<S: Simd>(self, simd: S, projection: &mut BatchProjection) -> bool {
+        NearestHitTest.ensure_projected(simd, projection)
     }
 
     #[inline(always)]
@@ -315,7 +308,7 @@ impl DepthTest for BeyondTest<'_, '_> {
             .least
             .gt(F32x16::load(simd, &most.0[packet * LANES..]));
         let is_beyond = F32x16::load(simd, &least.0[packet * LANES..]).gt(fragments.most);
-        let mut may_cover = fragments.may_cover & !self.leave(simd, packet, id);
+        let mut may_cover = fragments.may_cover & !id.has(simd, self.primitives, packet);
         if side == Side::Both {
             // Its other crossing may be beyond.
             let open = may_cover & !is_beyond;
@@ -338,7 +331,7 @@ impl DepthTest for BeyondTest<'_, '_> {
         packet: usize,
         id: ShapeId,
     ) {
-        let own = self.leave(simd, packet, id);
+        let own = id.has(simd, self.primitives, packet);
         projection.unresolved[packet] |= (projection.asking(simd, packet) & !own).to_bits();
     }
 

@@ -5,7 +5,7 @@ use fearless_simd::Simd;
 use super::fragments::Fragments;
 use super::{BatchProjection, State};
 use crate::math::Point;
-use crate::simd::{F32x16, LANES, Mask32x16, U32x16, U64x16};
+use crate::simd::{F32x16, LANES, Mask32x16, U32x16};
 use crate::visibility::batch::{BATCH, Column, PACKETS, offsets};
 use crate::visibility::primitive::{Primitive, ShapeId};
 use crate::visibility::work::{RayWork, Work};
@@ -83,13 +83,6 @@ pub(in crate::visibility) struct OcclusionTest<'p> {
 }
 
 impl OcclusionTest<'_> {
-    /// The points of a packet that are on a shape.
-    #[inline(always)]
-    fn are_on<S: Simd>(self, simd: S, packet: usize, id: ShapeId) -> Mask32x16<S> {
-        let on = U64x16::load(simd, &self.primitives[packet * LANES..]);
-        Mask32x16::from_bits(simd, on.eq(id.primitive.lanes(simd)).to_bits())
-    }
-
     /// Projects the points before the light.
     #[inline(never)]
     pub(in crate::visibility) fn project<S: Simd>(self, simd: S, projection: &mut BatchProjection) {
@@ -252,7 +245,7 @@ impl DepthTest for OcclusionTest<'_> {
         if may_cover.to_bits() == 0 {
             return;
         }
-        let may_cover = may_cover & !self.are_on(simd, packet, id);
+        let may_cover = may_cover & !id.has(simd, self.primitives, packet);
         let bits = may_cover.to_bits();
         if bits == 0 {
             return;
@@ -278,7 +271,7 @@ impl DepthTest for OcclusionTest<'_> {
         packet: usize,
         id: ShapeId,
     ) {
-        let own = self.are_on(simd, packet, id);
+        let own = id.has(simd, self.primitives, packet);
         projection.unresolved[packet] |= (projection.asking(simd, packet) & !own).to_bits();
     }
 
@@ -291,7 +284,7 @@ impl DepthTest for OcclusionTest<'_> {
         id: ShapeId,
         is_untold: bool,
     ) {
-        let own = self.are_on(simd, packet, id);
+        let own = id.has(simd, self.primitives, packet);
         let own = (projection.asking(simd, packet) & own).to_bits();
         let seen_so = if is_untold { own } else { self.within[packet] };
         projection.unresolved[packet] |= own & seen_so;

@@ -95,21 +95,8 @@ fn what_mirrors_show_is_told_by_the_projection() {
     scene.triangle([[-1.5, -1.5, -0.2], [1.5, -1.5, -0.2], [0.0, 2.0, -0.4]]);
     scene.plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
     scene.lights();
-    let text = format!("{}{}", scene.text, scene.cameras[0]);
-    let parsed = Scene::parse(&text, "test.toml").unwrap();
-    let (world, camera) = World::new(&parsed).unwrap();
-    let plan = Plan::new(&world);
-    let projection = Visibility::new(&world, &plan);
-    let packets = Visibility {
-        uses_projection: false,
-        ..Visibility::new(&world, &plan)
-    };
-    let compare = Compare {
-        world: &world,
-        camera: &camera,
-        ways: [&projection, &packets],
-    };
-    let [told, asked] = SimdLevel::default().run(Told(compare));
+    let told = |compare: Compare<'_>| SimdLevel::default().run(Told(compare));
+    let [told, asked] = scene.with_ways(&scene.cameras[0], told);
     assert!(asked > 1000, "{asked}");
     assert!(told * 10 > asked * 9, "{told} of {asked}");
 }
