@@ -165,28 +165,33 @@ pub(super) fn hits(points: &Points) -> impl Iterator<Item = usize> {
     (0..PACKETS).flat_map(|packet| ones(points.hit[packet]).map(move |lane| packet * LANES + lane))
 }
 
-/// Takes away what the glass between the ends of rays absorbs.
+/// Takes away what the glass between the ends of rays absorbs; whether that is anything.
 pub(super) fn absorb(
     setup: &Setup<'_>,
     rays: &IncoherentRays,
     points: &Points,
     shaded: &mut Shaded,
     lanes: &mut Lanes,
-) {
+) -> bool {
+    let mut is_any = false;
     for slot in 0..lanes.count {
         if lanes.media[slot].top().is_none() {
             continue;
         }
         let is_hit = points.hit[slot / LANES] >> (slot % LANES) & 1 == 1;
         let end = vector(&points.position, slot);
-        let distance = match rays.start(slot) {
-            Some(start) if is_hit => (end - start.position).length(),
-            Some(_) | None => f64::INFINITY,
+        let start = rays.start(slot).map(|start| start.position);
+        let [eye, _] = rays.ray(slot);
+        let distance = if is_hit {
+            (end - start.unwrap_or(eye)).length()
+        } else {
+            f64::INFINITY
         };
         let Some((factors, filter)) = shading::absorbed(setup.world, lanes.media[slot], distance)
         else {
             continue;
         };
+        is_any = true;
         for (weight, factor) in lanes.weight.iter_mut().zip(factors) {
             weight[slot] *= factor;
         }
@@ -199,4 +204,5 @@ pub(super) fn absorb(
             filters.push(slot, filter);
         }
     }
+    is_any
 }

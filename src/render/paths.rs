@@ -33,6 +33,8 @@ pub(super) struct Paths {
     arrived: Arrived,
     /// The bodies of glass that the eye is inside of, where all rays have one.
     around_eye: Option<(Point, Media)>,
+    /// Whether that glass absorbs any light.
+    is_dimmed: bool,
     shafts: ShaftSpace,
 }
 
@@ -44,6 +46,7 @@ impl Default for Paths {
             spare: Vec::new(),
             arrived: Arrived::default(),
             around_eye: None,
+            is_dimmed: false,
             shafts: ShaftSpace::default(),
         }
     }
@@ -118,30 +121,62 @@ struct Tracer<'t, 's, 'w, 'l> {
 }
 
 impl Paths {
-    /// Follows the light of a batch of camera rays through mirrors and glass, and adds what arrives to their radiance.
+    /// Takes a batch of camera rays before their points are shaded, and what the glass around the eye absorbs of their light:
+    /// filters, and what to [dim](Self::dim) it by. Whether there is any of that.
     #[inline(never)]
-    #[expect(clippy::too_many_arguments, reason = "all that a batch is")]
-    pub(super) fn follow<S: Simd>(
+    pub(super) fn begin<S: Simd>(
         &mut self,
         simd: S,
         setup: &Setup<'_>,
         rays: &RayBatch<'_, impl Fn(usize) -> DVec3x16<S>>,
         points: &Points,
         shaded: &mut Shaded,
-        samples: NumberedSamples<'_>,
-        tracing: &mut Workspace,
-        layers: Option<&mut LayerSums<'_>>,
-    ) -> Counts {
-        let world = setup.world;
-        let is_smooth = |slot: usize| world.delta(points.material[slot] as usize).is_some();
-        if !hits(points).any(is_smooth) {
-            return Counts::default();
+    ) -> bool {
+        shaded.filters.clear();
+        let has_bodies = !setup.world.bodies().is_empty();
+        if !has_bodies && !is_any_smooth(setup, points) {
+            return false;
         }
         simd.vectorize(
             #[inline(always)]
             || self.rays.take(simd, rays),
         );
         self.begin_seen(setup);
+        if self.is_dimmed {
+            for weight in &mut self.seen.weight {
+                weight.fill(1.0);
+            }
+        }
+        self.is_dimmed = has_bodies && absorb(setup, &self.rays, points, shaded, &mut self.seen);
+        self.is_dimmed
+    }
+
+    /// What is left of light on its way to the eye.
+    pub(super) fn dim(&self, light: &mut [Column; 3]) {
+        for (light, weight) in light.iter_mut().zip(&self.seen.weight) {
+            for (light, weight) in light.iter_mut().zip(weight.iter()) {
+                *light *= weight;
+            }
+        }
+    }
+
+    /// Follows the light of the batch that was [begun](Self::begin) through mirrors and glass, and adds what arrives to
+    /// its radiance.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "all that a batch is")]
+    pub(super) fn follow<S: Simd>(
+        &mut self,
+        simd: S,
+        setup: &Setup<'_>,
+        points: &Points,
+        shaded: &mut Shaded,
+        samples: NumberedSamples<'_>,
+        tracing: &mut Workspace,
+        layers: Option<&mut LayerSums<'_>>,
+    ) -> Counts {
+        if !is_any_smooth(setup, points) {
+            return Counts::default();
+        }
         for channel in 0..3 {
             self.arrived.reflected[channel].fill(0.0);
             self.arrived.transmitted[channel].fill(0.0);
@@ -208,6 +243,12 @@ impl Paths {
             seen.media[slot] = media;
         }
     }
+}
+
+/// Whether anything that is hit is smooth.
+fn is_any_smooth(setup: &Setup<'_>, points: &Points) -> bool {
+    let is_smooth = |slot: usize| setup.world.delta(points.material[slot] as usize).is_some();
+    hits(points).any(is_smooth)
 }
 
 impl Tracer<'_, '_, '_, '_> {

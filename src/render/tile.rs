@@ -264,6 +264,7 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
     if let Some(layers) = &mut tile.layers {
         layers.see(simd, batch.numbered(), points);
     }
+    let is_dimmed = world.has_deltas() && paths.begin(simd, setup, &rays, points, shaded);
     match &mut tile.layers {
         Some(layers) if layers.requested().wants_light() => {
             let detail = layers.requested().detail();
@@ -271,10 +272,18 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
             layers.begin_lights(batch.numbered(), shaded);
             for lit in 0..shaded.lit() {
                 shading::light_terms(simd, world, points, lit, detail, shaded, terms);
+                if is_dimmed {
+                    paths.dim(&mut terms.radiance);
+                    paths.dim(&mut terms.lobes.diffuse);
+                    paths.dim(&mut terms.lobes.specular);
+                }
                 layers.add_light(simd, batch.numbered(), shaded, terms);
             }
         }
         _ => shading::radiance(simd, world, visibility, points, tracing, shaded),
+    }
+    if is_dimmed {
+        paths.dim(&mut shaded.radiance);
     }
     let counts = Counts {
         primary_rays: batch.len() as u64,
@@ -288,7 +297,7 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
     }
     let layers = tile.layers.as_mut();
     let samples = batch.numbered();
-    counts.and(paths.follow(simd, setup, &rays, points, shaded, samples, tracing, layers))
+    counts.and(paths.follow(simd, setup, points, shaded, samples, tracing, layers))
 }
 
 /// Ends a pass for the pixels before `end`.
