@@ -1,7 +1,7 @@
 //! candela: a renderer for direct light.
 //!
-//! For every pixel it computes what a viewer receives from the lights of a scene by way of one surface
-//! (L9, with its parts L1 to L8 in [`oracle`]):
+//! For every pixel it computes what a viewer receives from the lights of a scene by way of one surface,
+//! seen directly or in mirrors and glass (L9, with its parts L1 to L8 in [`oracle`]):
 //!
 //! L_o(ω_o) = Σ_s I_s/d_s² · r(ω_i^s, ω_o) · V^s(p)
 //!
