@@ -8,7 +8,7 @@ use crate::shading::{self, LightTerms, Shaded};
 use crate::simd::{LANES, ones};
 use crate::spectrum::Spectrum;
 use crate::visibility::{BATCH, Column, IncoherentRays, PACKETS, Points, vector};
-use crate::world::Media;
+use crate::world::{Chain, ChainColor, Media, World};
 
 /// A batch of rays that have left surfaces, and what they meet.
 pub(super) struct Step {
@@ -73,19 +73,26 @@ pub(super) struct Above<'a> {
 pub(super) struct KnownFilters {
     /// Those that nothing was put to, by their numbers before.
     passed_on: HashMap<u16, u16>,
+    /// Those that colored mirrors make.
+    chains: HashMap<Chain, u16>,
     /// The last one of a material, and what it was before.
     last: Option<(u16, u32, u16)>,
 }
 
+/// A ray before it leaves a point: its batch, and its place there.
+type Past<'a> = (&'a Shaded, usize);
+
 impl KnownFilters {
-    /// A filter that a surface does not change.
-    pub(super) fn pass_on(
-        &mut self,
-        shaded: &mut Shaded,
-        ray: usize,
-        before: u16,
-        filter: &Spectrum,
-    ) {
+    /// A filter that a surface does not change, if there is one.
+    #[inline]
+    pub(super) fn pass_on(&mut self, (past, slot): Past<'_>, shaded: &mut Shaded, ray: usize) {
+        let before = past.filters.number(slot);
+        let Some(filter) = past.filters.get(before) else {
+            return;
+        };
+        if let Some(chain) = past.filters.chain(before) {
+            return self.chain(chain, || filter, shaded, ray);
+        }
         match self.passed_on.entry(before) {
             Entry::Occupied(known) => shaded.filters.share(ray, *known.get()),
             Entry::Vacant(place) => {
@@ -95,14 +102,64 @@ impl KnownFilters {
         }
     }
 
+    /// A filter after one more reflection by a colored mirror.
+    #[inline]
+    pub(super) fn color(
+        &mut self,
+        world: &World,
+        (past, slot): Past<'_>,
+        color: ChainColor,
+        shaded: &mut Shaded,
+        ray: usize,
+    ) {
+        let chains = world.chains().expect("colors are of chains");
+        let before = past.filters.number(slot);
+        let chain_before = past.filters.chain(before);
+        let is_chain = before == 0 || chain_before.is_some();
+        match chains.after(chain_before, color).filter(|_| is_chain) {
+            Some(chain) => self.chain(chain, || chains.spectrum(chain), shaded, ray),
+            None => {
+                let reflectance = chains.reflectance(color);
+                let filter = match past.filters.get(before) {
+                    Some(past) => past.times(reflectance),
+                    None => reflectance.clone(),
+                };
+                shaded.filters.push(ray, filter);
+            }
+        }
+    }
+
+    /// A filter that colored mirrors make.
+    #[inline]
+    fn chain<'a>(
+        &mut self,
+        chain: Chain,
+        filter: impl FnOnce() -> &'a Spectrum,
+        shaded: &mut Shaded,
+        ray: usize,
+    ) {
+        match self.chains.entry(chain) {
+            Entry::Occupied(known) => shaded.filters.share(ray, *known.get()),
+            Entry::Vacant(place) => {
+                shaded.filters.push_chain(ray, chain, filter());
+                place.insert(shaded.filters.number(ray));
+            }
+        }
+    }
+
     /// A filter of a material, which may depend on the angle.
     pub(super) fn own(
         &mut self,
+        (past, slot): Past<'_>,
+        (material, filter): (u32, &Spectrum),
         shaded: &mut Shaded,
         ray: usize,
-        (before, material): (u16, u32),
-        filter: Spectrum,
     ) {
+        let before = past.filters.number(slot);
+        let filter = match past.filters.get(before) {
+            Some(past) => past.times(filter),
+            None => filter.clone(),
+        };
         match self.last {
             Some((known, of, number))
                 if (known, of) == (before, material)

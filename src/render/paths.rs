@@ -15,7 +15,7 @@ use super::path_step::{Above, KnownFilters, Lanes, Step, absorb, hits};
 use super::setup::Setup;
 use super::sights::{Sights, is_free};
 use crate::math::Point;
-use crate::shading::{self, Arriving, Branch, Leaving, PlaneMirror, Shaded};
+use crate::shading::{self, Arriving, Branch, Filter, Leaving, PlaneMirror, Shaded};
 use crate::simd::DVec3x16;
 use crate::spectrum::Spectrum;
 use crate::visibility::{BATCH, Column, IncoherentRays, Points, RayBatch, ShaftSpace, Workspace};
@@ -521,7 +521,7 @@ impl Tracer<'_, '_, '_, '_> {
             nm: above.lanes.nm[slot],
         };
         if let Some(mut leaving) = shading::leave(world, above.points, slot, &arriving, branch) {
-            leaving.filter = share.or(leaving.filter);
+            leaving.filter = share.map(Filter::Spectrum).or(leaving.filter);
             self.take(above, depth, slot, leaving, sample, step, known);
         }
     }
@@ -556,7 +556,7 @@ impl Tracer<'_, '_, '_, '_> {
             .fold(0.0, |most, weight| f64::max(most, weight.abs()));
         if depth >= world.max_depth() || most < NEGLIGIBLE {
             if most > 0.0 {
-                let peak = filter.map_or(1.0, |filter| filter.peak().0);
+                let peak = filter.map_or(1.0, |filter| filter.peak(world));
                 let inside = shading::most_in(world, leaving.media);
                 self.arrived.cut[usize::from(sample)] += most * peak * inside;
                 self.counts.cut_rays += 1;
@@ -572,14 +572,13 @@ impl Tracer<'_, '_, '_, '_> {
         }
         lanes.media[place] = leaving.media;
         lanes.nm[place] = leaving.nm;
-        let before = above.shaded.filters.number(slot);
-        match (above.shaded.filters.get(before), filter) {
-            (None, None) => {}
-            (Some(past), None) => known.pass_on(shaded, place, before, past),
-            (past, Some(filter)) => {
-                let filter = past.map_or_else(|| filter.clone(), |past| past.times(&filter));
+        let past = (above.shaded, slot);
+        match filter {
+            None => known.pass_on(past, shaded, place),
+            Some(Filter::Color(color)) => known.color(world, past, color, shaded, place),
+            Some(Filter::Spectrum(filter)) => {
                 let material = above.points.material[slot];
-                known.own(shaded, place, (before, material), filter);
+                known.own(past, (material, &filter), shaded, place);
             }
         }
     }

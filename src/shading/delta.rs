@@ -19,7 +19,7 @@ use crate::visibility::{Points, RayStart, object_and_triangle, vector};
 use crate::world::colorimetry::SpectralReflectance;
 use crate::world::delta::{Absorption, ComplexIndex, Glass, Tint};
 use crate::world::geometry::area_vector;
-use crate::world::{Delta, Media, Shape, World};
+use crate::world::{ChainColor, Delta, Media, Shape, World};
 
 /// Which of the rays that leave a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,15 +51,36 @@ pub(crate) struct Leaving {
     /// How much of its radiance arrives, per channel; where light is carried spectrally all three are the same.
     pub(crate) weight: [f64; 3],
     /// What of it arrives at each wavelength besides.
-    pub(crate) filter: Option<Spectrum>,
+    pub(crate) filter: Option<Filter>,
     pub(crate) media: Media,
     pub(crate) nm: u16,
+}
+
+/// What arrives at each wavelength.
+#[derive(Clone, Debug)]
+pub(crate) enum Filter {
+    /// The color of a mirror, one of [`World::chains`].
+    Color(ChainColor),
+    Spectrum(Spectrum),
+}
+
+impl Filter {
+    /// The most that arrives of any wavelength.
+    pub(crate) fn peak(&self, world: &World) -> f64 {
+        let spectrum = match self {
+            Self::Color(color) => world.chains().map(|chains| chains.reflectance(*color)),
+            Self::Spectrum(spectrum) => Some(spectrum),
+        };
+        spectrum.map_or(1.0, |spectrum| spectrum.peak().0)
+    }
 }
 
 /// How much of the radiance arrives, before it is known whether light is carried spectrally.
 #[derive(Clone, Copy)]
 enum Factor<'w> {
     Gray(f64),
+    /// The color of a mirror.
+    Color(ChainColor),
     Tinted(&'w Tint, f64),
     Metal(&'w ComplexIndex, f64),
     /// F of a boundary that disperses light, from one medium to another.
@@ -91,33 +112,37 @@ struct EyeImage {
     position: DVec3,
     normal: DVec3,
     weight: [f64; 3],
+    color: Option<ChainColor>,
 }
 
 impl PlaneMirror {
     /// The surface that is seen at a point.
     pub(crate) fn of(world: &World, points: &Points, slot: usize, eye: DVec3) -> Self {
-        let weight = world
-            .delta(points.material[slot] as usize)
-            .and_then(|delta| {
-                let factor = match delta {
-                    Delta::Mirror(tint) if !tint.schlick => Factor::Tinted(tint, 1.0),
-                    Delta::Coat {
-                        reflectance,
-                        schlick: false,
-                    } => Factor::Gray(*reflectance),
-                    _ => return None,
-                };
-                match factor.apart(world)? {
-                    (weight, None) => Some(weight),
-                    (_, Some(_)) => None,
+        let material = points.material[slot] as usize;
+        let factor = world.delta(material).and_then(|delta| {
+            let factor = match delta {
+                Delta::Mirror(tint) if !tint.schlick => {
+                    Factor::of_mirror(world, material, tint, 1.0)
                 }
-            });
-        let image = weight.and_then(|weight| {
+                Delta::Coat {
+                    reflectance,
+                    schlick: false,
+                } => Factor::Gray(*reflectance),
+                _ => return None,
+            };
+            match factor.apart(world)? {
+                (weight, None) => Some((weight, None)),
+                (weight, Some(Filter::Color(color))) => Some((weight, Some(color))),
+                (_, Some(Filter::Spectrum(_))) => None,
+            }
+        });
+        let image = factor.and_then(|(weight, color)| {
             let surface = Surface::new(world, points, slot);
             surface.is_flat.then(|| EyeImage {
                 position: surface.image_of(eye),
                 normal: surface.normal,
                 weight,
+                color,
             })
         });
         Self {
@@ -146,6 +171,7 @@ impl PlaneMirror {
             position,
             normal,
             weight,
+            color,
         } = self.image?;
         // An interpolated normal makes another mirror of each point.
         if vector(points.shading_normals(), slot) != vector(points.geometric_normals(), slot) {
@@ -166,7 +192,7 @@ impl PlaneMirror {
                 primitive: self.primitive,
             },
             weight,
-            filter: None,
+            filter: color.map(Filter::Color),
             media,
             nm,
         }))
@@ -193,7 +219,10 @@ pub(crate) fn leave(
     let reflected = |factor| surface.reflected(world, arriving, arriving.media, factor);
     let straight = |factor, media| surface.straight(world, arriving, media, factor);
     match (delta, branch) {
-        (Delta::Mirror(tint), Branch::Reflected) => reflected(Factor::Tinted(tint, cosine)),
+        (Delta::Mirror(tint), Branch::Reflected) => {
+            let material = points.material[slot] as usize;
+            reflected(Factor::of_mirror(world, material, tint, cosine))
+        }
         (Delta::Metal(index), Branch::Reflected) => reflected(Factor::Metal(index, cosine)),
         (
             Delta::Coat {
@@ -477,11 +506,19 @@ impl Surface {
     }
 }
 
-impl Factor<'_> {
+impl<'w> Factor<'w> {
+    fn of_mirror(world: &World, material: usize, tint: &'w Tint, cosine: f64) -> Self {
+        match world.chains().and_then(|chains| chains.color(material)) {
+            Some(color) => Self::Color(color),
+            None => Self::Tinted(tint, cosine),
+        }
+    }
+
     /// Its weight per channel, and its filter where light is carried spectrally; `None` where nothing arrives.
-    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Spectrum>)> {
+    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Filter>)> {
         let (weight, filter) = match *self {
             Self::Gray(weight) => ([weight; 3], None),
+            Self::Color(color) => return Some(([1.0; 3], Some(Filter::Color(color)))),
             Self::Tinted(tint, cosine) => {
                 let at = |r0: f64| {
                     if tint.schlick {
@@ -530,6 +567,6 @@ impl Factor<'_> {
                 ([1.0; 3], Some(filter))
             }
         };
-        (weight != [0.0; 3]).then_some((weight, filter))
+        (weight != [0.0; 3]).then(|| (weight, filter.map(Filter::Spectrum)))
     }
 }

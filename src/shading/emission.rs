@@ -34,10 +34,7 @@ pub(crate) fn emission(
     slot: usize,
 ) -> Option<(usize, [f64; 3])> {
     let (index, light) = emitter_seen(world, points, slot)?;
-    let luminance = match filters.get(filters.number(slot)) {
-        None => light.luminance(),
-        Some(filter) => world.luminance_through(index, light, filter),
-    };
+    let luminance = filters.luminance(world, filters.number(slot), (index, light));
     Some((index, luminance))
 }
 
@@ -54,15 +51,15 @@ pub(super) fn filter_background(
     if world.background().0.0 == [0.0; 3] {
         return;
     }
-    let mut last: Option<(u16, [f64; 3])> = None;
+    let mut last: Option<(u16, Option<[f64; 3]>)> = None;
     for lane in ones(!hit & ((1 << LANES) - 1)) {
         let number = filters.number(first + lane);
-        if let Some(filter) = filters.get(number) {
-            let background = match last {
-                Some((known, background)) if known == number => background,
-                _ => world.background_through(filter).0.0,
-            };
-            last = Some((number, background));
+        let background = match last {
+            Some((known, background)) if known == number => background,
+            _ => filters.background(world, number),
+        };
+        last = Some((number, background));
+        if let Some(background) = background {
             for (column, channel) in radiance.iter_mut().zip(background) {
                 column[first + lane] = channel;
             }

@@ -19,7 +19,7 @@ use fearless_simd::Simd;
 
 pub(crate) use area::AreaSpace;
 use area::{AreaTerms, Asked};
-pub(crate) use delta::{Arriving, Branch, Leaving, PlaneMirror, absorbed, leave, most_in};
+pub(crate) use delta::{Arriving, Branch, Filter, Leaving, PlaneMirror, absorbed, leave, most_in};
 use emission::{add_emission, filter_background};
 pub(crate) use emission::{emission, emitter_seen};
 pub(crate) use filters::Filters;
@@ -353,11 +353,11 @@ impl Shaded {
             let geometry = lit.geometry(simd, world, &ends, groups, packet);
             let mut reflected = world.reflected_from(lit.light, Some(recent));
             for share in groups.shares() {
-                let reflected = match filters.get(share.filter) {
-                    None => reflected(share.reflectance as usize),
-                    Some(filter) => {
-                        world.reflected_through(lit.light, share.reflectance as usize, filter)
-                    }
+                let material = share.reflectance as usize;
+                let filtered = filters.reflected(world, share.filter, lit.light, material);
+                let reflected = match filtered {
+                    None => reflected(material),
+                    Some(filtered) => filtered,
                 };
                 let is_lit = Mask64x16::from_bits(simd, bits & share.members);
                 add_share(simd, share, is_lit, &geometry, &reflected, &mut sums);
@@ -448,11 +448,11 @@ impl Shaded {
                     F64x16::load(simd, b),
                 ];
                 for share in groups.shares() {
-                    let reflected = match filters.get(share.filter) {
-                        None => reflected(share.reflectance as usize),
-                        Some(filter) => {
-                            world.reflected_through(lit.light, share.reflectance as usize, filter)
-                        }
+                    let material = share.reflectance as usize;
+                    let filtered = filters.reflected(world, share.filter, lit.light, material);
+                    let reflected = match filtered {
+                        None => reflected(material),
+                        Some(filtered) => filtered,
                     };
                     let is_lit = Mask64x16::from_bits(simd, bits & share.members);
                     add_share(simd, share, is_lit, &geometry, &reflected, &mut sums);

@@ -13,6 +13,7 @@
 pub mod body;
 mod brightness;
 mod build;
+mod chains;
 #[doc(hidden)]
 pub mod colorimetry;
 mod contact;
@@ -62,6 +63,7 @@ use crate::math::DVec3;
 use crate::scene::{self, ColorSpace, Diagnostics, Reading, Scene};
 use crate::spectrum::{Observer, Spectrum};
 use crate::units::{Radiance, ReflectedIntensity, Rgb};
+pub(crate) use chains::{Chain, ChainColor, Chains};
 use spectra::Products;
 
 /// A legal scene.
@@ -111,6 +113,8 @@ pub struct World {
     /// What in the scene is spectral.
     spectral_values: Vec<String>,
     spectra: Option<Spectra>,
+    /// What colored mirrors leave of light, where it is carried spectrally.
+    chains: Option<Chains>,
     /// How the observer sees light, in the working space.
     colorimetry: Arc<colorimetry::Colorimetry>,
     /// The curves that leave out a part of the visible range, by the names of their entries, with

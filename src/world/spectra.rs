@@ -431,15 +431,15 @@ impl<'w> Bands<'w> {
 
 /// A place in a table for each material that objects have.
 #[derive(Clone, Debug)]
-struct Columns {
+pub(super) struct Columns {
     /// Each material's column, if any object has it.
-    of_materials: Vec<Option<usize>>,
+    pub(super) of_materials: Vec<Option<usize>>,
     /// How many columns there are.
-    used: usize,
+    pub(super) used: usize,
 }
 
 impl Columns {
-    fn of(spectra: &Spectra) -> Self {
+    pub(super) fn of(spectra: &Spectra) -> Self {
         let mut used = 0;
         let columns = spectra.used.iter().map(|is_used| {
             is_used.then(|| {

@@ -19,6 +19,7 @@ use glam::DVec3;
 
 pub(super) use camera::place;
 
+use super::chains::Chains;
 use super::colorimetry::Colorimetry;
 use super::geometry::Triangles;
 use super::spectra::{Products, Spectra};
@@ -279,6 +280,7 @@ impl<'a> Builder<'a> {
             observer: self.scene.image.observer.value,
             spectral_values: std::mem::take(&mut self.spectral_values),
             spectra: None,
+            chains: None,
             colorimetry: Arc::clone(&self.colorimetry),
             gaps: std::mem::take(&mut self.gaps),
         };
@@ -370,9 +372,14 @@ impl<'a> Builder<'a> {
 
     /// A place for the products of lights with so many materials.
     fn products(&mut self, spectra: &Spectra, world: &mut World, materials: usize) {
-        match Products::new(spectra) {
-            Ok(products) => world.products = Some(products),
-            Err(error) => {
+        let products = Products::new(spectra);
+        let chains = Chains::new(spectra, &world.deltas, world.max_depth);
+        match (products, chains) {
+            (Ok(products), Ok(chains)) => {
+                world.products = Some(products);
+                world.chains = chains;
+            }
+            (Err(error), _) | (_, Err(error)) => {
                 let what = format!(
                     "the products of the spectra of {} and {}",
                     counted(world.lights.len(), "light", "lights"),
