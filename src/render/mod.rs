@@ -25,6 +25,7 @@ mod illuminance;
 mod job;
 mod layer_sums;
 mod layers;
+mod leaving_rays;
 mod options;
 mod path_step;
 mod paths;

@@ -74,7 +74,7 @@ pub(super) struct KnownFilters {
     /// Those that nothing was put to, by their numbers before.
     passed_on: HashMap<u16, u16>,
     /// Those that colored mirrors make.
-    chains: HashMap<Chain, u16>,
+    chains: Vec<(Chain, u16)>,
     /// The last one of a material, and what it was before.
     last: Option<(u16, u32, u16)>,
 }
@@ -138,11 +138,13 @@ impl KnownFilters {
         shaded: &mut Shaded,
         ray: usize,
     ) {
-        match self.chains.entry(chain) {
-            Entry::Occupied(known) => shaded.filters.share(ray, *known.get()),
-            Entry::Vacant(place) => {
+        // There are few, and the last one mostly is it.
+        let known = self.chains.iter().rev().find(|(known, _)| *known == chain);
+        match known {
+            Some((_, number)) => shaded.filters.share(ray, *number),
+            None => {
                 shaded.filters.push_chain(ray, chain, filter());
-                place.insert(shaded.filters.number(ray));
+                self.chains.push((chain, shaded.filters.number(ray)));
             }
         }
     }
@@ -231,6 +233,9 @@ pub(super) fn absorb(
     lanes: &mut Lanes,
 ) -> bool {
     let mut is_any = false;
+    if setup.world.bodies().is_empty() {
+        return is_any;
+    }
     for slot in 0..lanes.count {
         if lanes.media[slot].top().is_none() {
             continue;

@@ -11,19 +11,15 @@ use super::batch::NumberedSamples;
 use super::counts::Counts;
 use super::dispersion::{Seen, Spread};
 use super::layer_sums::LayerSums;
+use super::leaving_rays::{LeavingRays, Way};
 use super::path_step::{Above, KnownFilters, Lanes, Step, absorb, hits};
 use super::setup::Setup;
 use super::sights::{Sights, is_free};
 use crate::math::Point;
-use crate::shading::{self, Arriving, Branch, Filter, Leaving, PlaneMirror, Shaded};
+use crate::shading::{self, Branch, Shaded};
 use crate::simd::DVec3x16;
-use crate::spectrum::Spectrum;
 use crate::visibility::{BATCH, Column, IncoherentRays, Points, RayBatch, ShaftSpace, Workspace};
-use crate::world::{Delta, Media};
-
-/// A branch of which less than this arrives is not followed: of light that is 10⁶ times as bright as what is beside it,
-/// the last digit of 32 bits would be more.
-const NEGLIGIBLE: f64 = 1e-14;
+use crate::world::Media;
 
 /// What a thread needs to follow light, to be used again and again.
 pub(super) struct Paths {
@@ -93,16 +89,6 @@ struct Split {
     slot: usize,
     spread: Spread,
     ways: Vec<u16>,
-}
-
-/// A ray that leaves a point by one wavelength's way.
-struct Way {
-    slot: usize,
-    nm: u16,
-    /// What of each wavelength takes it; `None` is all.
-    share: Option<Spectrum>,
-    /// The place that it is noted at.
-    sample: u16,
 }
 
 /// What is the same for all rays of a batch, and where what they see goes.
@@ -251,7 +237,7 @@ fn is_any_smooth(setup: &Setup<'_>, points: &Points) -> bool {
     hits(points).any(is_smooth)
 }
 
-impl Tracer<'_, '_, '_, '_> {
+impl<'w> Tracer<'_, '_, 'w, '_> {
     /// Follows all branches of points that are seen, to their ends.
     fn follow<S: Simd>(&mut self, simd: S, seen: Above<'_>, spare: &mut Vec<Box<Step>>) {
         // What is on its way, from the camera on: recursion would take a stack as deep as the paths.
@@ -308,66 +294,53 @@ impl Tracer<'_, '_, '_, '_> {
         let number = branches.followed;
         branches.followed += 1;
         step.clear();
-        let mut known = KnownFilters::default();
-        let branch = match number {
-            0 => Branch::Reflected,
-            1 => Branch::Transmitted,
+        if number > 1 && branches.spreads.is_none() {
+            branches.spreads = Some(self.splits(simd, above, depth, spare));
+        }
+        let mut leaving = self.leaving(above, depth, step);
+        match number {
+            0 => {
+                leaving.reflected(simd);
+                Some(Branch::Reflected)
+            }
+            1 => {
+                leaving.transmitted();
+                Some(Branch::Transmitted)
+            }
             _ => {
-                let splits = branches
-                    .spreads
-                    .get_or_insert_with(|| self.splits(simd, above, depth, spare));
                 let mut is_any = false;
-                for Split { slot, spread, ways } in splits {
+                for Split { slot, spread, ways } in branches.spreads.iter().flatten() {
                     if let Some(&nm) = ways.get(number - 2) {
                         is_any = true;
-                        let way = Way {
+                        leaving.leave_by(Way {
                             slot: *slot,
                             nm,
                             share: Some(spread.share(nm)),
                             sample: above.lanes.sample[*slot],
-                        };
-                        self.leave_by(above, depth, way, step, &mut known);
+                        });
                     }
                 }
-                return is_any.then_some(Branch::Transmitted);
+                is_any.then_some(Branch::Transmitted)
             }
-        };
-        let world = self.setup.world;
-        let mut mirror: Option<PlaneMirror> = None;
-        for slot in hits(above.points) {
-            let delta = world.delta(above.points.material[slot] as usize);
-            let is_left = match branch {
-                Branch::Reflected => delta.is_some(),
-                _ => delta.is_some_and(Delta::transmits),
-            };
-            if !is_left {
-                continue;
-            }
-            let sample = above.lanes.sample[slot];
-            if branch == Branch::Reflected {
-                let [eye, direction] = above.rays.ray(slot);
-                let mirror = match &mut mirror {
-                    Some(mirror) if mirror.is_of(above.points, slot, eye) => mirror,
-                    other => other.insert(PlaneMirror::of(world, above.points, slot, eye)),
-                };
-                let lane = (above.lanes.media[slot], above.lanes.nm[slot]);
-                if let Some(leaving) = mirror.reflected(above.points, slot, direction, lane) {
-                    if let Some(leaving) = leaving {
-                        self.take(above, depth, slot, leaving, sample, step, &mut known);
-                    }
-                    continue;
-                }
-            }
-            self.leave(
-                above,
-                depth,
-                (slot, branch),
-                (None, sample),
-                step,
-                &mut known,
-            );
         }
-        Some(branch)
+    }
+
+    /// Where rays that leave a batch of points are put.
+    fn leaving<'a>(
+        &'a mut self,
+        above: Above<'a>,
+        depth: u32,
+        step: &'a mut Step,
+    ) -> LeavingRays<'a, 'w> {
+        LeavingRays {
+            setup: self.setup,
+            above,
+            depth,
+            step,
+            cut: &mut self.arrived.cut,
+            counts: &mut self.counts,
+            known: KnownFilters::default(),
+        }
     }
 
     /// The points of a batch that disperse light, and into which wavelengths.
@@ -460,9 +433,9 @@ impl Tracer<'_, '_, '_, '_> {
             sights: Some(sights),
             counts: Counts::default(),
         };
-        let mut known = KnownFilters::default();
+        let mut leaving = tracer.leaving(above, depth, &mut step);
         for way in ways {
-            tracer.leave_by(above, depth, way, &mut step, &mut known);
+            leaving.leave_by(way);
         }
         if step.lanes.count > 0 {
             tracer.see(simd, Branch::Transmitted, &mut step);
@@ -481,106 +454,6 @@ impl Tracer<'_, '_, '_, '_> {
             seen.is_cut = arrived.cut[sample] > 0.0;
         }
         seen
-    }
-
-    /// Takes a ray that leaves a point by one wavelength's way.
-    fn leave_by(
-        &mut self,
-        above: Above<'_>,
-        depth: u32,
-        way: Way,
-        step: &mut Step,
-        known: &mut KnownFilters,
-    ) {
-        let Way {
-            slot,
-            nm,
-            share,
-            sample,
-        } = way;
-        let branch = Branch::Dispersed(nm);
-        self.leave(above, depth, (slot, branch), (share, sample), step, known);
-    }
-
-    /// Takes the ray that leaves a point by one branch, or what share of it there is.
-    fn leave(
-        &mut self,
-        above: Above<'_>,
-        depth: u32,
-        (slot, branch): (usize, Branch),
-        (share, sample): (Option<Spectrum>, u16),
-        step: &mut Step,
-        known: &mut KnownFilters,
-    ) {
-        let world = self.setup.world;
-        let [origin, direction] = above.rays.ray(slot);
-        let arriving = Arriving {
-            origin,
-            direction,
-            media: above.lanes.media[slot],
-            nm: above.lanes.nm[slot],
-        };
-        if let Some(mut leaving) = shading::leave(world, above.points, slot, &arriving, branch) {
-            leaving.filter = share.map(Filter::Spectrum).or(leaving.filter);
-            self.take(above, depth, slot, leaving, sample, step, known);
-        }
-    }
-
-    /// Takes a ray that leaves a point to the others, unless next to nothing of it arrives.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "a step of `leave`")]
-    fn take(
-        &mut self,
-        above: Above<'_>,
-        depth: u32,
-        slot: usize,
-        leaving: Leaving,
-        sample: u16,
-        step: &mut Step,
-        known: &mut KnownFilters,
-    ) {
-        let world = self.setup.world;
-        let Step {
-            rays,
-            shaded,
-            lanes,
-            ..
-        } = step;
-        let filter = leaving.filter;
-        let mut weight = leaving.weight;
-        for (weight, above) in weight.iter_mut().zip(&above.lanes.weight) {
-            *weight *= above[slot];
-        }
-        let most = weight
-            .iter()
-            .fold(0.0, |most, weight| f64::max(most, weight.abs()));
-        if depth >= world.max_depth() || most < NEGLIGIBLE {
-            if most > 0.0 {
-                let peak = filter.map_or(1.0, |filter| filter.peak(world));
-                let inside = shading::most_in(world, leaving.media);
-                self.arrived.cut[usize::from(sample)] += most * peak * inside;
-                self.counts.cut_rays += 1;
-            }
-            return;
-        }
-        let place = lanes.count;
-        lanes.count += 1;
-        rays.push_from(leaving.origin, leaving.direction, &leaving.start);
-        lanes.sample[place] = sample;
-        for (column, weight) in lanes.weight.iter_mut().zip(weight) {
-            column[place] = weight;
-        }
-        lanes.media[place] = leaving.media;
-        lanes.nm[place] = leaving.nm;
-        let past = (above.shaded, slot);
-        match filter {
-            None => known.pass_on(past, shaded, place),
-            Some(Filter::Color(color)) => known.color(world, past, color, shaded, place),
-            Some(Filter::Spectrum(filter)) => {
-                let material = above.points.material[slot];
-                known.own(past, (material, &filter), shaded, place);
-            }
-        }
     }
 
     /// Finds out what rays meet, and adds what lights do there to what arrives.

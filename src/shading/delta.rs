@@ -11,11 +11,14 @@
 //! What leaves a flat surface by reflection is measured from the image of its eye in that mirror: so the image in a
 //! plane mirror is that of the mirrored eye, to the bit where the mirrored numbers are exact.
 
+use fearless_simd::Simd;
+
 use super::groups::coat_reflectance;
 use crate::math::DVec3;
 use crate::optics;
+use crate::simd::{DVec3x16, F64x16, LANES, ones};
 use crate::spectrum::{FIRST, Spectrum};
-use crate::visibility::{Points, RayStart, object_and_triangle, vector};
+use crate::visibility::{IncoherentRays, Points, RayStart, columns, object_and_triangle, vector};
 use crate::world::colorimetry::SpectralReflectance;
 use crate::world::delta::{Absorption, ComplexIndex, Glass, Tint};
 use crate::world::geometry::area_vector;
@@ -67,11 +70,10 @@ pub(crate) enum Filter {
 impl Filter {
     /// The most that arrives of any wavelength.
     pub(crate) fn peak(&self, world: &World) -> f64 {
-        let spectrum = match self {
-            Self::Color(color) => world.chains().map(|chains| chains.reflectance(*color)),
-            Self::Spectrum(spectrum) => Some(spectrum),
-        };
-        spectrum.map_or(1.0, |spectrum| spectrum.peak().0)
+        match self {
+            Self::Color(color) => world.chains().map_or(1.0, |chains| chains.peak(*color)),
+            Self::Spectrum(spectrum) => spectrum.peak().0,
+        }
     }
 }
 
@@ -197,6 +199,76 @@ impl PlaneMirror {
             nm,
         }))
     }
+
+    /// What [`PlaneMirror::reflected`] says of the rays of a packet that hit something; `None` where they are not all from
+    /// the eye and reflected by this mirror.
+    #[inline(always)]
+    pub(crate) fn reflected_packet<S: Simd>(
+        &self,
+        simd: S,
+        points: &Points,
+        rays: &IncoherentRays,
+        packet: usize,
+    ) -> Option<ReflectedPacket<S>> {
+        let EyeImage {
+            position,
+            normal,
+            weight,
+            color,
+        } = self.image?;
+        // With interpolated normals they are looked at one by one.
+        if !std::ptr::eq(points.shading_normals(), points.geometric_normals()) {
+            return None;
+        }
+        let bits = points.hit[packet];
+        let first = packet * LANES;
+        let primitives = &points.primitive[first..first + LANES];
+        if ones(bits).any(|lane| primitives[lane] != self.primitive) {
+            return None;
+        }
+        let [origin, direction] = rays.vectors_of_packet(simd, packet);
+        let [x, y, z] = [self.eye.x, self.eye.y, self.eye.z];
+        let is_of_eye = origin.x.eq(F64x16::splat(simd, x))
+            & origin.y.eq(F64x16::splat(simd, y))
+            & origin.z.eq(F64x16::splat(simd, z));
+        let normal = DVec3x16::splat(simd, normal);
+        let to_viewer = DVec3x16::load(simd, columns(&points.to_viewer, packet));
+        let zero = F64x16::splat(simd, 0.0);
+        let is_above = reflected(-to_viewer, normal).dot(normal).gt(zero);
+        let start = DVec3x16::load(simd, columns(&points.position, packet));
+        let t = (start - origin).dot(direction) / direction.dot(direction);
+        let is_simple = (is_of_eye & is_above & t.gt(zero)).to_bits();
+        (is_simple & bits == bits).then(|| ReflectedPacket {
+            origin: position,
+            direction: reflected(direction, normal),
+            t,
+            weight,
+            color,
+        })
+    }
+}
+
+/// [`optics::reflected`] of the rays of a packet.
+#[inline(always)]
+fn reflected<S: Simd>(direction: DVec3x16<S>, normal: DVec3x16<S>) -> DVec3x16<S> {
+    let twice = normal.dot(direction) * 2.0;
+    DVec3x16 {
+        x: direction.x - normal.x * twice,
+        y: direction.y - normal.y * twice,
+        z: direction.z - normal.z * twice,
+    }
+}
+
+/// What a plane mirror makes of the rays of a packet that hit something.
+pub(crate) struct ReflectedPacket<S: Simd> {
+    /// The image of their eye, from which they come.
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3x16<S>,
+    /// t of the points that they leave.
+    pub(crate) t: F64x16<S>,
+    /// As of [`Leaving`], the same of all.
+    pub(crate) weight: [f64; 3],
+    pub(crate) color: Option<ChainColor>,
 }
 
 /// t of a point of a ray.

@@ -43,6 +43,12 @@ impl Filters {
         of_points[point] = number;
     }
 
+    /// Whether any point has one.
+    #[inline]
+    pub(crate) fn has_any(&self) -> bool {
+        self.of_points.is_some()
+    }
+
     /// The number of a point's filter; 0 is none.
     #[inline]
     pub(crate) fn number(&self, point: usize) -> u16 {

@@ -61,6 +61,13 @@ pub(super) fn columns_mut(columns: &mut [Column; 3], packet: usize) -> [&mut [f6
     [&mut x[lanes.clone()], &mut y[lanes.clone()], &mut z[lanes]]
 }
 
+/// The rest of three columns, from a place on.
+#[inline(always)]
+pub(super) fn columns_from(columns: &mut [Column; 3], place: usize) -> [&mut [f64]; 3] {
+    let [x, y, z] = columns;
+    [&mut x[place..], &mut y[place..], &mut z[place..]]
+}
+
 /// The vector of one ray in three columns.
 #[inline(always)]
 pub(crate) fn vector(columns: &[Column; 3], ray: usize) -> DVec3 {

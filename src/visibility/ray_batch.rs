@@ -2,11 +2,11 @@
 
 use fearless_simd::Simd;
 
-use super::batch::{BATCH, Column, columns, columns_mut, first_lanes, vector};
-use super::points::Start;
+use super::batch::{BATCH, Column, columns, columns_from, columns_mut, first_lanes, vector};
+use super::points::{Points, Start};
 use super::rays::Rays;
 use crate::math::{DVec3, Point};
-use crate::simd::{DVec3x16, LANES};
+use crate::simd::{DVec3x16, F64x16, LANES, ones};
 
 /// At most [`BATCH`] rays r(t) = o + t ω, ω of any length but zero, with what they have in common, if anything.
 ///
@@ -65,6 +65,17 @@ pub(crate) struct RayStart {
     pub(crate) error: f64,
     /// What it is on: a flat shape is not met again, a sphere at its other side alone.
     pub(crate) primitive: u64,
+}
+
+impl Starts {
+    fn none() -> Box<Self> {
+        Box::new(Self {
+            t: Column::ZERO,
+            position: [Column::ZERO; 3],
+            error: Column::ZERO,
+            primitive: [u64::MAX; BATCH],
+        })
+    }
 }
 
 impl From<Start> for RayStart {
@@ -163,20 +174,62 @@ impl IncoherentRays {
         let is_shared = start.t > 0.0 && (ray == 0 || self.eye == Some(origin));
         self.eye = is_shared.then_some(origin);
         self.push(origin, direction);
-        let starts = self.starts.get_or_insert_with(|| {
-            Box::new(Starts {
-                t: Column::ZERO,
-                position: [Column::ZERO; 3],
-                error: Column::ZERO,
-                primitive: [u64::MAX; BATCH],
-            })
-        });
+        let starts = self.starts.get_or_insert_with(Starts::none);
         starts.t[ray] = start.t;
         for axis in 0..3 {
             starts.position[axis][ray] = start.position[axis];
         }
         starts.error[ray] = start.error;
         starts.primitive[ray] = start.primitive;
+    }
+
+    /// Puts the rays of a packet to the others that come from the image of their eye in a plane mirror, and leave the points
+    /// that are hit: as [`Self::push_from`] does one by one.
+    #[inline(always)]
+    pub(crate) fn push_reflected<S: Simd>(
+        &mut self,
+        simd: S,
+        points: &Points,
+        packet: usize,
+        (origin, direction, t): (DVec3, DVec3x16<S>, F64x16<S>),
+    ) {
+        let bits = points.hit[packet];
+        let (first, place) = (packet * LANES, self.count);
+        let is_shared = place == 0 || self.eye == Some(origin);
+        self.eye = is_shared.then_some(origin);
+        self.count += bits.count_ones() as usize;
+        let starts = self.starts.get_or_insert_with(Starts::none);
+        let position = columns(&points.position, packet);
+        let error = &points.error[first..first + LANES];
+        if self.count == place + LANES {
+            DVec3x16::splat(simd, origin).store(columns_from(&mut self.origin, place));
+            direction.store(columns_from(&mut self.direction, place));
+            t.store(&mut starts.t[place..]);
+            let [x, y, z] = columns_from(&mut starts.position, place);
+            x[..LANES].copy_from_slice(position[0]);
+            y[..LANES].copy_from_slice(position[1]);
+            z[..LANES].copy_from_slice(position[2]);
+            starts.error[place..place + LANES].copy_from_slice(error);
+            starts.primitive[place..place + LANES]
+                .copy_from_slice(&points.primitive[first..first + LANES]);
+            return;
+        }
+        let direction = [
+            direction.x.to_array(),
+            direction.y.to_array(),
+            direction.z.to_array(),
+        ];
+        let t = t.to_array();
+        for (ray, lane) in (place..).zip(ones(bits)) {
+            for axis in 0..3 {
+                self.origin[axis][ray] = origin[axis];
+                self.direction[axis][ray] = direction[axis][lane];
+                starts.position[axis][ray] = position[axis][lane];
+            }
+            starts.t[ray] = t[lane];
+            starts.error[ray] = error[lane];
+            starts.primitive[ray] = points.primitive[first + lane];
+        }
     }
 
     /// Where a ray leaves a surface, if it does.
@@ -214,6 +267,15 @@ impl IncoherentRays {
     #[inline(always)]
     pub(super) fn vectors(&self) -> [&[Column; 3]; 2] {
         [&self.origin, &self.direction]
+    }
+
+    /// Where those of a packet start, and where they go.
+    #[inline(always)]
+    pub(crate) fn vectors_of_packet<S: Simd>(&self, simd: S, packet: usize) -> [DVec3x16<S>; 2] {
+        [
+            DVec3x16::load(simd, columns(&self.origin, packet)),
+            DVec3x16::load(simd, columns(&self.direction, packet)),
+        ]
     }
 
     /// Where one starts, and where it goes.

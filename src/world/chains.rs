@@ -37,6 +37,8 @@ pub(crate) struct Chains {
     /// The color of each material that has one.
     of_materials: Vec<Option<ChainColor>>,
     colors: Vec<Spectrum>,
+    /// The largest value of each.
+    peaks: Vec<f64>,
     /// Chain by chain how often each color has reflected.
     counts: Vec<u16>,
     /// Chain by chain the chain after one more reflection by each color, as far as they are known.
@@ -93,6 +95,7 @@ impl Chains {
         seen.resize_with(chains * (lights + 1), OnceLock::new);
         Ok(Some(Self {
             of_materials,
+            peaks: colors.iter().map(|color| color.peak().0).collect(),
             colors,
             counts,
             next,
@@ -113,6 +116,11 @@ impl Chains {
     /// The reflectance of a color.
     pub(crate) fn reflectance(&self, ChainColor(color): ChainColor) -> &Spectrum {
         &self.colors[usize::from(color)]
+    }
+
+    /// The largest value of that.
+    pub(crate) fn peak(&self, ChainColor(color): ChainColor) -> f64 {
+        self.peaks[usize::from(color)]
     }
 
     /// The chain after one more reflection, if it is known.
