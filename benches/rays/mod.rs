@@ -107,9 +107,47 @@ fn above_surface(world: &World, numbers: &mut Numbers, size: f64) -> [DVec3; 2] 
     [position + normal * (size * 1e-4), normal]
 }
 
-/// Rays from anywhere to anywhere, and rays that leave a surface as diffuse light does; segments between any two
-/// points, and from surfaces to a square of light above all.
-fn bundles(world: &World) -> [Bundle; 2] {
+/// Pixels along each side of the picture of a mirror ball.
+const BALL_PIXELS: usize = 1024;
+
+/// What an eye sees in a mirror ball amid the scene, in tiles of 16 × 16 pixels, row by row; segments from the ball to a
+/// light above.
+fn mirrored([least, most]: [DVec3; 2]) -> Bundle {
+    let mut bundle = Bundle {
+        name: "mirrored",
+        rays: Vec::with_capacity(COUNT),
+        segments: Vec::with_capacity(COUNT),
+    };
+    let size = (most - least).max_element();
+    let (center, radius) = ((least + most) * 0.5, size * 0.2);
+    let to_eye = DVec3::new(0.3, 0.4, 1.0).normalize();
+    let right = DVec3::Y.cross(to_eye).normalize();
+    let up = to_eye.cross(right);
+    let light = most.with_x(center.x).with_z(center.z) + DVec3::Y * size;
+    let tiles = BALL_PIXELS / 16;
+    for pixel in 0..BALL_PIXELS * BALL_PIXELS {
+        let (tile, place) = (pixel / 256, pixel % 256);
+        let column = tile % tiles * 16 + place % 16;
+        let row = tile / tiles * 16 + place / 16;
+        let at = |pixel: usize| (pixel as f64 + 0.5) / BALL_PIXELS as f64 * 2.0 - 1.0;
+        let (x, y) = (at(column), at(row));
+        // Parallel rays: the normal has these coordinates.
+        let square = x * x + y * y;
+        if square >= 1.0 {
+            continue;
+        }
+        let normal = right * x + up * y + to_eye * (1.0 - square).sqrt();
+        let start = single(center + normal * (radius + size * 1e-4));
+        let direction = normal * (2.0 * normal.dot(to_eye)) - to_eye;
+        bundle.rays.push([start, single(direction)]);
+        bundle.segments.push([start, single(light - start)]);
+    }
+    bundle
+}
+
+/// Rays from anywhere to anywhere, rays that leave a surface as diffuse light does, and those of a mirror ball; segments
+/// between any two points, and from surfaces to a square of light above all.
+fn bundles(world: &World) -> [Bundle; 3] {
     let [least, most] = bounds(world);
     let extent = most - least;
     let mut numbers = Numbers(0x9e37_79b9_7f4a_7c15);
@@ -137,7 +175,7 @@ fn bundles(world: &World) -> [Bundle; 2] {
         let light = most.with_x(0.0).with_z(0.0) + (light + DVec3::Y) * extent.max_element();
         bounced.segments.push([start, single(light - start)]);
     }
-    [scattered, bounced]
+    [scattered, bounced, mirrored([least, most])]
 }
 
 fn write_bundle(world: &World, bundle: &Bundle, path: &Path) -> Result<()> {
@@ -288,7 +326,8 @@ fn measure_bundle(
     runs: u32,
 ) -> Result<String> {
     let mut tracer = Tracer::new(world, SimdLevel::default());
-    let (mut t, mut free) = (Vec::with_capacity(COUNT), Vec::with_capacity(COUNT));
+    let room = bundle.rays.len();
+    let (mut t, mut free) = (Vec::with_capacity(room), Vec::with_capacity(room));
     let (mut ours, mut theirs) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
     // In turn, and the first run of each warms up.
     for run in 0..=runs {
@@ -310,7 +349,8 @@ fn measure_bundle(
             }
         }
     }
-    let share = |count: usize| 100.0 * count as f64 / COUNT as f64;
+    let all = bundle.rays.len() as f64;
+    let share = |count: usize| 100.0 * count as f64 / all;
     eprintln!(
         "  {:.1} % of the rays hit something, {:.1} % of the segments are free",
         share(t.iter().filter(|t| t.is_finite()).count()),
@@ -323,7 +363,7 @@ fn measure_bundle(
         let is_near = |ours: f64, theirs: f64| {
             ours == theirs || (ours - theirs).abs() <= 1e-3 * ours.abs().max(1e-2)
         };
-        let count = |differ: usize| Some(differ as f64 / COUNT as f64);
+        let count = |differ: usize| Some(differ as f64 / all);
         let pairs = t.iter().zip(their_t);
         different[0] = count(pairs.filter(|&(&a, &b)| !is_near(a, f64::from(b))).count());
         let pairs = free.iter().zip(their_dark);
@@ -331,7 +371,7 @@ fn measure_bundle(
     }
     let mut rows = String::new();
     for (question, name) in ["nearest", "free"].into_iter().enumerate() {
-        let rate = |seconds: &[f64]| COUNT as f64 / Spread::of(seconds.to_vec()).median / 1e6;
+        let rate = |seconds: &[f64]| all / Spread::of(seconds.to_vec()).median / 1e6;
         let (ours, theirs) = (&ours[question], &theirs[question]);
         write!(
             rows,

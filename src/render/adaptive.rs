@@ -156,6 +156,9 @@ impl<'w> Adaptive<'w> {
                 let verdict = &self.verdicts[number(window, places[pixel])];
                 let (mean, mut error) =
                     estimate(tile, pixel, samples.end, verdict, goal.target.floor);
+                for error in &mut error[..3] {
+                    *error += setup.left_out;
+                }
                 if goal.target.floor == 0.0 && mean[..3] == [0.0; 3] {
                     // In a picture that is black at all points nothing else is expected where it is black again.
                     error[..3].fill(0.0);

@@ -32,7 +32,9 @@ pub(super) struct LeavingRays<'a, 'w> {
     /// How often they have been reflected or refracted before.
     pub(super) depth: u32,
     pub(super) step: &'a mut Step,
-    /// How much of the brightest radiance rays that are left out would have brought at most, of each sample.
+    /// How much of the brightest radiance rays may bring to a sample that are left out together.
+    pub(super) negligible: f64,
+    /// How much of it those that are left out would have brought at most, of each sample.
     pub(super) cut: &'a mut Column,
     pub(super) counts: &'a mut Counts,
     pub(super) known: KnownFilters,
@@ -134,11 +136,17 @@ impl LeavingRays<'_, '_> {
         let most = weight
             .iter()
             .fold(0.0, |most, weight| f64::max(most, weight.abs()));
-        if self.depth >= world.max_depth() || most < NEGLIGIBLE {
+        // What arrives of the brightest radiance of the world, at most.
+        let bound = || {
+            let peak = filter.as_ref().map_or(1.0, |filter| filter.peak(world));
+            most * peak * shading::most_in(world, leaving.media)
+        };
+        let cut = &mut self.cut[usize::from(sample)];
+        let is_negligible =
+            || self.negligible > 0.0 && *cut + bound() <= self.negligible || most < NEGLIGIBLE;
+        if self.depth >= world.max_depth() || is_negligible() {
             if most > 0.0 {
-                let peak = filter.map_or(1.0, |filter| filter.peak(world));
-                let inside = shading::most_in(world, leaving.media);
-                self.cut[usize::from(sample)] += most * peak * inside;
+                *cut += bound();
                 self.counts.cut_rays += 1;
             }
             return;
@@ -195,7 +203,13 @@ impl LeavingRays<'_, '_> {
             F64x16::load(simd, columns(&above.weight, packet)[2]) * reflected.weight[2],
         ];
         let most = weights[0].abs().max(weights[1].abs()).max(weights[2].abs());
-        let is_enough = most.ge(F64x16::splat(simd, NEGLIGIBLE)).to_bits();
+        let peak = reflected
+            .color
+            .map_or(1.0, |color| Filter::Color(color).peak(world));
+        // Where there is any doubt they are taken one by one.
+        let is_enough = most.ge(F64x16::splat(simd, NEGLIGIBLE))
+            & (most * peak).gt(F64x16::splat(simd, self.negligible));
+        let is_enough = is_enough.to_bits();
         if is_enough & bits != bits {
             return false;
         }

@@ -337,6 +337,12 @@ impl<'w> Tracer<'_, '_, 'w, '_> {
             above,
             depth,
             step,
+            // Ways that are looked along tell where light is cut.
+            negligible: if self.sights.is_none() {
+                self.setup.negligible
+            } else {
+                0.0
+            },
             cut: &mut self.arrived.cut,
             counts: &mut self.counts,
             known: KnownFilters::default(),

@@ -23,6 +23,10 @@ use crate::memory::{OutOfMemory, look_for};
 use crate::visibility::{Parts, Visibility};
 use crate::world::{Bands, Plan, World};
 
+/// What part of the error that is asked for may be of branches that are not followed: little beside what samples
+/// are off by.
+const LEFT_OUT_OF_ERROR: f64 = 1.0 / 64.0;
+
 /// The columns and rows of points that say what errors are relative to.
 const FLOOR_PARTS: u32 = 64;
 
@@ -335,8 +339,11 @@ impl<'w> Renderer<'w> {
                 let floor = target.floor.unwrap_or_else(|| self.floor(setup));
                 Goal::new(&target, floor, channels == about_errors.count())
             });
+            let [left_out, negligible] = goal.as_ref().map_or([0.0; 2], |goal| self.left_out(goal));
             let setup = Setup {
                 goal: goal.as_ref(),
+                left_out,
+                negligible,
                 ..*setup
             };
             render_tiles(&setup, window, (channels, about_errors), job, sink)
@@ -352,6 +359,21 @@ impl<'w> Renderer<'w> {
             counts.depth_rest = counts.cut * self.world.brightest();
         }
         Ok(counts)
+    }
+
+    /// How much radiance in cd/m² may be left out of each sample, and which part that is of the brightest of the world;
+    /// nothing where that has no bound.
+    fn left_out(&self, goal: &Goal) -> [f64; 2] {
+        if !self.world.has_deltas() {
+            return [0.0; 2];
+        }
+        let left_out = LEFT_OUT_OF_ERROR * goal.target.relative * goal.target.floor;
+        let part = left_out / self.world.brightest();
+        if part > 0.0 && part.is_finite() {
+            [left_out, part]
+        } else {
+            [0.0; 2]
+        }
     }
 
     /// A hundredth of the mean luminance of the image in cd/m², from the centers of 64 × 64 parts.
@@ -420,6 +442,8 @@ impl<'w> Renderer<'w> {
             sampler: &sampler,
             layers: layers.as_ref(),
             sums,
+            left_out: 0.0,
+            negligible: 0.0,
             goal: None,
         };
         Ok(work(&setup, window))

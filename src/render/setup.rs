@@ -26,6 +26,11 @@ pub(super) struct Setup<'w> {
     pub(super) sampler: &'w Sampler,
     pub(super) layers: Option<&'w RequestedLayers<'w>>,
     pub(super) sums: Kept,
+    /// How much radiance in cd/m² branches of light that are not followed may bring to a sample together, where an error is
+    /// asked for; else 0.
+    pub(super) left_out: f64,
+    /// Which part that is of the brightest radiance of the world.
+    pub(super) negligible: f64,
     /// Where pixels are rendered to an error, which.
     pub(super) goal: Option<&'w Goal>,
 }

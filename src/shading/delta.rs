@@ -11,14 +11,11 @@
 //! What leaves a flat surface by reflection is measured from the image of its eye in that mirror: so the image in a
 //! plane mirror is that of the mirrored eye, to the bit where the mirrored numbers are exact.
 
-use fearless_simd::Simd;
-
 use super::groups::coat_reflectance;
 use crate::math::DVec3;
 use crate::optics;
-use crate::simd::{DVec3x16, F64x16, LANES, ones};
 use crate::spectrum::{FIRST, Spectrum};
-use crate::visibility::{IncoherentRays, Points, RayStart, columns, object_and_triangle, vector};
+use crate::visibility::{Points, RayStart, object_and_triangle, vector};
 use crate::world::colorimetry::SpectralReflectance;
 use crate::world::delta::{Absorption, ComplexIndex, Glass, Tint};
 use crate::world::geometry::area_vector;
@@ -79,7 +76,7 @@ impl Filter {
 
 /// How much of the radiance arrives, before it is known whether light is carried spectrally.
 #[derive(Clone, Copy)]
-enum Factor<'w> {
+pub(super) enum Factor<'w> {
     Gray(f64),
     /// The color of a mirror.
     Color(ChainColor),
@@ -99,181 +96,9 @@ struct Boundary {
     beyond: Media,
 }
 
-/// A flat surface that reflects the same share of all rays, and an eye before it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PlaneMirror {
-    primitive: u64,
-    eye: DVec3,
-    /// Its image; `None` where the surface is not as simple as that.
-    image: Option<EyeImage>,
-}
-
-/// The image of an eye in a plane mirror.
-#[derive(Clone, Copy, Debug)]
-struct EyeImage {
-    position: DVec3,
-    normal: DVec3,
-    weight: [f64; 3],
-    color: Option<ChainColor>,
-}
-
-impl PlaneMirror {
-    /// The surface that is seen at a point.
-    pub(crate) fn of(world: &World, points: &Points, slot: usize, eye: DVec3) -> Self {
-        let material = points.material[slot] as usize;
-        let factor = world.delta(material).and_then(|delta| {
-            let factor = match delta {
-                Delta::Mirror(tint) if !tint.schlick => {
-                    Factor::of_mirror(world, material, tint, 1.0)
-                }
-                Delta::Coat {
-                    reflectance,
-                    schlick: false,
-                } => Factor::Gray(*reflectance),
-                _ => return None,
-            };
-            match factor.apart(world)? {
-                (weight, None) => Some((weight, None)),
-                (weight, Some(Filter::Color(color))) => Some((weight, Some(color))),
-                (_, Some(Filter::Spectrum(_))) => None,
-            }
-        });
-        let image = factor.and_then(|(weight, color)| {
-            let surface = Surface::new(world, points, slot);
-            surface.is_flat.then(|| EyeImage {
-                position: surface.image_of(eye),
-                normal: surface.normal,
-                weight,
-                color,
-            })
-        });
-        Self {
-            primitive: points.primitive[slot],
-            eye,
-            image,
-        }
-    }
-
-    /// Whether it is that of another point and eye.
-    #[inline]
-    pub(crate) fn is_of(&self, points: &Points, slot: usize, eye: DVec3) -> bool {
-        self.primitive == points.primitive[slot] && self.eye == eye
-    }
-
-    /// What [`leave`] says of a ray that it reflects, if it is as simple as that; `Some(None)` where none is.
-    #[inline]
-    pub(crate) fn reflected(
-        &self,
-        points: &Points,
-        slot: usize,
-        direction: DVec3,
-        (media, nm): (Media, u16),
-    ) -> Option<Option<Leaving>> {
-        let EyeImage {
-            position,
-            normal,
-            weight,
-            color,
-        } = self.image?;
-        // An interpolated normal makes another mirror of each point.
-        if vector(points.shading_normals(), slot) != vector(points.geometric_normals(), slot) {
-            return None;
-        }
-        let to_viewer = vector(&points.to_viewer, slot);
-        if optics::reflected(-to_viewer, normal).dot(normal) <= 0.0 {
-            return Some(None);
-        }
-        let start = vector(&points.position, slot);
-        Some(Some(Leaving {
-            origin: position,
-            direction: optics::reflected(direction, normal),
-            start: RayStart {
-                t: t_of(start, self.eye, direction),
-                position: start,
-                error: points.error[slot],
-                primitive: self.primitive,
-            },
-            weight,
-            filter: color.map(Filter::Color),
-            media,
-            nm,
-        }))
-    }
-
-    /// What [`PlaneMirror::reflected`] says of the rays of a packet that hit something; `None` where they are not all from
-    /// the eye and reflected by this mirror.
-    #[inline(always)]
-    pub(crate) fn reflected_packet<S: Simd>(
-        &self,
-        simd: S,
-        points: &Points,
-        rays: &IncoherentRays,
-        packet: usize,
-    ) -> Option<ReflectedPacket<S>> {
-        let EyeImage {
-            position,
-            normal,
-            weight,
-            color,
-        } = self.image?;
-        // With interpolated normals they are looked at one by one.
-        if !std::ptr::eq(points.shading_normals(), points.geometric_normals()) {
-            return None;
-        }
-        let bits = points.hit[packet];
-        let first = packet * LANES;
-        let primitives = &points.primitive[first..first + LANES];
-        if ones(bits).any(|lane| primitives[lane] != self.primitive) {
-            return None;
-        }
-        let [origin, direction] = rays.vectors_of_packet(simd, packet);
-        let [x, y, z] = [self.eye.x, self.eye.y, self.eye.z];
-        let is_of_eye = origin.x.eq(F64x16::splat(simd, x))
-            & origin.y.eq(F64x16::splat(simd, y))
-            & origin.z.eq(F64x16::splat(simd, z));
-        let normal = DVec3x16::splat(simd, normal);
-        let to_viewer = DVec3x16::load(simd, columns(&points.to_viewer, packet));
-        let zero = F64x16::splat(simd, 0.0);
-        let is_above = reflected(-to_viewer, normal).dot(normal).gt(zero);
-        let start = DVec3x16::load(simd, columns(&points.position, packet));
-        let t = (start - origin).dot(direction) / direction.dot(direction);
-        let is_simple = (is_of_eye & is_above & t.gt(zero)).to_bits();
-        (is_simple & bits == bits).then(|| ReflectedPacket {
-            origin: position,
-            direction: reflected(direction, normal),
-            t,
-            weight,
-            color,
-        })
-    }
-}
-
-/// [`optics::reflected`] of the rays of a packet.
-#[inline(always)]
-fn reflected<S: Simd>(direction: DVec3x16<S>, normal: DVec3x16<S>) -> DVec3x16<S> {
-    let twice = normal.dot(direction) * 2.0;
-    DVec3x16 {
-        x: direction.x - normal.x * twice,
-        y: direction.y - normal.y * twice,
-        z: direction.z - normal.z * twice,
-    }
-}
-
-/// What a plane mirror makes of the rays of a packet that hit something.
-pub(crate) struct ReflectedPacket<S: Simd> {
-    /// The image of their eye, from which they come.
-    pub(crate) origin: DVec3,
-    pub(crate) direction: DVec3x16<S>,
-    /// t of the points that they leave.
-    pub(crate) t: F64x16<S>,
-    /// As of [`Leaving`], the same of all.
-    pub(crate) weight: [f64; 3],
-    pub(crate) color: Option<ChainColor>,
-}
-
 /// t of a point of a ray.
 #[inline]
-fn t_of(point: DVec3, origin: DVec3, direction: DVec3) -> f64 {
+pub(super) fn t_of(point: DVec3, origin: DVec3, direction: DVec3) -> f64 {
     (point - origin).dot(direction) / direction.length_squared()
 }
 
@@ -413,21 +238,21 @@ pub(crate) fn most_in(world: &World, media: Media) -> f64 {
 }
 
 /// A point of a smooth surface.
-struct Surface {
+pub(super) struct Surface {
     position: DVec3,
     error: f64,
     primitive: u64,
     to_viewer: DVec3,
     geometric_normal: DVec3,
     /// n of the cosines, towards the viewer.
-    normal: DVec3,
+    pub(super) normal: DVec3,
     /// n·q of the plane through the point.
     plane: f64,
-    is_flat: bool,
+    pub(super) is_flat: bool,
 }
 
 impl Surface {
-    fn new(world: &World, points: &Points, slot: usize) -> Self {
+    pub(super) fn new(world: &World, points: &Points, slot: usize) -> Self {
         let geometric_normal = vector(points.geometric_normals(), slot);
         let to_viewer = vector(&points.to_viewer, slot);
         let shading_normal = vector(points.shading_normals(), slot);
@@ -469,7 +294,7 @@ impl Surface {
     }
 
     /// The image of an eye in the plane of the surface.
-    fn image_of(&self, eye: DVec3) -> DVec3 {
+    pub(super) fn image_of(&self, eye: DVec3) -> DVec3 {
         let height = self.normal.dot(eye) - self.plane;
         eye - self.normal * (2.0 * height)
     }
@@ -579,7 +404,7 @@ impl Surface {
 }
 
 impl<'w> Factor<'w> {
-    fn of_mirror(world: &World, material: usize, tint: &'w Tint, cosine: f64) -> Self {
+    pub(super) fn of_mirror(world: &World, material: usize, tint: &'w Tint, cosine: f64) -> Self {
         match world.chains().and_then(|chains| chains.color(material)) {
             Some(color) => Self::Color(color),
             None => Self::Tinted(tint, cosine),
@@ -587,7 +412,7 @@ impl<'w> Factor<'w> {
     }
 
     /// Its weight per channel, and its filter where light is carried spectrally; `None` where nothing arrives.
-    fn apart(&self, world: &World) -> Option<([f64; 3], Option<Filter>)> {
+    pub(super) fn apart(&self, world: &World) -> Option<([f64; 3], Option<Filter>)> {
         let (weight, filter) = match *self {
             Self::Gray(weight) => ([weight; 3], None),
             Self::Color(color) => return Some(([1.0; 3], Some(Filter::Color(color)))),

@@ -8,6 +8,7 @@ mod filters;
 mod groups;
 mod meter;
 mod panes;
+mod plane_mirror;
 mod power;
 mod reflectance;
 mod spot;
@@ -19,7 +20,7 @@ use fearless_simd::Simd;
 
 pub(crate) use area::AreaSpace;
 use area::{AreaTerms, Asked};
-pub(crate) use delta::{Arriving, Branch, Filter, Leaving, PlaneMirror, absorbed, leave, most_in};
+pub(crate) use delta::{Arriving, Branch, Filter, Leaving, absorbed, leave, most_in};
 use emission::{add_emission, filter_background};
 pub(crate) use emission::{emission, emitter_seen};
 pub(crate) use filters::Filters;
@@ -27,6 +28,7 @@ use groups::Groups;
 pub(crate) use groups::Share;
 pub(crate) use meter::area_illuminance;
 pub(crate) use panes::{Crossing, Opaque, PaneSpace};
+pub(crate) use plane_mirror::PlaneMirror;
 use reflectance::{Ends, geometry};
 pub(crate) use terms::{Detail, LightTerms};
 

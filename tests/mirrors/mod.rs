@@ -2,6 +2,7 @@
 //! layers, and the same bits whatever renders them.
 
 mod agreement;
+mod color;
 
 use candela::image::Window;
 use candela::render::{Job, Layers, Options, Renderer};
