@@ -101,7 +101,9 @@ fn chains_go_on_through_other_filters() {
 /// Of more colors than there is room for the products of all chains, longer chains are as exact.
 #[test]
 fn chains_may_be_longer_than_are_kept() {
-    let mut text = HALL.replace("[64, 36]", "[32, 18]");
+    let mut text = HALL
+        .replace("[64, 36]", "[32, 18]")
+        .replace("max_depth = 7", "max_depth = 4");
     for color in 0..40 {
         let angle = f64::from(color) * 0.7;
         let [x, y, z] = [
@@ -126,11 +128,9 @@ fn an_error_leaves_out_what_cannot_matter() {
     let text = "[image]\nresolution = [48, 32]\nbackground = 0.3\nmax_depth = 12\ntransport = \"rgb\"\n\
         [camera.perspective]\neye = [0, 1, 6]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
         [materials.g.glass]\nn = 1.5\n[materials.m.mirror]\nreflectance = 0.3\n\
-        [materials.f.phong]\ndiffuse = 0.2\n\
         [lights.l.point]\nposition = [4, 6, 4]\nintensity = 40\n\
         [objects.a.sphere]\nmaterial = \"g\"\ncenter = [-1, 0, 0]\nradius = 1\n\
-        [objects.b.sphere]\nmaterial = \"m\"\ncenter = [1.2, 0, 0]\nradius = 1\n\
-        [objects.f.plane]\nmaterial = \"f\"\npoint = [0, -1.2, 0]\nnormal = [0, 1, 0]\n";
+        [objects.b.sphere]\nmaterial = \"m\"\ncenter = [1.2, 0, 0]\nradius = 1\n";
     let scene = Scene::parse(text, "test.toml").unwrap();
     let (world, camera) = World::new(&scene).unwrap();
     let renderer = Renderer::new(&world).unwrap();
@@ -156,16 +156,13 @@ fn an_error_leaves_out_what_cannot_matter() {
         "{}",
         of_coarse.depth_rest
     );
-    // Pixels that are not proven have one sample in both.
+    // Pixels of the balls have one sample in both, all others the background.
     let mut differ = 0;
     for (one, other) in fine.pixels().iter().zip(coarse.pixels()) {
         for (one, other) in one.iter().zip(other).take(3) {
             let [one, other] = [one, other].map(|channel| f64::from(*channel));
             differ += usize::from(one != other);
-            assert!(
-                (one - other).abs() <= allowed + 0.1 * one * 2e-6,
-                "{one} {other}"
-            );
+            assert!((one - other).abs() <= allowed + one * 1e-7, "{one} {other}");
         }
     }
     assert!(differ > 0);
