@@ -2,6 +2,8 @@
 //! layers, and the same bits whatever renders them.
 
 mod agreement;
+mod bands;
+mod inside;
 
 use candela::image::Window;
 use candela::render::{Job, Layers, Options, Renderer};
