@@ -17,17 +17,20 @@ impl Bands<'_> {
         let filtered = self.spectra.lights[light].times(filter);
         let Lobes { diffuse, specular } = &self.spectra.materials[material];
         room.clear();
+        // Of both lobes the same, if both are gray.
+        let mut of_light: Option<Vec<f64>> = None;
         for lobe in [diffuse, specular] {
-            let (means, scale) = match &lobe.reflectance {
+            match &lobe.reflectance {
                 SpectralReflectance::Flat(value) => {
-                    (self.wavelengths.means(&filtered), value * lobe.factor)
+                    let means = of_light.get_or_insert_with(|| self.wavelengths.means(&filtered));
+                    let scale = value * lobe.factor;
+                    room.extend(means.iter().map(|mean| mean * scale));
                 }
                 SpectralReflectance::Spectrum(reflectance) => {
-                    let product = filtered.times(reflectance);
-                    (self.wavelengths.means(&product), lobe.factor)
+                    let means = self.wavelengths.means(&filtered.times(reflectance));
+                    room.extend(means.into_iter().map(|mean| mean * lobe.factor));
                 }
-            };
-            room.extend(means.into_iter().map(|mean| mean * scale));
+            }
         }
         let (diffuse, specular) = room.split_at(self.wavelengths.count());
         Lobes { diffuse, specular }
