@@ -55,6 +55,22 @@ impl Change {
         }
     }
 
+    /// What R, G or B of what the lights of a share send themselves is made of.
+    pub(super) fn terms_of_emission(
+        &self,
+        share: &Share,
+        emission: [usize; 3],
+        channel: usize,
+    ) -> Terms {
+        let spectral = share.relight.as_ref().and_then(|relight| relight.emission);
+        match (&self.color, spectral) {
+            (Recolor::Spectral { flat, .. }, Some(place)) => vec![(place, flat[channel])],
+            (Recolor::Spectral { .. } | Recolor::None | Recolor::Rgb(_), _) => {
+                vec![(emission[channel], self.ratio(channel))]
+            }
+        }
+    }
+
     /// What R, G or B is multiplied by, where that is all.
     pub(super) fn ratio(&self, channel: usize) -> f64 {
         match &self.color {
@@ -90,7 +106,8 @@ pub(super) fn changes(
         }
         let share = &shares.list[place];
         if let Some(light) = shares.seen_of(share) {
-            return Err(RelightError::Seen(light));
+            let share = share.name.clone();
+            return Err(RelightError::Seen { light, share });
         }
         let factor = setting.factor();
         let (color, rgb) = match setting.color() {
@@ -204,7 +221,9 @@ fn of_spectra(
     working: Working,
     curves: &[Spectrum],
 ) -> Result<(Recolor, Vec<[f64; 3]>), RelightError> {
-    let Some(relight) = &share.relight else {
+    let relight = share.relight.as_ref();
+    let Some(relight) = relight.filter(|it| it.emission.is_some() || share.emission.is_none())
+    else {
         return Err(RelightError::NotStored(share.name.clone()));
     };
     let world = color::world(setting, 1.0, working)?;

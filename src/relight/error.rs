@@ -93,11 +93,17 @@ pub enum RelightError {
     BackgroundColor,
     /// A light that is in the picture itself.
     #[error(
-        "`{}` is seen in the picture, where what it sends itself is together with all other lights, `emission`; render \
-         the scene with the new light, or with `visible = false` for this one",
-        shortened(.0)
+        "`{}` is seen in the picture, and the file has no layer of what it sends itself, emission_{}; render the scene with \
+         `--layers lights`, which stores one, or with `visible = false` for this light",
+        shortened(light),
+        shortened(share)
     )]
-    Seen(String),
+    Seen {
+        /// The light.
+        light: String,
+        /// The name of its layers: that of its group, or its own.
+        share: String,
+    },
     /// A channel in which there is no light to scale.
     #[error(
         "`{}` cannot get this color: its {channel} was 0 where the file was rendered, and nothing multiplied makes \
@@ -120,7 +126,8 @@ pub enum RelightError {
     /// Light was carried spectrally, and how it meets the reflectances is not in the file.
     #[error(
         "light was carried spectrally, and the file has no channels `relight_{}.flat`, .1, …, which a new color needs; \
-         render the scene with `--layers lights`, which stores them",
+         render the scene with `--layers lights`, which stores them unless mirrors or glass color light; a factor can be given \
+         in any case",
         shortened(.0)
     )]
     NotStored(String),

@@ -51,10 +51,15 @@ pub(super) struct Plan {
 const OF_BANDS: [&str; 3] = ["candela:bands", "emissiveUnits", "spectralLayoutVersion"];
 
 /// Layers and channels that light does not change.
-const UNLIT: [&str; 9] = ["R", "G", "B", "A", "Z", "N", "P", "albedo", "samples"];
+const UNLIT: [&str; 10] = [
+    "R", "G", "B", "A", "Z", "N", "P", "albedo", "emission", "samples",
+];
 
 /// What the names of further ones begin with, and of those that are changed where that is to be.
-const KNOWN: [&str; 4] = ["shadow_", "Crypto", "light_", "relight_"];
+const KNOWN: [&str; 5] = ["shadow_", "Crypto", "light_", "relight_", "emission_"];
+
+/// What comes by mirrors and glass, of all lights together.
+const PATHS: [&str; 2] = ["reflection", "refraction"];
 
 impl Plan {
     pub(super) fn new(
@@ -91,12 +96,15 @@ impl Plan {
                     },
                 })
             };
+            let is_complete = shares.are_complete();
             for (channel, &place) in shares.rgb.iter().enumerate() {
+                let parts = parts(channel).chain(parts_of_emission(&changed, channel));
                 planned.outputs[place] = Some(Output::Sum(Sum {
-                    parts: parts(channel).collect(),
-                    is_complete: shares.are_complete(),
+                    parts: parts.collect(),
+                    is_complete,
                 }));
             }
+            planned.of_emission(channels, &changed, is_complete);
         }
         let (mut kept, mut outputs) = (Vec::new(), Vec::new());
         for (place, output) in planned.outputs.into_iter().enumerate() {
@@ -112,6 +120,23 @@ impl Plan {
             notes: planned.notes,
         }
     }
+}
+
+/// What lights that are seen send themselves, where it is known light by light.
+fn parts_of_emission<'c>(
+    changed: &'c [(&Share, Option<&Change>)],
+    channel: usize,
+) -> impl Iterator<Item = Part> + 'c {
+    changed.iter().filter_map(move |&(share, change)| {
+        let emission = share.emission?;
+        Some(Part {
+            old: emission[channel],
+            new: match change {
+                Some(change) => change.terms_of_emission(share, emission, channel),
+                None => vec![(emission[channel], 1.0)],
+            },
+        })
+    })
 }
 
 /// A plan under way.
@@ -142,8 +167,14 @@ impl Planned {
             for (channel, &place) in layer.iter().enumerate() {
                 self.set(place, change.terms(share, layer, channel));
             }
+            if let Some(emission) = share.emission {
+                for (channel, place) in emission.into_iter().enumerate() {
+                    self.set(place, change.terms_of_emission(share, emission, channel));
+                }
+            }
             if let Some(relight) = &share.relight {
-                for &place in relight.flat.iter().chain(&relight.curves) {
+                let flat = relight.flat.iter().chain(&relight.emission);
+                for &place in flat.chain(&relight.curves) {
                     self.set(place, vec![(place, change.factor)]);
                 }
             }
@@ -169,12 +200,42 @@ impl Planned {
         }
     }
 
+    /// The layer `emission`, which is a sum over all lights that are seen.
+    fn of_emission(
+        &mut self,
+        channels: &ChannelMap<'_>,
+        changed: &[(&Share, Option<&Change>)],
+        is_complete: bool,
+    ) {
+        let is_seen = |(share, change): &(&Share, Option<&Change>)| {
+            share.emission.is_some() && change.is_some()
+        };
+        let sum = channels
+            .rgb("emission")
+            .filter(|_| changed.iter().any(is_seen));
+        for (channel, place) in sum.into_iter().flatten().enumerate() {
+            self.outputs[place] = Some(Output::Sum(Sum {
+                parts: parts_of_emission(changed, channel).collect(),
+                is_complete,
+            }));
+        }
+    }
+
     /// The layers `diffuse` and `specular`, which are sums over all lights.
     fn of_lobes(&mut self, channels: &ChannelMap<'_>, changed: &[(&Share, Option<&Change>)]) {
+        // Beside these the lobes of a light have what comes by mirrors and glass, which the sums have not.
+        let has_paths = PATHS.iter().any(|layer| channels.rgb(layer).is_some());
         for (number, lobe) in LOBES.into_iter().enumerate() {
             let Some(sum) = channels.rgb(lobe) else {
                 continue;
             };
+            if has_paths {
+                self.leave_out(sum);
+                self.notes.push(format!(
+                    "`{lobe}` is left out: it is of the lights as they were rendered"
+                ));
+                continue;
+            }
             let lights = || changed.iter().filter(|(share, _)| !share.is_background);
             let is_kept = |change: &Change| !change.is_spectral();
             let has = |share: &Share| share.lobes[number].is_some();
@@ -211,7 +272,9 @@ impl Planned {
             let layer = name
                 .rsplit_once('.')
                 .map_or(name.as_str(), |(layer, _)| layer);
-            let note = if layer == "irradiance" || layer.starts_with("irradiance_") {
+            let is_of_light =
+                layer == "irradiance" || layer.starts_with("irradiance_") || PATHS.contains(&layer);
+            let note = if is_of_light {
                 format!(
                     "`{}` is left out: it is of the lights as they were rendered",
                     shortened(layer)

@@ -35,6 +35,9 @@ pub(super) struct LightRecord {
     pub(super) candela: f64,
     /// I in cd for each primary of the file's color space.
     pub(super) rgb: [f64; 3],
+    /// Whether a light with an area is seen itself; `None` of others, and where the file does not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) visible: Option<bool>,
     /// What else there is to say of it.
     #[serde(flatten)]
     further: Map<String, Value>,

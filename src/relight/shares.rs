@@ -45,10 +45,16 @@ impl<'s> ChannelMap<'s> {
 
     /// The channels of `relight_NAME`.
     fn relight(&self, name: &str) -> Option<Relight> {
+        let emission = self.number(&format!("relight_{name}.emission"));
         let flat = self.number(&format!("relight_{name}.flat"));
         let curves = (1..).map_while(|curve| self.number(&format!("relight_{name}.{curve}")));
         let curves: Vec<usize> = curves.collect();
-        (flat.is_some() || !curves.is_empty()).then_some(Relight { flat, curves })
+        let is_any = flat.is_some() || !curves.is_empty() || emission.is_some();
+        is_any.then_some(Relight {
+            flat,
+            curves,
+            emission,
+        })
     }
 }
 
@@ -63,6 +69,8 @@ pub(super) struct Share {
     pub(super) layer: Option<[usize; 3]>,
     /// The layers of its lobes, as [`LOBES`].
     pub(super) lobes: [Option<[usize; 3]>; 2],
+    /// The layer of what its lights send themselves, where they are seen.
+    pub(super) emission: Option<[usize; 3]>,
     pub(super) relight: Option<Relight>,
 }
 
@@ -74,6 +82,7 @@ impl Share {
             lights: Vec::new(),
             layer: channels.rgb(&format!("light_{name}")),
             lobes: LOBES.map(|lobe| channels.rgb(&format!("light_{name}_{lobe}"))),
+            emission: channels.rgb(&format!("emission_{name}")),
             relight: channels.relight(name),
         }
     }
@@ -86,6 +95,8 @@ pub(super) struct Relight {
     pub(super) flat: Option<usize>,
     /// From the curve 1 on.
     pub(super) curves: Vec<usize>,
+    /// What is seen of the lights themselves.
+    pub(super) emission: Option<usize>,
 }
 
 /// All shares of a file.
@@ -101,13 +112,17 @@ pub(super) struct Shares {
 }
 
 impl Shares {
-    /// A light of a share that may be seen in the picture: one with an area, where the file has a layer `emission`.
+    /// A light of a share that is seen in the picture without a layer of what it sends itself. Where the file does not say
+    /// whether it is, one with an area may be, if there is a layer `emission`.
     pub(super) fn seen_of(&self, share: &Share) -> Option<String> {
-        let record = self.record.as_ref().filter(|_| self.has_emission)?;
-        let lights = share.lights.iter().filter_map(|&light| record.get(light));
-        let mut seen =
-            lights.filter(|light| matches!(light.kind.as_str(), "rectangle" | "disk" | "sphere"));
-        seen.next().map(|light| light.name.clone())
+        let record = self.record.as_ref().filter(|_| share.emission.is_none())?;
+        let mut lights = share.lights.iter().filter_map(|&light| record.get(light));
+        let is_area = |kind: &str| matches!(kind, "rectangle" | "disk" | "sphere");
+        let seen = lights.find(|light| {
+            let may_be = self.has_emission && is_area(&light.kind);
+            light.visible.unwrap_or(may_be)
+        });
+        seen.map(|light| light.name.clone())
     }
 
     /// Finds them.

@@ -120,6 +120,15 @@ impl Geometry {
         };
     }
 
+    /// Adds what a light does at a point, by its weight.
+    pub(super) fn add_lobes(&mut self, Place(place): Place, light: usize, geometry: Lobes<f64>) {
+        let sum = &mut self.sums[place * self.lights + light];
+        *sum = Lobes {
+            diffuse: (sum.diffuse + geometry.diffuse).min(f64::MAX),
+            specular: (sum.specular + geometry.specular).min(f64::MAX),
+        };
+    }
+
     /// Takes up what a pixel had after the pass before.
     fn resume(&mut self, pixel: usize) {
         if let Some(Kept { materials, sums }) = self.kept.remove(&pixel) {

@@ -3,7 +3,7 @@
 use super::cryptomatte;
 use super::shares::{BACKGROUND_LIGHT, Shares, has_background_share};
 use crate::image::{Channel, ChannelKind, Channels};
-use crate::world::{Reflectances, Wavelengths, World};
+use crate::world::{Delta, Reflectances, Wavelengths, World};
 
 /// The layers that a render makes beside R, G, B and A. Default: none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -19,7 +19,9 @@ pub struct Layers {
     pub light_specular: bool,
     /// Of which lights, groups and background the three above and `shadow` are, by their names; `None` is all.
     pub only: Option<Vec<String>>,
-    /// What a light of another color needs where light is carried spectrally: `relight_NAME.flat`, `.1`, …
+    /// What a light of another color needs where light is carried spectrally and no mirror or glass colors it:
+    /// `relight_NAME.flat`, `.1`, …, and `.emission` of one that is seen. Beside it, with `lights` and however light is
+    /// carried, what each light that is seen sends itself: `emission_NAME.R`, …
     pub relight: Relight,
     /// What the diffuse lobes of all lights send, in cd/m²: `diffuse.R`, …; where the background is not black,
     /// `background.R`, … beside it. With `specular` they are R, G and B.
@@ -64,6 +66,13 @@ pub struct Layers {
     pub error: bool,
     /// `samples`: how many samples were taken of the pixel, 0 where its edges were integrated.
     pub samples: bool,
+}
+
+/// A material that objects have and that colors what is seen by way of it, where light is carried spectrally.
+pub(super) fn coloring(world: &World) -> Option<&str> {
+    let mut used = world.used_materials().into_iter();
+    let material = used.find(|&material| world.delta(material).is_some_and(Delta::colors))?;
+    Some(&world.materials()[material].name)
 }
 
 /// Whether what lights of other colors need is made.
@@ -122,6 +131,7 @@ pub(super) enum Content {
     Specular,
     Background,
     Emission,
+    EmissionOfLights,
     Reflection,
     Refraction,
     Albedo,
@@ -256,6 +266,8 @@ impl Layers {
         let has_background = (self.diffuse || self.specular) && has_background_share(world);
         let is_part = (self.lights && self.only.is_none()) || self.diffuse || self.specular;
         let has_emission = self.emission || (is_part && world.has_emission());
+        let has_emission_of_lights =
+            self.lights && self.relight != Relight::Never && !shares.seen().is_empty();
         let has_branches = (self.diffuse || self.specular) && world.has_deltas();
         let mut contents = Vec::new();
         let mut add = |is_asked: bool, content, channels: &dyn Fn() -> Vec<Channel>| {
@@ -276,6 +288,12 @@ impl Layers {
             rgb(BACKGROUND_LIGHT)
         });
         add(has_emission, Content::Emission, &|| rgb("emission"));
+        add(has_emission_of_lights, Content::EmissionOfLights, &|| {
+            let seen = shares.seen().iter();
+            let layers =
+                seen.flat_map(|&share| rgb(&format!("emission_{}", shares.names()[share])));
+            layers.collect()
+        });
         add(
             has_branches || self.reflection,
             Content::Reflection,
@@ -306,13 +324,16 @@ impl Layers {
         if let Some(reflectances) = self.relighting(world) {
             add(true, Content::Relight, &|| {
                 let names = shares.of_lights().iter();
-                names
-                    .flat_map(|share| {
-                        reflectances.names().map(move |reflectance| {
-                            channel(format!("relight_{share}.{reflectance}"), ChannelKind::Data)
-                        })
+                let reflected = names.flat_map(|share| {
+                    reflectances.names().map(move |reflectance| {
+                        channel(format!("relight_{share}.{reflectance}"), ChannelKind::Data)
                     })
-                    .collect()
+                });
+                let seen = shares.seen().iter().map(|&share| {
+                    let name = format!("relight_{}.emission", shares.names()[share]);
+                    channel(name, ChannelKind::Data)
+                });
+                reflected.chain(seen).collect()
             });
         }
         add(self.depth, Content::Depth, &|| data(&["Z"]));
@@ -346,7 +367,7 @@ impl Layers {
     /// The reflectances that shares are kept apart by for lights of other colors, where they are.
     pub(super) fn relighting<'w>(&self, world: &'w World) -> Option<Reflectances<'w>> {
         // What a colored mirror shows is not a sum over reflectances.
-        let spectra = world.spectra().filter(|_| !world.has_deltas())?;
+        let spectra = world.spectra().filter(|_| coloring(world).is_none())?;
         let is_wanted = match self.relight {
             Relight::Always => true,
             Relight::Auto => self.lights,

@@ -14,6 +14,7 @@
 
 mod accuracy;
 mod adaptive;
+mod arrivals;
 mod bands;
 mod batch;
 mod counts;

@@ -1,7 +1,7 @@
 //! How to render.
 
 use super::accuracy::{ErrorTarget, MAX_SAMPLES, MIN_RELATIVE_ERROR};
-use super::layers::{Layers, Relight};
+use super::layers::{Layers, Relight, coloring};
 use crate::camera::Camera;
 use crate::image::Window;
 use crate::simd::SimdLevel;
@@ -49,7 +49,7 @@ impl Default for Options {
 }
 
 /// Options that a world cannot be rendered with, or a camera.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptionsError {
     /// [`Options::samples`] is out of range.
@@ -82,12 +82,16 @@ pub enum OptionsError {
          set the image's `transport` to \"spectral\""
     )]
     Bands,
-    /// [`Options::layers`] has [`Layers::spectral`] or [`Relight::Always`], which are of what is seen directly, but the
-    /// world has mirrors or glass.
+    /// [`Options::layers`] has [`Relight::Always`], but light is carried spectrally, and a material colors what is seen by
+    /// way of it: that is no sum over the reflectances of surfaces.
     #[error(
-        "the layers `spectral` and `relight` are not made of what is seen in mirrors and glass; leave them out"
+        "the layer `relight` cannot be made: the material `{material}` gives what is seen by way of it another color; leave \
+         `relight` out, make that material gray, or set the image's `transport` to \"rgb\", where it is not needed"
     )]
-    SmoothSurfaces,
+    ColoredWays {
+        /// The material, by its name.
+        material: String,
+    },
     /// The camera is [placed](World::place) in a world with another anchor.
     #[error(
         "the camera is of another world, whose positions have another anchor; place it in this one"
@@ -113,9 +117,12 @@ impl Options {
         if self.layers.spectral.is_some() && world.spectra().is_none() {
             return Err(OptionsError::Bands);
         }
-        let is_of_lobes = self.layers.spectral.is_some() || self.layers.relight == Relight::Always;
-        if is_of_lobes && world.has_deltas() {
-            return Err(OptionsError::SmoothSurfaces);
+        if self.layers.relight == Relight::Always
+            && world.spectra().is_some()
+            && let Some(material) = coloring(world)
+        {
+            let material = material.to_owned();
+            return Err(OptionsError::ColoredWays { material });
         }
         if camera.anchor() != world.anchor() {
             return Err(OptionsError::Camera);

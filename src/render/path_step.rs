@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use super::arrivals::Arrivals;
 use super::setup::Setup;
 use crate::shading::{self, LightTerms, Shaded};
 use crate::simd::{LANES, ones};
@@ -207,14 +208,11 @@ impl Lanes {
         lanes
     }
 
-    /// What arrives of a part of the radiance, at the places of the camera rays.
-    pub(super) fn scatter(&self, from: &[Column; 3], to: &mut [Column; 3]) {
-        for (channel, to) in to.iter_mut().enumerate() {
-            to.fill(0.0);
-            for slot in 0..self.count {
-                to[usize::from(self.sample[slot])] =
-                    self.weight[channel][slot] * from[channel][slot];
-            }
+    /// Where the light that these rays see arrives.
+    pub(super) fn arrivals(&self) -> Arrivals<'_> {
+        Arrivals {
+            samples: &self.sample[..self.count],
+            weights: &self.weight,
         }
     }
 }

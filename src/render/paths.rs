@@ -7,6 +7,7 @@
 
 use fearless_simd::Simd;
 
+use super::arrivals::Arrivals;
 use super::batch::NumberedSamples;
 use super::counts::Counts;
 use super::dispersion::{Seen, Spread};
@@ -135,6 +136,11 @@ impl Paths {
         }
         self.is_dimmed = has_bodies && absorb(setup, &self.rays, points, shaded, &mut self.seen);
         self.is_dimmed
+    }
+
+    /// What arrives of the light of the batch that was [begun](Self::begin), where the glass around the eye absorbs any.
+    pub(super) fn dimmed(&self) -> Option<Arrivals<'_>> {
+        self.is_dimmed.then(|| self.seen.arrivals())
     }
 
     /// What is left of light on its way to the eye.
@@ -488,13 +494,12 @@ impl<'w> Tracer<'_, '_, 'w, '_> {
             Some(layers) if layers.requested().wants_light() => {
                 let detail = layers.requested().detail();
                 shading::begin_terms(simd, world, visibility, points, self.tracing, shaded);
-                let scatter = |from: &[Column; 3], to: &mut [Column; 3]| {
-                    lanes.scatter(from, to);
-                };
-                layers.add_path(simd, self.samples, points, shaded, scattered, scatter);
+                let arrivals = lanes.arrivals();
+                layers.add_path(simd, self.samples, points, shaded, arrivals, scattered);
                 for lit in 0..shaded.lit() {
                     shading::light_terms(simd, world, points, lit, detail, shaded, terms);
-                    layers.add_path_light(simd, self.samples, terms, scattered, scatter);
+                    let samples = self.samples;
+                    layers.add_path_light(simd, samples, shaded, terms, arrivals, scattered);
                 }
             }
             _ => shading::radiance(simd, world, visibility, points, self.tracing, shaded),

@@ -18,6 +18,8 @@ pub(super) fn has_background_share(world: &World) -> bool {
 pub(super) struct Shares {
     names: Vec<String>,
     of_light: Vec<Option<usize>>,
+    /// Those of lights that are seen themselves, ascending.
+    seen: Vec<usize>,
     background: Option<usize>,
 }
 
@@ -27,6 +29,7 @@ impl Shares {
         let mut shares = Self {
             names: Vec::new(),
             of_light: Vec::new(),
+            seen: Vec::new(),
             background: None,
         };
         let mut places = HashMap::new();
@@ -41,6 +44,11 @@ impl Shares {
             });
             shares.of_light.push(share);
         }
+        let objects = world.objects().iter();
+        let seen = objects.filter_map(|object| shares.of_light[object.emits?]);
+        shares.seen = seen.collect();
+        shares.seen.sort_unstable();
+        shares.seen.dedup();
         if has_background_share(world) && is_in(BACKGROUND_LIGHT) {
             shares.background = Some(shares.names.len());
             shares.names.push(BACKGROUND_LIGHT.to_owned());
@@ -56,6 +64,11 @@ impl Shares {
     /// The names of those that lights have.
     pub(super) fn of_lights(&self) -> &[String] {
         &self.names[..self.names.len() - usize::from(self.background.is_some())]
+    }
+
+    /// Those of lights that are seen themselves, as indices into the names.
+    pub(super) fn seen(&self) -> &[usize] {
+        &self.seen
     }
 
     /// Of a light, an index into the names.

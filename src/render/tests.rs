@@ -9,7 +9,7 @@ use super::tile::{Kept, Setup, Space, Tile};
 use super::{Layers, Options, OptionsError, Relight, Renderer};
 use crate::camera::Camera;
 use crate::image::Window;
-use crate::scene::{Scene, Transport};
+use crate::scene::{Material, Metal, Scene, Transport};
 use crate::world::{Wavelengths, World};
 
 /// Whole tiles, and such that are cut off.
@@ -38,22 +38,43 @@ fn all() -> Layers {
 
 /// The lecture's scene, small, with a background that has a share of its own.
 fn world(transport: Transport) -> (World, Camera) {
+    with_material(transport, None)
+}
+
+/// The same with another material in place of the first.
+fn with_material(transport: Transport, material: Option<Material>) -> (World, Camera) {
     let mut scene = Scene::builtin();
+    if let Some(material) = material {
+        scene.materials[0].value = material;
+    }
     scene.image.resolution.value = RESOLUTION;
     scene.image.transport.value = transport;
     scene.image.background.value = crate::scene::Value::Uniform(0.25);
     World::new(&scene).unwrap()
 }
 
-/// Works on every tile of an image with every kind of layer, RGB and spectral.
+/// Works on every tile of an image with every kind of layer, RGB and spectral, with a mirror and a metal or without.
 fn for_each_tile(samples: u32, kept: Kept, work: impl Fn(&Setup<'_>, Window)) {
-    for transport in [Transport::Rgb, Transport::Spectral] {
-        let (world, camera) = world(transport);
+    let copper = || Material::Metal(Metal::Preset("copper".to_owned().into()));
+    for (transport, material) in [
+        (Transport::Rgb, None),
+        (Transport::Spectral, None),
+        (Transport::Spectral, Some(Material::mirror(0.9))),
+        (Transport::Spectral, Some(copper())),
+    ] {
+        let is_metal = matches!(material, Some(Material::Metal(_)));
+        let (world, camera) = with_material(transport, material);
         let is_spectral = transport == Transport::Spectral;
+        let relight = if is_metal {
+            Relight::Never
+        } else {
+            Relight::Always
+        };
         let options = Options {
             samples,
             layers: Layers {
                 spectral: is_spectral.then(Wavelengths::default),
+                relight,
                 ..all()
             },
             ..Options::default()

@@ -261,10 +261,11 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
     } = space;
     let rays = batch.rays(simd, camera);
     visibility.nearest(simd, &rays, tracing, points);
-    if let Some(layers) = &mut tile.layers {
-        layers.see(simd, batch.numbered(), points);
-    }
     let is_dimmed = world.has_deltas() && paths.begin(simd, setup, &rays, points, shaded);
+    let dimmed = if is_dimmed { paths.dimmed() } else { None };
+    if let Some(layers) = &mut tile.layers {
+        layers.see(simd, batch.numbered(), points, shaded, dimmed);
+    }
     match &mut tile.layers {
         Some(layers) if layers.requested().wants_light() => {
             let detail = layers.requested().detail();
@@ -277,7 +278,7 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
                     paths.dim(&mut terms.lobes.diffuse);
                     paths.dim(&mut terms.lobes.specular);
                 }
-                layers.add_light(simd, batch.numbered(), shaded, terms);
+                layers.add_light(simd, batch.numbered(), shaded, terms, dimmed);
             }
         }
         _ => shading::radiance(simd, world, visibility, points, tracing, shaded),
@@ -295,9 +296,13 @@ fn shade<S: Simd>(simd: S, setup: &Setup<'_>, tile: &mut Tile<'_>, space: &mut S
     if !world.has_deltas() {
         return counts;
     }
-    let layers = tile.layers.as_mut();
     let samples = batch.numbered();
-    counts.and(paths.follow(simd, setup, points, shaded, samples, tracing, layers))
+    let layers = tile.layers.as_mut();
+    let followed = paths.follow(simd, setup, points, shaded, samples, tracing, layers);
+    if let Some(layers) = &mut tile.layers {
+        layers.end_batch(simd, samples);
+    }
+    counts.and(followed)
 }
 
 /// Ends a pass for the pixels before `end`.

@@ -93,6 +93,23 @@ impl Delta {
         }
     }
 
+    /// Whether what is seen by way of it may have another color, where light is carried spectrally.
+    pub(crate) fn colors(&self) -> bool {
+        let is_curve = |value: Option<&SpectralReflectance>| {
+            matches!(value, Some(SpectralReflectance::Spectrum(_)))
+        };
+        match self {
+            Self::Mirror(tint) => is_curve(tint.reflectance.as_ref()),
+            Self::Metal(_) => true,
+            Self::Glass(glass) => {
+                let absorption = glass.absorption.as_ref();
+                let spectrum = absorption.and_then(|absorption| absorption.spectrum.as_ref());
+                glass.dispersion.is_some() || is_curve(spectrum)
+            }
+            Self::Coat { .. } | Self::Pane { .. } => false,
+        }
+    }
+
     /// Whether there are lobes under it, which lights light.
     pub fn has_lobes(&self) -> bool {
         match self {

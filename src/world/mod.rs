@@ -395,17 +395,22 @@ impl World {
     }
 
     /// The lights as JSON, for who renders them with other intensities: names, groups, kinds, luminous intensities in
-    /// cd, and intensities in cd per primary of the working space.
+    /// cd, intensities in cd per primary of the working space, and of those with an area whether they are seen.
     #[doc(hidden)]
     pub fn describe_lights(&self) -> String {
         let lights = self.lights.iter().enumerate().map(|(light, entry)| {
-            serde_json::json!({
+            let mut description = serde_json::json!({
                 "name": entry.name,
                 "kind": entry.value.kind(),
                 "group": self.light_group(light),
                 "candela": self.candelas(light),
                 "rgb": entry.value.intensity().0.0,
-            })
+            });
+            if entry.value.area().is_some() {
+                let mut objects = self.objects.iter();
+                description["visible"] = objects.any(|object| object.emits == Some(light)).into();
+            }
+            description
         });
         serde_json::Value::from_iter(lights).to_string()
     }

@@ -2,6 +2,8 @@
 //! products of lights with reflectances, integrated when they are first needed, and, for spectral images, band
 //! by band. `docs/spectral-images.md` says how exact a picture the bands give.
 
+mod through;
+
 use std::sync::OnceLock;
 
 use super::Lobes;

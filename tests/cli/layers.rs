@@ -321,3 +321,25 @@ fn halves_that_hold_bands_badly_are_reported() {
     let pixels = (RESOLUTION[0] * RESOLUTION[1]) as usize;
     assert_eq!(bands.values.len(), pixels * 45);
 }
+
+/// A mirror with a color lets no sum over reflectances be made: the message names it, and what is not asked for is left out.
+#[test]
+fn mirrors_that_color_light_are_named() {
+    let folder = colorful();
+    let folder = folder.path();
+    let scene = fs::read_to_string(folder.join("ball.toml")).unwrap()
+        + "\n[materials.ring.metal]\npreset = \"gold\"\n\
+           [objects.ring.sphere]\nmaterial = \"ring\"\ncenter = [0, 50, 0]\nradius = 1\n";
+    fs::write(folder.join("ring.toml"), scene).unwrap();
+    let asked = "render ring.toml -o none.exr --layers lights,relight";
+    let message = fails(folder, asked, 1);
+    assert!(message.contains("the material `ring`"), "{message}");
+    assert!(!folder.join("none.exr").exists());
+    succeeds(folder, "render ring.toml -o ring.exr --layers lights");
+    succeeds(folder, "relight ring.exr -o dim.exr --light key=0.5");
+    let message = fails(folder, "relight ring.exr -o red.exr --light key=#ff0000", 1);
+    assert!(
+        message.contains("unless mirrors or glass color light"),
+        "{message}"
+    );
+}

@@ -11,7 +11,7 @@ use candela::scene::{Scene, Transport, Value};
 use candela::world::{Wavelengths, World};
 
 use crate::generate;
-use crate::images::{at_width, bits, film_of, is_smooth, name_of, parse, scene_files};
+use crate::images::{at_width, bits, film_of, name_of, parse, scene_files};
 use crate::measured::Measured;
 use crate::oracle::{Rendered, is_flip};
 
@@ -350,8 +350,6 @@ fn layers_leave_each_other_as_they_are() {
     for path in scene_files() {
         scenes.push((name_of(&path), at_width(Scene::load(&path).unwrap(), 60)));
     }
-    // Bands are of what is seen directly.
-    scenes.retain(|(_, scene)| !is_smooth(scene));
     for (name, scene) in spectral(scenes) {
         for samples in [1, 3] {
             let every = Layers {

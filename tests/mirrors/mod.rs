@@ -2,7 +2,9 @@
 //! layers, and the same bits whatever renders them.
 
 mod agreement;
+mod bands;
 mod color;
+mod inside;
 
 use candela::image::Window;
 use candela::render::{Job, Layers, Options, Renderer};

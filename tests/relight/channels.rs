@@ -394,6 +394,36 @@ fn headers_that_say_nonsense_are_refused() {
     }
 }
 
+/// Of files that do not say which lights are seen, one with an area may be where there is a layer `emission`, and one that
+/// is told to be has a layer of its own.
+#[test]
+fn lights_of_older_files_may_be_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let glow = [[1.0, 1.0, 1.0], [0.0; 3]];
+    let film = with_layer(&plain(sum(&[KEY, FILL, glow])), "light_key", KEY);
+    let film = with_layer(&with_layer(&film, "light_fill", FILL), "emission", glow);
+    let light = |name: &str, kind: &str| json!({ "name": name, "kind": kind, "group": null, "candela": 1.0, "rgb": [1.0, 1.0, 1.0] });
+    let lights = json!([light("key", "rectangle"), light("fill", "point")]);
+    let older = with_attribute(&said(&film), "candela:lights", &lights.to_string());
+    let message = refused(&older, &["key=2"]);
+    assert!(
+        message.contains("`key` is seen in the picture"),
+        "{message}"
+    );
+    assert_eq!(relit(&older, &path, &["fill=2"]), [""; 0]);
+    assert_eq!(layer(&path, ""), sum(&[KEY, times(2.0, FILL), glow]));
+    assert_eq!(layer(&path, "emission"), glow);
+    let newer = with_layer(&older, "emission_key", glow);
+    assert_eq!(relit(&newer, &path, &["key=2"]), [""; 0]);
+    assert_eq!(
+        layer(&path, ""),
+        sum(&[times(2.0, KEY), FILL, times(2.0, glow)])
+    );
+    assert_eq!(layer(&path, "emission"), times(2.0, glow));
+    assert_eq!(layer(&path, "emission_key"), times(2.0, glow));
+}
+
 /// A new spectrum takes the lobes with it, which only their sum is known of.
 #[test]
 fn a_new_spectrum_drops_lobes() {

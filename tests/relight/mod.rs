@@ -2,6 +2,7 @@
 
 mod channels;
 mod files;
+mod ways;
 
 use std::collections::BTreeMap;
 use std::path::Path;

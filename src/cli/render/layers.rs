@@ -179,8 +179,9 @@ pub(super) struct LayerArguments {
     /// proven, and 1 where it is an estimate; with --max-error. samples: how many were taken of the pixel; 0 where
     /// its edges were integrated. Always FLOAT.
     ///
-    /// Where light is carried spectrally, `lights` also makes `relight_NAME.flat`, `.1`, …, what a light of another
-    /// color needs, if that takes at most 256 channels; `relight` makes it in any case, `no-relight` in none.
+    /// With `lights` comes what `candela relight` needs: `emission_NAME.R`, … of each light that is seen itself; and where
+    /// light is carried spectrally `relight_NAME.flat`, `.1`, …, what a light of another color needs, if that takes at
+    /// most 256 channels and no mirror or glass colors light; `relight` makes it in any case, `no-relight` neither.
     #[arg(long, value_name = "LIST", value_parser = layer_list)]
     layers: Vec<LayerList>,
 

@@ -9,10 +9,13 @@
 //! Most layers are sums over a pixel's samples: planes, one for each channel, to which columns of a batch are added
 //! sixteen at a time ([`Planes`]). The others have a file each. Without layers there are no sums.
 
+mod emission;
 mod mattes;
 mod nearest;
+mod path_bands;
 mod paths;
 mod planes;
+mod relight;
 mod spectral;
 
 use fearless_simd::Simd;
@@ -22,16 +25,17 @@ use nearest::Nearest;
 use planes::Planes;
 use spectral::SpectralSums;
 
+use super::arrivals::Arrivals;
 use super::bands::Further;
 use super::batch::{NumberedSamples, PIXELS, TilePixels};
 use super::layers::{Content, Layers};
 use super::shares::Shares;
 use super::sink::RenderedTile;
 use crate::camera::Camera;
-use crate::shading::{Detail, LightTerms, Shaded, emitter_seen};
+use crate::shading::{Detail, LightTerms, Shaded};
 use crate::simd::{F64x16, LANES, Mask64x16, ones};
 use crate::visibility::{Column, PACKETS, Points};
-use crate::world::{Bands, Lobes, ReflectanceTerm, Reflectances, World};
+use crate::world::{Bands, Reflectances, World};
 
 /// The layers to make, and what they are made from.
 pub(super) struct RequestedLayers<'w> {
@@ -160,6 +164,7 @@ impl<'w> RequestedLayers<'w> {
             | Content::Specular
             | Content::Background
             | Content::Emission
+            | Content::EmissionOfLights
             | Content::Reflection
             | Content::Refraction
             | Content::Albedo
@@ -194,6 +199,8 @@ pub(super) struct LayerSums<'w> {
     spectral: Option<SpectralSums<'w>>,
     /// What is added to planes next.
     column: Box<Column>,
+    /// What of it arrives.
+    arrived: Box<Column>,
 }
 
 impl<'w> LayerSums<'w> {
@@ -202,7 +209,7 @@ impl<'w> LayerSums<'w> {
         let ranks = requested.matte_ranks;
         let world = requested.world;
         Self {
-            planes: Planes::new(requested.planes()),
+            planes: Planes::new(requested.planes(), world.has_deltas()),
             nearest: (has(Content::Depth) || has(Content::Position))
                 .then(|| Nearest::new(requested.camera, world.anchor(), has(Content::Position))),
             objects: has(Content::ObjectMattes).then(|| {
@@ -216,8 +223,9 @@ impl<'w> LayerSums<'w> {
                     .map(|material| material.name.as_str());
                 Mattes::new(names, ranks)
             }),
-            spectral: requested.bands.map(SpectralSums::new),
+            spectral: requested.bands.map(|bands| SpectralSums::new(world, bands)),
             column: Box::new(Column::ZERO),
+            arrived: Box::new(Column::ZERO),
             requested,
         }
     }
@@ -244,9 +252,17 @@ impl<'w> LayerSums<'w> {
         self.requested
     }
 
-    /// Adds what the points of a batch are by themselves.
+    /// Adds what the points of a batch are by themselves; `dimmed` is what glass around the eye leaves of their light,
+    /// where there is any.
     #[inline(always)]
-    pub(super) fn see<S: Simd>(&mut self, simd: S, samples: NumberedSamples<'_>, points: &Points) {
+    pub(super) fn see<S: Simd>(
+        &mut self,
+        simd: S,
+        samples: NumberedSamples<'_>,
+        points: &Points,
+        shaded: &Shaded,
+        dimmed: Option<Arrivals<'_>>,
+    ) {
         let requested = self.requested;
         if let Some(nearest) = &mut self.nearest {
             nearest.add(simd, samples, points);
@@ -258,14 +274,21 @@ impl<'w> LayerSums<'w> {
             self.add_albedos(simd, samples, points, first);
         }
         if let Some(first) = requested.place(Content::Emission) {
-            self.add_emission(simd, samples, points, first);
+            self.add_emission(simd, samples, points, shaded, dimmed, first);
         }
+        self.add_emission_of_lights(simd, samples, points, shaded, dimmed);
         if let Some(spectral) = &mut self.spectral {
-            spectral.add_emission(requested.world, samples, points);
+            match spectral.paths().zip(dimmed) {
+                None => spectral.add_emission(requested.world, samples, points),
+                Some((paths, dimmed)) => {
+                    paths.add_dimmed(requested.world, samples, points, shaded, dimmed);
+                }
+            }
         }
         for content in [Content::Lights, Content::Background] {
             if let Some(first) = requested.place(content) {
-                self.add_background(simd, samples, points, content, first);
+                let first = (content, first);
+                self.add_background(simd, samples, points, shaded, dimmed, first);
             }
         }
         if let Some(objects) = &mut self.objects {
@@ -283,6 +306,15 @@ impl<'w> LayerSums<'w> {
         }
     }
 
+    /// Ends a batch, all of whose paths have been followed.
+    #[inline(always)]
+    pub(super) fn end_batch<S: Simd>(&mut self, simd: S, samples: NumberedSamples<'_>) {
+        self.planes.end_batch(simd, samples);
+        if let Some(paths) = self.spectral.as_mut().and_then(SpectralSums::paths) {
+            paths.end_batch(samples);
+        }
+    }
+
     /// Adds what a light does at the points of a batch.
     #[inline(always)]
     pub(super) fn add_light<S: Simd>(
@@ -291,6 +323,7 @@ impl<'w> LayerSums<'w> {
         samples: NumberedSamples<'_>,
         shaded: &Shaded,
         terms: &LightTerms,
+        dimmed: Option<Arrivals<'_>>,
     ) {
         let requested = self.requested;
         let light = terms.light;
@@ -306,7 +339,7 @@ impl<'w> LayerSums<'w> {
                 }
             }
             if let Some(first) = requested.place(Content::Relight) {
-                self.add_relight(simd, samples, shaded, terms, (first, share));
+                self.add_relight(simd, samples, shaded, terms, (first, share), dimmed);
             }
         }
         for (content, part) in [
@@ -327,7 +360,10 @@ impl<'w> LayerSums<'w> {
             self.add_shadow(simd, samples, terms, first + place);
         }
         if let Some(spectral) = &mut self.spectral {
-            spectral.add_light(shaded, terms);
+            match spectral.paths().zip(dimmed) {
+                None => spectral.add_light(shaded, terms),
+                Some((paths, dimmed)) => paths.add_light(shaded, terms, dimmed),
+            }
         }
     }
 
@@ -378,65 +414,6 @@ impl<'w> LayerSums<'w> {
         }
     }
 
-    /// What lights that are seen send themselves.
-    #[inline(never)]
-    fn add_emission<S: Simd>(
-        &mut self,
-        simd: S,
-        samples: NumberedSamples<'_>,
-        points: &Points,
-        first: usize,
-    ) {
-        let world = self.requested.world;
-        if !world.has_emission() {
-            return;
-        }
-        for channel in 0..3 {
-            *self.column = Column::ZERO;
-            for (packet, &bits) in points.hit.iter().enumerate() {
-                for lane in ones(bits) {
-                    let slot = packet * LANES + lane;
-                    if let Some((_, light)) = emitter_seen(world, points, slot) {
-                        self.column[slot] = light.luminance()[channel];
-                    }
-                }
-            }
-            self.planes
-                .add(simd, samples, first + channel, &self.column);
-        }
-    }
-
-    /// The background where nothing is hit: to its share, or to a layer of its own.
-    #[inline(always)]
-    fn add_background<S: Simd>(
-        &mut self,
-        simd: S,
-        samples: NumberedSamples<'_>,
-        points: &Points,
-        content: Content,
-        first: usize,
-    ) {
-        let first = match (content, self.requested.shares.background()) {
-            (Content::Background, _) => first,
-            (_, Some(share)) => first + 3 * share,
-            (_, None) => return,
-        };
-        if points.all_hit() {
-            return;
-        }
-        let background = self.requested.world.background().0.0;
-        for (channel, background) in background.into_iter().enumerate() {
-            for packet in 0..PACKETS {
-                let is_hit = Mask64x16::from_bits(simd, points.hit[packet]);
-                let zero = F64x16::splat(simd, 0.0);
-                let values = is_hit.select(zero, F64x16::splat(simd, background));
-                values.store(&mut self.column[packet * LANES..]);
-            }
-            self.planes
-                .add(simd, samples, first + channel, &self.column);
-        }
-    }
-
     /// E = I_v (n·ω_i) V / d², in lux.
     #[inline(always)]
     fn add_irradiance<S: Simd>(
@@ -474,63 +451,6 @@ impl<'w> LayerSums<'w> {
             values.store(&mut self.column[packet * LANES..]);
         }
         self.planes.add(simd, samples, plane, &self.column);
-    }
-
-    /// I_v × geometry × weight × factor, reflectance by reflectance.
-    #[inline(always)]
-    fn add_relight<S: Simd>(
-        &mut self,
-        simd: S,
-        samples: NumberedSamples<'_>,
-        shaded: &Shaded,
-        terms: &LightTerms,
-        (first, share): (usize, usize),
-    ) {
-        let Some(reflectances) = &self.requested.reflectances else {
-            return;
-        };
-        let first = first + share * reflectances.count();
-        let candelas = self.requested.candelas[terms.light];
-        // Few are in a batch.
-        let mut done: Vec<usize> = Vec::new();
-        for packet in 0..PACKETS {
-            for of_packet in shaded.shares(packet) {
-                let Lobes { diffuse, specular } =
-                    reflectances.of_material(of_packet.reflectance as usize);
-                for ReflectanceTerm {
-                    reflectance,
-                    factor,
-                } in [diffuse, specular]
-                {
-                    if factor != 0.0 && !done.contains(&reflectance) {
-                        done.push(reflectance);
-                    }
-                }
-            }
-        }
-        for reflectance in done {
-            for (packet, &bits) in terms.points.iter().enumerate() {
-                let lanes = packet * LANES..(packet + 1) * LANES;
-                let mut values = [0.0; LANES];
-                for of_packet in shaded.shares(packet) {
-                    let lobes = reflectances.of_material(of_packet.reflectance as usize);
-                    for (lobe, geometry) in [
-                        (lobes.diffuse, &terms.geometry.diffuse),
-                        (lobes.specular, &terms.geometry.specular),
-                    ] {
-                        if lobe.reflectance == reflectance && lobe.factor != 0.0 {
-                            for lane in ones(bits & of_packet.members) {
-                                let weight = of_packet.weight(lane) * (lobe.factor * candelas);
-                                values[lane] += geometry[lanes.start + lane] * weight;
-                            }
-                        }
-                    }
-                }
-                F64x16::load(simd, &values).store(&mut self.column[lanes]);
-            }
-            self.planes
-                .add(simd, samples, first + reflectance, &self.column);
-        }
     }
 
     /// Ends the pass for the pixels before `end`.

@@ -2,9 +2,11 @@
 
 use fearless_simd::Simd;
 
+use super::super::arrivals::Arrivals;
 use super::super::batch::NumberedSamples;
 use super::super::layers::Content;
 use super::LayerSums;
+use super::spectral::SpectralSums;
 use crate::shading::{LightTerms, Shaded, emission};
 use crate::simd::{LANES, ones};
 use crate::visibility::{Column, Points};
@@ -29,8 +31,7 @@ impl LayerSums<'_> {
         }
     }
 
-    /// Adds what rays that have left surfaces see of the background and of lights to the shares of these; `scatter`
-    /// weighs it, and puts it where it arrives.
+    /// Adds what rays that have left surfaces see of the background and of lights to the shares of these.
     #[inline(always)]
     pub(in crate::render) fn add_path<S: Simd>(
         &mut self,
@@ -38,10 +39,14 @@ impl LayerSums<'_> {
         samples: NumberedSamples<'_>,
         points: &Points,
         shaded: &Shaded,
+        arrivals: Arrivals<'_>,
         scattered: &mut [Column; 3],
-        scatter: impl Fn(&[Column; 3], &mut [Column; 3]),
     ) {
         let requested = self.requested;
+        if let Some(paths) = self.spectral.as_mut().and_then(SpectralSums::paths) {
+            paths.add_path(requested.world, points, shaded, arrivals);
+        }
+        self.add_relight_emission(simd, samples, points, arrivals);
         let Some(first) = requested.place(Content::Lights) else {
             return;
         };
@@ -56,7 +61,7 @@ impl LayerSums<'_> {
                     }
                 }
             }
-            scatter(&seen, scattered);
+            arrivals.scatter(&seen, scattered);
             self.planes
                 .add_three(simd, samples, first + 3 * share, scattered);
         }
@@ -86,7 +91,7 @@ impl LayerSums<'_> {
                 }
             }
             if is_seen {
-                scatter(&seen, scattered);
+                arrivals.scatter(&seen, scattered);
                 self.planes
                     .add_three(simd, samples, first + 3 * share, scattered);
             }
@@ -99,20 +104,28 @@ impl LayerSums<'_> {
         &mut self,
         simd: S,
         samples: NumberedSamples<'_>,
+        shaded: &Shaded,
         terms: &LightTerms,
+        arrivals: Arrivals<'_>,
         scattered: &mut [Column; 3],
-        scatter: impl Fn(&[Column; 3], &mut [Column; 3]),
     ) {
+        if let Some(paths) = self.spectral.as_mut().and_then(SpectralSums::paths) {
+            paths.add_light(shaded, terms, arrivals);
+        }
         let Some(share) = self.requested.shares.of_light(terms.light) else {
             return;
         };
+        if let Some(first) = self.requested.place(Content::Relight) {
+            let place = (first, share);
+            self.add_relight(simd, samples, shaded, terms, place, Some(arrivals));
+        }
         for (content, part) in [
             (Content::Lights, &terms.radiance),
             (Content::LightDiffuse, &terms.lobes.diffuse),
             (Content::LightSpecular, &terms.lobes.specular),
         ] {
             if let Some(first) = self.requested.place(content) {
-                scatter(part, scattered);
+                arrivals.scatter(part, scattered);
                 self.planes
                     .add_three(simd, samples, first + 3 * share, scattered);
             }

@@ -13,13 +13,28 @@ pub(super) struct Planes {
     sums: Vec<Column>,
     /// Those to which anything was added.
     is_used: Vec<bool>,
+    /// What the samples of a batch have come to, where paths add to them branch by branch: so the order of a pixel's sum
+    /// does not depend on which samples are traced together.
+    of_batch: Option<OfBatch>,
+}
+
+/// What the samples of a batch have come to, channel by channel.
+struct OfBatch {
+    columns: Vec<Column>,
+    /// Those to which anything was added.
+    is_used: Vec<bool>,
 }
 
 impl Planes {
-    pub(super) fn new(count: usize) -> Self {
+    /// For so many channels; `has_paths` where batches [end](Self::end_batch).
+    pub(super) fn new(count: usize, has_paths: bool) -> Self {
         Self {
             sums: vec![Column::ZERO; count],
             is_used: vec![false; count],
+            of_batch: has_paths.then(|| OfBatch {
+                columns: vec![Column::ZERO; count],
+                is_used: vec![false; count],
+            }),
         }
     }
 
@@ -41,7 +56,29 @@ impl Planes {
         column: &Column,
     ) {
         self.is_used[plane] = true;
-        add_column(simd, samples, &mut self.sums[plane], column);
+        match &mut self.of_batch {
+            None => add_column(simd, samples, &mut self.sums[plane], column),
+            Some(of_batch) => {
+                of_batch.is_used[plane] = true;
+                let sums = of_batch.columns[plane].iter_mut();
+                sums.zip(column.iter()).for_each(|(sum, more)| *sum += more);
+            }
+        }
+    }
+
+    /// Adds what the samples of a batch have come to to the sums of their pixels.
+    #[inline(always)]
+    pub(super) fn end_batch<S: Simd>(&mut self, simd: S, samples: NumberedSamples<'_>) {
+        let Some(of_batch) = &mut self.of_batch else {
+            return;
+        };
+        let planes = of_batch.columns.iter_mut().zip(&mut of_batch.is_used);
+        for (sums, (column, is_used)) in self.sums.iter_mut().zip(planes) {
+            if std::mem::take(is_used) {
+                add_column(simd, samples, sums, column);
+                column.fill(0.0);
+            }
+        }
     }
 
     /// Adds three numbers of each sample to three planes.

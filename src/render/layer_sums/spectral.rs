@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::super::bands::{self, Further, Geometry, Place};
 use super::super::batch::NumberedSamples;
+use super::path_bands::PathBands;
 use crate::shading::{LightTerms, Shaded, emitter_seen};
 use crate::simd::{LANES, ones};
 use crate::visibility::{PACKETS, Points};
@@ -33,10 +34,12 @@ pub(super) struct SpectralSums<'b> {
     pixel: Vec<f64>,
     /// What lights that are seen send along their normals, band by band.
     emission: HashMap<usize, Vec<f64>>,
+    /// What comes by mirrors and glass, where there are any.
+    paths: Option<Box<PathBands<'b>>>,
 }
 
 impl<'b> SpectralSums<'b> {
-    pub(super) fn new(bands: &'b Bands<'b>) -> Self {
+    pub(super) fn new(world: &World, bands: &'b Bands<'b>) -> Self {
         Self {
             bands,
             geometry: Geometry::new(bands.lights()),
@@ -44,6 +47,7 @@ impl<'b> SpectralSums<'b> {
             sums: Vec::new(),
             pixel: Vec::new(),
             emission: HashMap::new(),
+            paths: world.has_deltas().then(|| Box::new(PathBands::new(bands))),
         }
     }
 
@@ -53,6 +57,9 @@ impl<'b> SpectralSums<'b> {
         self.sums.clear();
         self.sums
             .resize(pixels * self.bands.wavelengths().count(), 0.0);
+        if let Some(paths) = &mut self.paths {
+            paths.begin(pixels);
+        }
     }
 
     /// Adds what lights that are seen send themselves.
@@ -86,6 +93,11 @@ impl<'b> SpectralSums<'b> {
                 }
             }
         }
+    }
+
+    /// What comes by mirrors and glass, where there are any.
+    pub(super) fn paths(&mut self) -> Option<&mut PathBands<'b>> {
+        self.paths.as_deref_mut()
     }
 
     /// Finds the places of what the points of a batch reflect with.
@@ -133,6 +145,9 @@ impl<'b> SpectralSums<'b> {
     pub(super) fn finish(&mut self, end: usize, further: Further) {
         self.geometry
             .finish(end, further, self.bands, &mut self.sums);
+        if let Some(paths) = &mut self.paths {
+            paths.finish(end, further);
+        }
     }
 
     /// The sums of a pixel, with the background where samples miss.
@@ -142,7 +157,12 @@ impl<'b> SpectralSums<'b> {
         sums.clear();
         sums.extend_from_slice(&self.sums[pixel * count..][..count]);
         self.geometry.add_kept(pixel, self.bands, sums);
+        let paths = self.paths.as_deref();
+        let misses = misses - paths.map_or(0, |paths| paths.misses(pixel));
         bands::add_scaled(sums, f64::from(misses), self.bands.background());
+        if let Some(paths) = paths {
+            paths.add_to(pixel, sums);
+        }
         sums
     }
 }
