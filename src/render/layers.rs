@@ -68,10 +68,16 @@ pub struct Layers {
     pub samples: bool,
 }
 
-/// A material that objects have and that colors what is seen by way of it, where light is carried spectrally.
+/// A material that objects have and that colors what is seen by way of it, where light is carried spectrally; but for
+/// mirrors of which all chains are known.
 pub(super) fn coloring(world: &World) -> Option<&str> {
     let mut used = world.used_materials().into_iter();
-    let material = used.find(|&material| world.delta(material).is_some_and(Delta::colors))?;
+    let chains = world
+        .chains()
+        .filter(|chains| chains.has_all(world.max_depth()));
+    let is_known = |material| chains.is_some_and(|chains| chains.color(material).is_some());
+    let colors = |material| world.delta(material).is_some_and(Delta::colors);
+    let material = used.find(|&material| colors(material) && !is_known(material))?;
     Some(&world.materials()[material].name)
 }
 
@@ -366,7 +372,7 @@ impl Layers {
 
     /// The reflectances that shares are kept apart by for lights of other colors, where they are.
     pub(super) fn relighting<'w>(&self, world: &'w World) -> Option<Reflectances<'w>> {
-        // What a colored mirror shows is not a sum over reflectances.
+        // What metals and glass of a color show is not a sum over reflectances.
         let spectra = world.spectra().filter(|_| coloring(world).is_none())?;
         let is_wanted = match self.relight {
             Relight::Always => true,
@@ -376,7 +382,7 @@ impl Layers {
         if !is_wanted {
             return None;
         }
-        let reflectances = Reflectances::new(spectra);
+        let reflectances = Reflectances::new(spectra, world.chains());
         let shares = Shares::new(world, self.only.as_deref()).of_lights().len();
         let channels = shares.saturating_mul(reflectances.count());
         (self.relight == Relight::Always || channels <= Relight::MOST).then_some(reflectances)

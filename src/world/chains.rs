@@ -21,6 +21,14 @@ use crate::units::{Radiance, ReflectedIntensity, Rgb};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Chain(u32);
 
+impl Chain {
+    /// Its place among all, of which that of no reflection is 0.
+    #[inline]
+    pub(crate) fn number(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// The color of a mirror: an index into those of a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ChainColor(u16);
@@ -39,6 +47,8 @@ pub(crate) struct Chains {
     colors: Vec<Spectrum>,
     /// The largest value of each.
     peaks: Vec<f64>,
+    /// The most reflections of a chain that is known.
+    depth: u32,
     /// Chain by chain how often each color has reflected.
     counts: Vec<u16>,
     /// Chain by chain the chain after one more reflection by each color, as far as they are known.
@@ -95,6 +105,7 @@ impl Chains {
         seen.resize_with(chains * (lights + 1), OnceLock::new);
         Ok(Some(Self {
             of_materials,
+            depth,
             peaks: colors.iter().map(|color| color.peak().0).collect(),
             colors,
             counts,
@@ -132,6 +143,21 @@ impl Chains {
     ) -> Option<Chain> {
         let Chain(chain) = chain.unwrap_or(Chain(0));
         self.next[chain as usize * self.colors.len() + usize::from(color)]
+    }
+
+    /// How many there are, that of no reflection included.
+    pub(crate) fn count(&self) -> usize {
+        self.spectra.len()
+    }
+
+    /// Whether all chains of at most so many reflections are known.
+    pub(crate) fn has_all(&self, max_depth: u32) -> bool {
+        self.depth == max_depth
+    }
+
+    /// What all but that of no reflection leave of each wavelength, in order.
+    pub(crate) fn longer(&self) -> impl Iterator<Item = &Spectrum> {
+        (1..self.count()).map(|chain| self.spectrum(Chain(chain as u32)))
     }
 
     /// What is left of each wavelength: Π ρ_j^(n_j) over the colors, in the order of the file.

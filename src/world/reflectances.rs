@@ -5,20 +5,23 @@
 //!
 //! L = g_flat ∫ s m dλ + Σ_i g_i ∫ s ρ_i m dλ, g = Σ_samples geometry × factor × I_v / N
 //!
-//! with I_v the luminous intensity of the light in cd, and s(λ) that of 1 cd.
+//! with I_v the luminous intensity of the light in cd, and s(λ) that of 1 cd. What a chain of colored mirrors shows is of the
+//! curves ρ_i · Π ρ_mirror, of which there are few, too: one for each chain and i.
 
 use std::collections::HashMap;
 
+use super::chains::{Chain, Chains};
 use super::colorimetry::SpectralReflectance;
 use super::spectra::{ScaledReflectance, Spectra};
 use super::{Lobes, World};
 use crate::spectrum::Spectrum;
 
-/// The different reflectances of a world: flat ones, and its curves.
+/// The different reflectances of a world: flat ones, and its curves; and these as colored mirrors show them.
 #[derive(Clone, Debug)]
 pub struct Reflectances<'w> {
     curves: Vec<&'w Spectrum>,
     of_material: Vec<Lobes<ReflectanceTerm>>,
+    chains: Option<&'w Chains>,
 }
 
 /// One lobe's k(λ).
@@ -31,8 +34,8 @@ pub struct ReflectanceTerm {
 }
 
 impl<'w> Reflectances<'w> {
-    /// Of these materials.
-    pub fn new(spectra: &'w Spectra) -> Self {
+    /// Of the materials of a world, which are seen directly or along the chains of its colored mirrors.
+    pub(crate) fn new(spectra: &'w Spectra, chains: Option<&'w Chains>) -> Self {
         let mut curves: Vec<&Spectrum> = Vec::new();
         let mut places: HashMap<Vec<u64>, usize> = HashMap::new();
         let mut term = |lobe: &'w ScaledReflectance| match &lobe.reflectance {
@@ -66,12 +69,24 @@ impl<'w> Reflectances<'w> {
         Self {
             of_material: of_material.collect(),
             curves,
+            chains,
         }
     }
 
-    /// How many there are, the flat one included.
+    /// How many there are, the flat one included, along all chains.
     pub fn count(&self) -> usize {
+        self.of_chain() * self.chains.map_or(1, Chains::count)
+    }
+
+    /// How many there are along one chain.
+    fn of_chain(&self) -> usize {
         1 + self.curves.len()
+    }
+
+    /// The place of a reflectance that is seen along a chain.
+    #[inline]
+    pub(crate) fn along(&self, chain: Option<Chain>, reflectance: usize) -> usize {
+        chain.map_or(0, Chain::number) * self.of_chain() + reflectance
     }
 
     /// Their names in channels.
@@ -90,11 +105,15 @@ impl<'w> Reflectances<'w> {
         let observer = world
             .spectra()
             .map(|spectra| spectra.colorimetry().observer().name());
-        let curves: Vec<_> = self
-            .curves
-            .iter()
-            .map(|curve| &curve.values()[..])
-            .collect();
+        let mut curves: Vec<Vec<f64>> = Vec::new();
+        let mut add = |curve: &Spectrum| curves.push(curve.values().to_vec());
+        self.curves.iter().copied().for_each(&mut add);
+        for chain in self.chains.into_iter().flat_map(Chains::longer) {
+            add(chain);
+            for curve in &self.curves {
+                add(&curve.times(chain));
+            }
+        }
         serde_json::json!({ "observer": observer, "curves": curves }).to_string()
     }
 }

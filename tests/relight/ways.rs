@@ -120,6 +120,46 @@ fn what_mirrors_and_glass_show_is_relit_as_it_is_rendered() {
     measured.judge();
 }
 
+/// Two mirrors of other colors that show each other, the lamps and the leaf.
+const COLORED: &str = "\
+    [materials.red.mirror]\nreflectance = [0.8, 0.4, 0.3]\n[materials.blue.mirror]\nreflectance = [0.3, 0.5, 0.85]\n\
+    [objects.back.plane]\nmaterial = \"red\"\npoint = [0, 0, -3]\nnormal = [0.1, 0, 1]\n\
+    [objects.front.plane]\nmaterial = \"blue\"\npoint = [0, 0, 4.5]\nnormal = [0, 0, -1]\n";
+
+/// What chains of colored mirrors show has curves of its own.
+#[test]
+fn what_colored_mirrors_show_is_relit_as_it_is_rendered() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let mut measured = Measured::new("relit by colored mirrors", RELIT);
+    let mut options = with_lights(2);
+    options.layers.relight = Relight::Always;
+    let film = render(&scene("spectral", OUTSIDE, LIT, COLORED), &options).unwrap();
+    // The leaf and the floor have a curve each, and C(2 + 6, 6) chains show them and what is gray.
+    let of_key = names(&film).into_iter();
+    assert_eq!(
+        of_key
+            .filter(|name| name.starts_with("relight_key"))
+            .count(),
+        3 * 28
+    );
+    for (texts, lights) in CASES {
+        write(&film, &path, &ExrOptions::default());
+        let report = change(&path, texts).unwrap();
+        assert!(report.notes.is_empty(), "{:?}", report.notes);
+        let expected = render(&scene("spectral", OUTSIDE, lights, COLORED), &options).unwrap();
+        see(&mut measured, &path, &expected, texts[0]);
+    }
+    measured.judge();
+    // By itself only as many channels are made as are few.
+    let film = render(&scene("spectral", OUTSIDE, LIT, COLORED), &with_lights(1)).unwrap();
+    assert!(!names(&film).iter().any(|name| name.starts_with("relight_")));
+    let shallow =
+        scene("spectral", OUTSIDE, LIT, COLORED).replace("max_depth = 6", "max_depth = 2");
+    let film = render(&shallow, &with_lights(1)).unwrap();
+    assert!(names(&film).contains(&"relight_key.17"));
+}
+
 /// Lines of sodium, twice: what R, G and B say nothing of.
 #[test]
 fn spectra_are_relit_again() {
@@ -249,7 +289,10 @@ fn sums_over_ways_are_left_out() {
 #[test]
 fn ways_that_color_light_have_no_layers_of_reflectances() {
     for (material, shape) in [
-        ("mirror]\nreflectance = [0.9, 0.8, 0.7]", "plane"),
+        (
+            "mirror]\nreflectance = [0.9, 0.8, 0.7]\nschlick = true",
+            "plane",
+        ),
         ("metal]\npreset = \"gold\"", "plane"),
         ("glass]\nn = 1.5\nabsorption = [0.1, 0.2, 0.3]", "sphere"),
         ("glass]\nsellmeier = \"N-BK7\"\ndispersion = true", "sphere"),

@@ -85,7 +85,7 @@ impl LayerSums<'_> {
                 }
             }
             if let Some((first, of_reflectances)) = spectral
-                && self.fill_emission(points, share)
+                && self.fill_emission(points, share, |_| true)
             {
                 self.add_arrived(simd, samples, first + of_reflectances + place, dimmed);
             }

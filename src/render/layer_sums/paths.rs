@@ -46,7 +46,7 @@ impl LayerSums<'_> {
         if let Some(paths) = self.spectral.as_mut().and_then(SpectralSums::paths) {
             paths.add_path(requested.world, points, shaded, arrivals);
         }
-        self.add_relight_emission(simd, samples, points, arrivals);
+        self.add_relight_emission(simd, samples, points, &shaded.filters, arrivals);
         let Some(first) = requested.place(Content::Lights) else {
             return;
         };

@@ -7,10 +7,10 @@ use super::super::arrivals::Arrivals;
 use super::super::batch::NumberedSamples;
 use super::super::layers::Content;
 use super::LayerSums;
-use crate::shading::{LightTerms, Shaded, emitter_seen};
+use crate::shading::{Filters, LightTerms, Shaded, emitter_seen};
 use crate::simd::{F64x16, LANES, ones};
 use crate::visibility::{PACKETS, Points};
-use crate::world::{Lobes, ReflectanceTerm};
+use crate::world::{Chain, Lobes, ReflectanceTerm};
 
 impl LayerSums<'_> {
     /// I_v × geometry × weight × factor, reflectance by reflectance.
@@ -40,23 +40,27 @@ impl LayerSums<'_> {
                     factor,
                 } in [diffuse, specular]
                 {
-                    if factor != 0.0 && !done.contains(&reflectance) {
-                        done.push(reflectance);
+                    let chain = shaded.filters.chain(of_packet.filter);
+                    let place = reflectances.along(chain, reflectance);
+                    if factor != 0.0 && !done.contains(&place) {
+                        done.push(place);
                     }
                 }
             }
         }
-        for reflectance in done {
+        for place in done {
             for (packet, &bits) in terms.points.iter().enumerate() {
                 let lanes = packet * LANES..(packet + 1) * LANES;
                 let mut values = [0.0; LANES];
                 for of_packet in shaded.shares(packet) {
                     let lobes = reflectances.of_material(of_packet.reflectance as usize);
+                    let chain = shaded.filters.chain(of_packet.filter);
                     for (lobe, geometry) in [
                         (lobes.diffuse, &terms.geometry.diffuse),
                         (lobes.specular, &terms.geometry.specular),
                     ] {
-                        if lobe.reflectance == reflectance && lobe.factor != 0.0 {
+                        let along = reflectances.along(chain, lobe.reflectance);
+                        if along == place && lobe.factor != 0.0 {
                             for lane in ones(bits & of_packet.members) {
                                 let weight = of_packet.weight(lane) * (lobe.factor * candelas);
                                 values[lane] += geometry[lanes.start + lane] * weight;
@@ -66,7 +70,7 @@ impl LayerSums<'_> {
                 }
                 F64x16::load(simd, &values).store(&mut self.column[lanes]);
             }
-            self.add_arrived(simd, samples, first + reflectance, arrivals);
+            self.add_arrived(simd, samples, first + place, arrivals);
         }
     }
 
@@ -76,6 +80,7 @@ impl LayerSums<'_> {
         simd: S,
         samples: NumberedSamples<'_>,
         points: &Points,
+        filters: &Filters,
         arrivals: Arrivals<'_>,
     ) {
         let requested = self.requested;
@@ -89,9 +94,23 @@ impl LayerSums<'_> {
             return;
         }
         let count = reflectances.count();
+        // Few are in a batch.
+        let mut chains: Vec<Option<Chain>> = Vec::new();
+        for (packet, &bits) in points.hit.iter().enumerate() {
+            for lane in ones(bits) {
+                let chain = filters.chain(filters.number(packet * LANES + lane));
+                if !chains.contains(&chain) {
+                    chains.push(chain);
+                }
+            }
+        }
         for &share in requested.shares.seen() {
-            if self.fill_emission(points, share) {
-                self.add_arrived(simd, samples, first + share * count, Some(arrivals));
+            for &chain in &chains {
+                let is_along = |slot| filters.chain(filters.number(slot)) == chain;
+                if self.fill_emission(points, share, is_along) {
+                    let plane = first + share * count + reflectances.along(chain, 0);
+                    self.add_arrived(simd, samples, plane, Some(arrivals));
+                }
             }
         }
     }
@@ -106,8 +125,13 @@ impl LayerSums<'_> {
             })
     }
 
-    /// L_v of the lights of a share that are seen, into the column; whether any is.
-    pub(super) fn fill_emission(&mut self, points: &Points, share: usize) -> bool {
+    /// L_v of the lights of a share that are seen by some of the rays, into the column; whether any is.
+    pub(super) fn fill_emission(
+        &mut self,
+        points: &Points,
+        share: usize,
+        is_of_rays: impl Fn(usize) -> bool,
+    ) -> bool {
         let requested = self.requested;
         let mut is_any = false;
         self.column.fill(0.0);
@@ -116,6 +140,7 @@ impl LayerSums<'_> {
                 let slot = packet * LANES + lane;
                 if let Some((index, light)) = emitter_seen(requested.world, points, slot)
                     && requested.shares.of_light(index) == Some(share)
+                    && is_of_rays(slot)
                 {
                     is_any = true;
                     self.column[slot] = requested.candelas[index] * light.over_area();
