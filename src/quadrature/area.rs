@@ -41,6 +41,8 @@ use crate::world::{Lobes, Material};
 pub(super) enum Slopes {
     Told,
     Left,
+    /// Only the value in the middle is asked for.
+    None,
 }
 
 /// What hides a part of a light.
@@ -139,6 +141,14 @@ pub(super) fn geometry(
     };
     let fixed = surface.plane().and_then(|[_, normal]| Normal::new(normal));
     let models = match past {
+        None if slopes == Slopes::None => {
+            let values = sight.values(&place, fixed, [0.0; 3]);
+            values.map(|values| values.map(Model::constant))
+        }
+        Some(mut past) if slopes == Slopes::None => {
+            let values = sight.values_past(&place, fixed, [0.0; 3], &mut past);
+            values.map(|values| values.map(Model::constant))
+        }
         None => sight.models(&place, fixed, slopes),
         Some(mut past) => sight.estimates(&place, fixed, &mut past),
     };
@@ -185,7 +195,7 @@ impl<'a> Sight<'a> {
         let middle = at([0.0; 3])?;
         let ends = match slopes {
             Slopes::Told => place.ends(middle, at)?,
-            Slopes::Left => [[middle; 2]; 3],
+            Slopes::Left | Slopes::None => [[middle; 2]; 3],
         };
         let axes = [0, 1].map(|axis| self.bounds(&place.speed(|vector| vector.derivatives(axis))));
         // From the middle to anywhere, along the linear parts, and from there.
@@ -199,7 +209,7 @@ impl<'a> Sight<'a> {
             let beside = beside[lobe].0[1];
             let slope = ends.map(|[after, before]| 0.5 * (after[lobe] - before[lobe]));
             let rest = match slopes {
-                Slopes::Left => along_first + beside,
+                Slopes::Left | Slopes::None => along_first + beside,
                 // Half of the bend to anywhere; and each slope is off by half of the bend along its axis.
                 Slopes::Told => 2.0 * along_second + beside,
             };

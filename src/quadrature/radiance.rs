@@ -137,7 +137,7 @@ impl Quadrature<'_> {
     /// The lights that reach a square, if it is known of all whether and how they do. Of a light with an area of which shapes
     /// hide a part, only if no border of a shadow moves across more than a part of it, see [`WIDE_BORDER`]; `None` is only
     /// where nothing is hidden.
-    fn arriving(
+    pub(super) fn arriving(
         &self,
         reaches: usize,
         border: Option<f64>,

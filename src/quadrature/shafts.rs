@@ -3,11 +3,12 @@
 use fearless_simd::Simd;
 
 use super::area::{is_hidden, nearest};
+use super::border::border;
 use super::surface::{Solid, Surface, rounding};
 use super::view::{Square, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
 use crate::camera::Projection;
-use crate::emitter::{Emitter, Surface as EmitterSurface};
+use crate::emitter::Emitter;
 use crate::math::DVec3;
 use crate::simd::Kernel;
 use crate::visibility::{
@@ -561,29 +562,4 @@ impl Quadrature<'_> {
         self.visibility
             .shaft_among(&shaft, question, shape, list, &mut self.space)
     }
-}
-
-/// How much of a light may come into view between two points of a surface, past shapes: as a part of all of it, for
-/// estimates. The border of a shadow that falls on the light moves across it as far as the points are apart, the farther
-/// the nearer to them the shape is.
-pub(super) fn border(
-    surface: &Surface,
-    emitter: &Emitter,
-    shapes: impl Iterator<Item = Solid>,
-) -> f64 {
-    let (place, apart) = (surface.position.center(), 2.0 * surface.position.radius());
-    let distance = (emitter.center().0 - place).length();
-    let over_width = match emitter.surface() {
-        EmitterSurface::Rectangle([a, b, c, _]) => 1.0 / (b - a).length() + 1.0 / (c - b).length(),
-        EmitterSurface::Disk { radius, .. } | EmitterSurface::Sphere { radius } => 1.0 / radius,
-    };
-    let parts = shapes.map(|shape| {
-        let nearest = shape.distance(place) - apart;
-        if nearest > 0.0 {
-            apart * ((distance - nearest).max(0.0) / nearest) * over_width
-        } else {
-            f64::INFINITY
-        }
-    });
-    parts.fold(0.0, f64::max)
 }

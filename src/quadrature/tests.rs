@@ -1,6 +1,6 @@
 //! Verdicts against many samples, and against each other.
 
-use super::shafts::border;
+use super::border::border;
 use super::surface::Solid;
 use super::*;
 use crate::emitter::Emitter;
