@@ -1,8 +1,16 @@
-//! How far borders of shadows move across a light, for estimates.
+//! Shadows of lights with an area on a whole surface: how far their borders move across a light, for estimates, and
+//! where all is dark; and how far away it is.
 
-use super::surface::{Solid, Surface};
-use crate::emitter::{Emitter, Surface as EmitterSurface};
-use crate::math::DVec3;
+use super::Shadow;
+use super::surface::{Solid, Surface, rounding};
+use crate::emitter::{Accuracy, Emitter, Occluder, Receiver, Surface as EmitterSurface};
+use crate::math::{DVec3, Normal, Point};
+
+/// How exact it is where it is only asked whether anything arrives.
+const ACCURACY_OF_DARK: Accuracy = Accuracy {
+    relative: 1e-6,
+    most_cells: 64,
+};
 
 /// A part of space: where n·x ≥ d.
 type HalfSpace = (DVec3, f64);
@@ -22,7 +30,7 @@ struct Sight {
 pub(super) fn border(
     surface: &Surface,
     emitter: &Emitter,
-    shapes: impl Iterator<Item = Solid> + Clone,
+    shapes: &(impl Iterator<Item = Solid> + Clone),
 ) -> f64 {
     let sight = Sight::new(surface, emitter);
     let apart = 2.0 * sight.room;
@@ -133,11 +141,16 @@ impl Sight {
     }
 
     /// Whether another triangle goes on beyond an edge a, b of one with another corner c: as the other half of a flat side.
-    fn is_inner(&self, [a, b, c]: [DVec3; 3], shapes: impl Iterator<Item = Solid>) -> bool {
+    fn is_inner(&self, [a, b, c]: [DVec3; 3], mut shapes: impl Iterator<Item = Solid>) -> bool {
         let across = (a - self.place).cross(b - self.place);
-        let room = self.room * across.length();
-        let height = across.dot(c - self.place);
-        let mut shapes = shapes;
+        // As a point moves by the room, the plane through it and the edge turns, by more the nearer it is to the edge.
+        let side = |corner: DVec3| {
+            let height = across.dot(corner - self.place);
+            let turned = (corner - a).length() * (b - a).length();
+            let is_told = height.abs() > self.room * (across.length() + turned);
+            if is_told { height.signum() } else { 0.0 }
+        };
+        let here = side(c);
         shapes.any(|shape| {
             let Solid::Triangle { corners, .. } = shape else {
                 return false;
@@ -146,8 +159,104 @@ impl Sight {
             let (Some(&other), None) = (others.next(), others.next()) else {
                 return false;
             };
-            let beyond = across.dot(other - self.place);
-            (height > room && beyond < -room) || (height < -room && beyond > room)
+            here * side(other) < 0.0
         })
+    }
+}
+
+/// Whether balls hide all of a light from everywhere on a flat surface, all of whose points are before the light.
+///
+/// It is so where smaller balls hide it from the middle, by as much as other points are apart from there: if a segment to the
+/// middle is nearer to a ball's center than R − δ, one with the same other end to a point no further than δ from the middle is
+/// nearer than R.
+pub(super) fn is_hidden(
+    surface: &Surface,
+    emitter: &Emitter,
+    balls: impl Iterator<Item = (DVec3, f64)>,
+    Shadow {
+        shadow, occluders, ..
+    }: &mut Shadow,
+) -> bool {
+    let Some(horizon) = surface.plane().and_then(|[_, normal]| Normal::new(normal)) else {
+        return false;
+    };
+    let (middle, apart) = (surface.position.center(), surface.position.radius());
+    let center = emitter.center().0;
+    let [least, most] = emitter.bounds();
+    occluders.clear();
+    occluders.extend(balls.filter_map(|(center, radius)| {
+        let smaller = radius - apart - rounding(middle, center);
+        // A ball that the light is in, or that it reaches into, is not between.
+        let is_outside = (center.clamp(least, most) - center).length() > radius;
+        (is_outside && smaller > 0.0).then_some(Occluder::Ball {
+            center,
+            radius: smaller,
+        })
+    }));
+    // Mostly it is seen right away that its middle is not hidden.
+    let hides_middle = |occluder: &Occluder| {
+        let Occluder::Ball {
+            center: of_ball,
+            radius,
+        } = *occluder
+        else {
+            return false;
+        };
+        let way = center - middle;
+        let along = (way.dot(of_ball - middle) / way.length_squared()).clamp(0.0, 1.0);
+        (middle + way * along - of_ball).length() < radius
+    };
+    if !occluders.iter().any(hides_middle) {
+        return false;
+    }
+    let receiver = Receiver {
+        horizon,
+        normal: horizon,
+        gloss: None,
+    };
+    let error = rounding(middle, center);
+    let seen = emitter.received_past(
+        Point(middle),
+        &receiver,
+        occluders,
+        error,
+        &ACCURACY_OF_DARK,
+        shadow,
+    );
+    // Of what is not decided a half is counted.
+    seen.is_some_and(|seen| seen.value.solid_angle <= 0.0)
+}
+
+/// How far a box is from a light, at least; 0 where a point in it may be behind the light.
+pub(super) fn nearest(emitter: &Emitter, [least, most]: [DVec3; 2]) -> f64 {
+    let center = emitter.center().0;
+    let [low, high] = emitter.bounds();
+    let beside = (low - most).max(least - high).max(DVec3::ZERO).length();
+    match (emitter.surface(), emitter.normal()) {
+        (EmitterSurface::Sphere { radius }, _) => {
+            (center.clamp(least, most) - center).length() - radius
+        }
+        (_, Some(normal)) => {
+            let normal = normal.get();
+            let end = |of_most: bool| {
+                let is_up = normal.cmpgt(DVec3::ZERO);
+                let (up, down) = if of_most {
+                    (most, least)
+                } else {
+                    (least, most)
+                };
+                normal.dot(DVec3::select(is_up, up, down) - center)
+            };
+            let (lowest, highest) = (end(false), end(true));
+            let height = if lowest > 0.0 {
+                lowest
+            } else if highest < 0.0 && emitter.is_two_sided() {
+                -highest
+            } else {
+                return 0.0;
+            };
+            height.max(beside)
+        }
+        (_, None) => 0.0,
     }
 }

@@ -256,6 +256,8 @@ impl Mean {
 struct Shadow {
     shadow: ShadowSpace,
     occluders: Vec<Occluder>,
+    /// Of these, those that one point asks for.
+    kept: Vec<Occluder>,
 }
 
 /// Tells what is known of pixels; what a thread needs for that, to be used again and again.
@@ -381,15 +383,13 @@ impl<'w> Quadrature<'w> {
         };
         let answer = answer.or(is_crowded.then_some(Answer::All(Verdict::OPEN)));
         match answer {
-            Some(answer) => {
+            Some(Answer::All(verdict)) => {
                 for [x, y] in pixels.pixels() {
                     let place = (y - window.y) * window.width + (x - window.x);
-                    verdicts[place as usize] = match &answer {
-                        Answer::All(verdict) => *verdict,
-                        Answer::Each(patch) => patch.verdict([x, y]),
-                    };
+                    verdicts[place as usize] = verdict;
                 }
             }
+            Some(Answer::Each(patch)) => patch.tell(pixels, window, verdicts),
             None => {
                 for quarter in square.quarters() {
                     self.descend(quarter, told, window, verdicts);

@@ -16,12 +16,11 @@
 //! off by at most a quarter of that. The estimate is the sum of all three.
 
 use super::area::Slopes;
-use super::border::over_width;
 use super::radiance::{Arriving, Radiance, WIDE_BORDER};
 use super::surface::Surface;
 use super::view::{Square, View};
-use super::{Primary, Quadrature, Reach, Told, Verdict};
-use crate::world::Light;
+use super::{Primary, Quadrature, Told, Verdict};
+use crate::image::Window;
 
 /// What a square may be off by, as a part of what its pixels may: so little that beside others its sides are not seen.
 const PART: f64 = 0.125;
@@ -36,6 +35,7 @@ const LEAST_QUARTER: f64 = 4.0;
 const OF_QUARTER: f64 = 0.25;
 
 /// What nodes say of a square.
+#[expect(clippy::large_enum_variant, reason = "it is taken apart at once")]
 pub(super) enum Fit {
     Told(Patch),
     /// They will of its quarters.
@@ -93,26 +93,41 @@ fn weights(place: f64) -> [f64; 3] {
 }
 
 impl Patch {
-    /// What is known of a pixel of the square.
-    pub(super) fn verdict(&self, pixel: [u32; 2]) -> Verdict {
-        let [across, down] = [0, 1].map(|axis: usize| {
-            let place = f64::from(pixel[axis]) + 0.5 - self.square.middle[axis];
-            weights(place / self.square.half)
-        });
-        let least = self.nodes.least();
-        let mut mean = [0.0, 0.0, 0.0, self.alpha];
-        for (channel, mean) in mean.iter_mut().enumerate().take(3) {
-            for (row, weight) in self.nodes.0.iter().zip(down) {
-                let [a, b, c] = [row[0][channel], row[1][channel], row[2][channel]];
-                *mean += weight * (a * across[0] + b * across[1] + c * across[2]);
-            }
-            *mean = mean.max(least[channel].min(0.0));
-        }
+    /// What is known of some pixels of the square, put in their places in a window.
+    pub(super) fn tell(&self, pixels: Window, window: Window, verdicts: &mut [Verdict]) {
+        let least = self.nodes.least().map(|least| least.min(0.0));
+        let place = |pixel: u32, axis: usize| {
+            weights((f64::from(pixel) + 0.5 - self.square.middle[axis]) / self.square.half)
+        };
         let [r, g, b] = self.error;
-        Verdict::Interpolated {
-            mean,
-            error: [r, g, b, 0.0],
-            is_bound: self.is_bound,
+        let error = [r, g, b, 0.0];
+        for y in pixels.y..pixels.y + pixels.height {
+            // The polynomials along this row, by their values at three nodes.
+            let [upper, middle, lower] = place(y, 1);
+            let [above, amid, below] = &self.nodes.0;
+            let mut row = [[0.0; 3]; 3];
+            for (node, values) in row.iter_mut().enumerate() {
+                for (channel, value) in values.iter_mut().enumerate() {
+                    *value = above[node][channel] * upper
+                        + amid[node][channel] * middle
+                        + below[node][channel] * lower;
+                }
+            }
+            let start = (y - window.y) * window.width;
+            for x in pixels.x..pixels.x + pixels.width {
+                let [left, middle, right] = place(x, 0);
+                let mut mean = [0.0, 0.0, 0.0, self.alpha];
+                for channel in 0..3 {
+                    let value =
+                        row[0][channel] * left + row[1][channel] * middle + row[2][channel] * right;
+                    mean[channel] = value.max(least[channel]);
+                }
+                verdicts[(start + x - window.x) as usize] = Verdict::Interpolated {
+                    mean,
+                    error,
+                    is_bound: self.is_bound,
+                };
+            }
         }
     }
 }
@@ -176,10 +191,7 @@ impl Quadrature<'_> {
         let mut free = [0.0; 3];
         let mut most = proven;
         for arriving in self.arriving(told.reaches, Some(WIDE_BORDER))? {
-            let alone = Arriving {
-                past: None,
-                ..arriving
-            };
+            let alone = Arriving::alone(arriving.light);
             if arriving.past.is_none() {
                 let share = self.light_share(surface, shape, alone, Slopes::Left);
                 proven = proven.plus(share);
@@ -188,7 +200,7 @@ impl Quadrature<'_> {
             }
             let share = self.light_share(surface, shape, alone, Slopes::None);
             most = most.plus(share);
-            let border = self.border_over(surface, told.reaches, arriving.light);
+            let border = self.border_over(surface, &arriving);
             for (free, share) in free.iter_mut().zip(share) {
                 *free += share.center.abs() * border;
             }
@@ -221,25 +233,8 @@ impl Quadrature<'_> {
         0.25 * (across + 1.25 * down) + model.bend(0.5 / square.half)
     }
 
-    /// The part of a light that borders of shadows, or the horizon of what is round, cross over a square.
-    fn border_over(&self, surface: &Surface, reaches: usize, light: usize) -> f64 {
-        let border = match self.reaches[reaches + light] {
-            Reach::Partial { border, .. } => border,
-            _ => 0.0,
-        };
-        let Light::Area(light) = &self.world.lights()[light].value else {
-            return border;
-        };
-        if surface.plane().is_some() {
-            return border;
-        }
-        let way = light.emitter.center().0 - surface.position.center();
-        let turned = 2.0 * surface.normal().radius();
-        border + turned * way.length() * over_width(&light.emitter)
-    }
-
     /// Whether errors are as small as those of squares are to be.
-    fn is_fine(&self, least: [f64; 3], error: [f64; 3]) -> bool {
+    pub(super) fn is_fine(&self, least: [f64; 3], error: [f64; 3]) -> bool {
         let largest = PART * self.target.relative;
         let mut channels = least.iter().zip(error);
         channels.all(|(least, error)| error <= largest * least.max(self.target.floor))
@@ -276,5 +271,84 @@ impl Quadrature<'_> {
             }
         }
         Some(nodes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: Square = Square {
+        middle: [24.0, 40.0],
+        half: 8.0,
+    };
+
+    const PIXELS: Window = Window {
+        x: 16,
+        y: 32,
+        width: 16,
+        height: 16,
+    };
+
+    fn means(patch: &Patch) -> Vec<[f64; 4]> {
+        let mut verdicts = [Verdict::OPEN; 256];
+        patch.tell(PIXELS, PIXELS, &mut verdicts);
+        let mean = |verdict: &Verdict| match *verdict {
+            Verdict::Interpolated { mean, .. } => mean,
+            _ => panic!("it is interpolated"),
+        };
+        verdicts.iter().map(mean).collect()
+    }
+
+    fn patch(f: impl Fn(f64, f64) -> f64) -> Patch {
+        let mut nodes = Nodes([[[0.0; 3]; 3]; 3]);
+        for (row, v) in nodes.0.iter_mut().zip([-1.0, 0.0, 1.0]) {
+            for (node, u) in row.iter_mut().zip([-1.0, 0.0, 1.0]) {
+                *node = [f(u, v), 2.0, -f(u, v)];
+            }
+        }
+        Patch {
+            square: SQUARE,
+            nodes,
+            alpha: 1.0,
+            error: [0.0; 3],
+            is_bound: true,
+        }
+    }
+
+    /// How far the middles of all pixels are off at most.
+    fn off(f: impl Fn(f64, f64) -> f64 + Copy) -> f64 {
+        let mut most = 0.0_f64;
+        for ([x, y], mean) in PIXELS.pixels().zip(means(&patch(f))) {
+            let [u, v] = [x - PIXELS.x, y - PIXELS.y].map(|place| (f64::from(place) - 7.5) / 8.0);
+            assert!((mean[1] - 2.0).abs() < 1e-15 && mean[3] == 1.0);
+            most = most.max((mean[0] - f(u, v)).abs());
+        }
+        most
+    }
+
+    #[test]
+    fn what_is_quadratic_is_exact() {
+        let found = off(|u, v| 9.0 + (1.0 + u - 3.0 * u * u) * (0.3 - v + 2.0 * v * v));
+        assert!(found < 4e-15, "{found:e}");
+    }
+
+    /// Waves, whose second derivatives are known, and whatever is between them and broken lines: no more than is said, and
+    /// not of another order.
+    #[test]
+    fn the_bound_holds() {
+        let mut most = 0.0_f64;
+        for number in 0..200 {
+            let [a, b, c, d] = [0.7, 1.9, 0.31, 0.57].map(|step| f64::from(number) * step % 3.0);
+            let wave = |u: f64, v: f64| libm::sin(a * u + c) * libm::cos(b * v + d);
+            let bound = 0.25 * (a * a + 1.25 * b * b);
+            let found = off(|u, v| 1.0 + wave(u, v));
+            assert!(found <= bound, "{number}: {found} {bound}");
+            most = most.max(found / bound);
+            // What is not below 0 at the nodes is not below 0.
+            let bent = means(&patch(|u, v| wave(u, v).max(0.0)));
+            assert!(bent.iter().all(|mean| mean[0] >= 0.0), "{number}");
+        }
+        assert!(most > 0.1, "{most}");
     }
 }

@@ -2,8 +2,7 @@
 
 use fearless_simd::Simd;
 
-use super::area::{is_hidden, nearest};
-use super::border::border;
+use super::border::{border, is_hidden, nearest};
 use super::surface::{Solid, Surface, rounding};
 use super::view::{Square, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
@@ -296,17 +295,21 @@ impl Quadrature<'_> {
     }
 
     pub(super) fn all_between(&mut self, from: [DVec3; 2], shape: u64, light: usize) -> Reach {
-        if self.world.lights()[light].value.area().is_some() {
-            // What is between all of it and these is asked at each square.
-            return Reach::Unasked;
+        let question = ShaftQuestion::Contents;
+        if let Some(area) = self.world.lights()[light].value.area() {
+            let to = area.emitter.bounds();
+            let answer = self.ask(&Shaft::ToBox { from, to }, question, shape, MOST_LISTED);
+            if answer == ShaftAnswer::TooMany {
+                return Reach::Unasked;
+            }
+            self.drop_from_list(|quadrature, other| quadrature.is_of(light, other));
+            return Reach::Partial {
+                list: self.keep_for_region(),
+                border: f64::INFINITY,
+            };
         }
         let to = self.origin(light, Some(from));
-        match self.ask(
-            &Shaft::ToPoint { from, to },
-            ShaftQuestion::Contents,
-            shape,
-            MOST_LISTED,
-        ) {
+        match self.ask(&Shaft::ToPoint { from, to }, question, shape, MOST_LISTED) {
             ShaftAnswer::TooMany => Reach::Unasked,
             ShaftAnswer::Nothing | ShaftAnswer::All(_) | ShaftAnswer::These => {
                 Reach::Several(self.keep_for_region())
@@ -531,7 +534,7 @@ impl Quadrature<'_> {
     /// The list of the last answer may hide a part of a light with an area.
     fn partial(&mut self, surface: &Surface, emitter: &Emitter) -> Reach {
         let shapes = self.space.list.iter().map(|&shape| self.solid(shape));
-        let border = border(surface, emitter, shapes);
+        let border = border(surface, emitter, &shapes);
         let list = self.keep();
         Reach::Partial { list, border }
     }

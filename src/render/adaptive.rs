@@ -206,7 +206,7 @@ impl<'w> Adaptive<'w> {
                     value
                 });
                 rendered.set(place, narrow);
-                counts = counts.and(Counts::of_pixel(narrow, clamped));
+                counts.add_pixel(narrow, clamped);
             }
             let PixelError {
                 error,
