@@ -16,7 +16,7 @@
 //! off by at most a quarter of that. The estimate is the sum of all three.
 
 use super::area::Slopes;
-use super::radiance::{Arriving, Radiance, WIDE_BORDER};
+use super::radiance::{Arriving, LIKELY, Radiance, WIDE_BORDER};
 use super::surface::Surface;
 use super::view::{Square, View};
 use super::{Primary, Quadrature, Told, Verdict};
@@ -210,7 +210,7 @@ impl Quadrature<'_> {
         }
         let hidden = [0, 1, 2]
             .map(|channel: usize| self.bound(&proven, channel, square) + 0.125 * free[channel]);
-        if !self.is_fine(most.models.map(|model| model.most()), hidden) {
+        if !self.is_fine(most.models.map(|model| LIKELY * model.most()), hidden) {
             return None;
         }
         let nodes = self.nodes(square, told, Some(WIDE_BORDER))?;
