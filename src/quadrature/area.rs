@@ -25,7 +25,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::Shadow;
+use super::border::nearest;
 use super::model::{Model, Vector};
 use super::surface::{Surface, rounding};
 use crate::emitter::{
@@ -41,11 +41,19 @@ use crate::world::{Lobes, Material};
 pub(super) enum Slopes {
     Told,
     Left,
+    /// Left, and past shapes only the value in the middle is computed.
+    Glimpsed,
+    /// Only the value in the middle is asked for.
+    None,
 }
 
 /// What hides a part of a light.
 pub(super) struct Past<'a> {
     pub(super) occluders: &'a [Occluder],
+    /// Room for those of them that a point asks for.
+    pub(super) kept: &'a mut Vec<Occluder>,
+    /// No border of a shadow moves across more than this part of the light.
+    pub(super) border: f64,
     pub(super) space: &'a mut ShadowSpace,
 }
 
@@ -55,14 +63,13 @@ const ACCURACY: Accuracy = Accuracy {
     most_cells: 65_536,
 };
 
-/// The same where it is only asked whether anything arrives.
-const ACCURACY_OF_DARK: Accuracy = Accuracy {
-    most_cells: 64,
-    ..ACCURACY
-};
-
 /// Second differences of what arrives past shapes are taken to be larger by this.
 const BEND_MARGIN: f64 = 2.0;
+
+/// As a second derivative along each axis, what no end of an axis shows, as a part of what borders move across: where one
+/// begins on a diagonal, beyond two ends, the mean is (√2 − 1/√2)³/12 of the slope off, and that is half of what moves at
+/// most; 0.044 along both axes would have it. Twice that, as with other bends.
+const UNSEEN: f64 = 0.09;
 
 /// What the lobes are functions of.
 #[derive(Clone, Copy)]
@@ -96,10 +103,9 @@ impl Bounds {
 /// A light as it is seen from all points of a square.
 struct Sight<'a> {
     emitter: &'a Emitter,
-    /// |r| is at least this, and above 0.
-    nearest: f64,
-    /// In m², of what is seen.
-    area: f64,
+    /// It in parts: a rectangle in quarters, anything else whole.
+    parts: [Part; 4],
+    count: usize,
     /// How much more the second derivatives may be, as a part of a²/d⁴ times the area.
     rim: f64,
     /// |n| is at most this, and |w|: 1 but where their linear parts are taken.
@@ -108,11 +114,20 @@ struct Sight<'a> {
     lobe: Option<Lobe>,
 }
 
+/// A part of a light.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    /// |r| is at least this, and above 0.
+    nearest: f64,
+    /// In m², of what is seen.
+    area: f64,
+}
+
 struct Lobe {
     shininess: f64,
     has_cosine: bool,
-    /// What w·u is between, at least.
-    cosines: [f64; 2],
+    /// At least cⁿ and its first and second derivatives in c = w·u, which are infinite where the slope jumps.
+    powers: [f64; 3],
 }
 
 /// The cosine terms of L5 and L7 of the lobes over the light, per cd along its normal: in m⁻².
@@ -134,12 +149,21 @@ pub(super) fn geometry(
         // L6: ω_r mirrored, so that ω_o·ω_r = w·u.
         axis: normal.scaled(surface.cos_viewer.times(2.0)) - surface.to_viewer,
     };
-    let Some(sight) = Sight::new(&light.emitter, &place, material) else {
+    let Some(sight) = Sight::new(&light.emitter, &place, material, slopes) else {
         return unknown;
     };
     let fixed = surface.plane().and_then(|[_, normal]| Normal::new(normal));
     let models = match past {
+        None if slopes == Slopes::None => {
+            let values = sight.values(&place, fixed, [0.0; 3]);
+            values.map(|values| values.map(Model::constant))
+        }
+        Some(mut past) if slopes == Slopes::None => {
+            let values = sight.values_past(&place, fixed, [0.0; 3], &mut past);
+            values.map(|values| values.map(Model::constant))
+        }
         None => sight.models(&place, fixed, slopes),
+        Some(mut past) if slopes == Slopes::Glimpsed => sight.glimpse(&place, fixed, &mut past),
         Some(mut past) => sight.estimates(&place, fixed, &mut past),
     };
     let Some(models) = models else {
@@ -151,32 +175,77 @@ pub(super) fn geometry(
 
 impl<'a> Sight<'a> {
     /// `None` where a point may be on the light.
-    fn new(emitter: &'a Emitter, place: &Place, material: &Material) -> Option<Self> {
-        let nearest = nearest(emitter, place.position.bounds()?);
-        let is_apart = nearest > 0.0;
+    fn new(
+        emitter: &'a Emitter,
+        place: &Place,
+        material: &Material,
+        slopes: Slopes,
+    ) -> Option<Self> {
+        let bounds = place.position.bounds()?;
         let has_cosine = match material.model() {
             Reflection::Phong => false,
             Reflection::NormalizedPhong => true,
         };
         let shininess = material.is_specular().then(|| material.shininess());
+        let is_apart = nearest(emitter, bounds) > 0.0;
+        if slopes == Slopes::None {
+            let lobe = shininess.map(|shininess| Lobe {
+                shininess,
+                has_cosine,
+                powers: [f64::INFINITY; 3],
+            });
+            return is_apart.then(|| Self::without_bounds(emitter, place, lobe));
+        }
         let lobe = shininess.map(|n| Lobe::new(emitter, place, n, has_cosine));
-        is_apart.then(|| Self::at(emitter, nearest, place, lobe))
+        is_apart.then(|| Self::at(emitter, bounds, place, lobe))
     }
 
-    fn at(emitter: &'a Emitter, nearest: f64, place: &Place, lobe: Option<Lobe>) -> Self {
-        let (area, rim) = match emitter.surface() {
-            EmitterSurface::Rectangle(_) | EmitterSurface::Disk { .. } => (emitter.area(), 0.0),
-            EmitterSurface::Sphere { radius } => (TAU * radius * radius, 1.0),
-        };
+    fn without_bounds(emitter: &'a Emitter, place: &Place, lobe: Option<Lobe>) -> Self {
         Self {
             emitter,
-            nearest,
-            area,
-            rim,
+            parts: [Part::default(); 4],
+            count: 0,
+            rim: 0.0,
             normal: place.normal.magnitude(),
             axis: place.axis.magnitude(),
             lobe,
         }
+    }
+
+    /// Of points in a box.
+    fn at(emitter: &'a Emitter, bounds: [DVec3; 2], place: &Place, lobe: Option<Lobe>) -> Self {
+        let mut sight = Self::without_bounds(emitter, place, lobe);
+        sight.count = 1;
+        let whole = |area: f64| Part {
+            nearest: nearest(emitter, bounds),
+            area,
+        };
+        match emitter.surface() {
+            EmitterSurface::Rectangle(corners) => {
+                let [a, b, c, _] = corners;
+                let halves = [(b - a) * 0.25, (c - b) * 0.25];
+                let area = 0.25 * emitter.area();
+                let quarter = |corner: DVec3| {
+                    let center = Point((emitter.center().0 + corner) * 0.5);
+                    let quarter = Emitter::rectangle(center, halves, emitter.is_two_sided())?;
+                    let nearest = nearest(&quarter, bounds);
+                    (nearest > 0.0).then_some(Part { nearest, area })
+                };
+                // What is too small to be parted is taken whole.
+                if let [Some(a), Some(b), Some(c), Some(d)] = corners.map(quarter) {
+                    sight.parts = [a, b, c, d];
+                    sight.count = 4;
+                } else {
+                    sight.parts[0] = whole(emitter.area());
+                }
+            }
+            EmitterSurface::Disk { .. } => sight.parts[0] = whole(emitter.area()),
+            EmitterSurface::Sphere { radius } => {
+                sight.parts[0] = whole(TAU * radius * radius);
+                sight.rim = 1.0;
+            }
+        }
+        sight
     }
 
     /// Both integrals, in sr. `fixed` is the normal where all points are in one plane.
@@ -185,7 +254,7 @@ impl<'a> Sight<'a> {
         let middle = at([0.0; 3])?;
         let ends = match slopes {
             Slopes::Told => place.ends(middle, at)?,
-            Slopes::Left => [[middle; 2]; 3],
+            _ => [[middle; 2]; 3],
         };
         let axes = [0, 1].map(|axis| self.bounds(&place.speed(|vector| vector.derivatives(axis))));
         // From the middle to anywhere, along the linear parts, and from there.
@@ -199,9 +268,9 @@ impl<'a> Sight<'a> {
             let beside = beside[lobe].0[1];
             let slope = ends.map(|[after, before]| 0.5 * (after[lobe] - before[lobe]));
             let rest = match slopes {
-                Slopes::Left => along_first + beside,
                 // Half of the bend to anywhere; and each slope is off by half of the bend along its axis.
                 Slopes::Told => 2.0 * along_second + beside,
+                _ => along_first + beside,
             };
             *model = Model::known(middle[lobe], slope, rest, first, second);
         }
@@ -219,6 +288,7 @@ impl<'a> Sight<'a> {
         let middle = at([0.0; 3])?;
         let ends = place.ends(middle, at)?;
         let beside = self.bounds(&place.speed(|vector| [vector.rest(), 0.0]));
+        let unseen = beside.map(|Bounds([free, ..])| UNSEEN * past.border * free);
         // The ends are on lines: how p, n and w bend comes to it.
         let bends = [0, 1].map(|axis: usize| {
             self.bounds(&place.speed(|vector| [0.0, vector.derivatives(axis)[1]]))
@@ -229,10 +299,40 @@ impl<'a> Sight<'a> {
             let bend = ends.map(|[after, before]| {
                 BEND_MARGIN * (after[lobe] - 2.0 * middle[lobe] + before[lobe]).abs()
             });
-            let rest = 0.5 * bend.iter().sum::<f64>() + beside[lobe].0[1];
-            let second = [0, 1].map(|axis: usize| bend[axis] + bends[axis][lobe].0[2]);
+            let rest = 0.5 * bend.iter().sum::<f64>() + beside[lobe].0[1] + unseen[lobe];
+            let second =
+                [0, 1].map(|axis: usize| bend[axis] + bends[axis][lobe].0[2] + unseen[lobe]);
             let first = [0, 1].map(|axis: usize| slope[axis].abs() + second[axis]);
             *model = Model::known(middle[lobe], slope, rest, first, second);
+        }
+        Some(models)
+    }
+
+    /// The same from the middle alone. Over the square no more comes into view than a part of the light, which is so much
+    /// of all integrals at most; to anywhere from the middle half of that. Where that begins in the middle, on one of its
+    /// sides, the mean is an eighth of it off: as if both second derivatives were three eighths.
+    fn glimpse(
+        &self,
+        place: &Place,
+        fixed: Option<Normal>,
+        past: &mut Past<'_>,
+    ) -> Option<[Model; 2]> {
+        let middle = self.values_past(place, fixed, [0.0; 3], past)?;
+        let axes = [0, 1].map(|axis| self.bounds(&place.speed(|vector| vector.derivatives(axis))));
+        let away = self.bounds(&place.speed(|vector| [vector.reach() + vector.rest(), 0.0]));
+        let mut models = [Model::UNKNOWN; 2];
+        for (lobe, model) in models.iter_mut().enumerate() {
+            let [free, steepest, _] = away[lobe].0;
+            let moved = past.border * free;
+            let [first, second] =
+                [1, 2].map(|order: usize| axes.map(|bounds| bounds[lobe].0[order]));
+            *model = Model::known(
+                middle[lobe],
+                [0.0; 3],
+                steepest + 0.5 * moved,
+                first.map(|first| first + 0.5 * moved),
+                second.map(|second| second + 0.375 * moved),
+            );
         }
         Some(models)
     }
@@ -250,10 +350,18 @@ impl<'a> Sight<'a> {
             None => Normal::new(place.normal.at(at))?,
         };
         self.receive(place, horizon, at, |emitter, point, receiver| {
+            let sight = emitter.sight(point, horizon);
+            let hiding = past.occluders.iter().copied();
+            past.kept.clear();
+            past.kept
+                .extend(hiding.filter(|occluder| sight.may_be_hidden_by(occluder)));
+            if past.kept.is_empty() {
+                return emitter.received_by_lobes(point, receiver);
+            }
             let seen = emitter.received_past(
                 point,
                 receiver,
-                past.occluders,
+                past.kept,
                 rounding(point.0, emitter.center().0),
                 &ACCURACY,
                 past.space,
@@ -316,7 +424,19 @@ impl<'a> Sight<'a> {
 
     /// Of both integrals, along a way.
     fn bounds(&self, speed: &Speed) -> [Bounds; 2] {
-        let over = 1.0 / self.nearest;
+        let mut sums = [Bounds([0.0; 3]); 2];
+        for part in &self.parts[..self.count] {
+            for (sum, bounds) in sums.iter_mut().zip(self.bounds_of(part, speed)) {
+                for (sum, bound) in sum.0.iter_mut().zip(bounds.0) {
+                    *sum += bound;
+                }
+            }
+        }
+        sums
+    }
+
+    fn bounds_of(&self, &Part { nearest, area }: &Part, speed: &Speed) -> [Bounds; 2] {
+        let over = 1.0 / nearest;
         let [a, b] = speed.position;
         // u
         let direction = [
@@ -328,8 +448,7 @@ impl<'a> Sight<'a> {
             4.0 * a * over.powi(3),
             (18.0 + self.rim) * a * a * over.powi(4) + 4.0 * b * over.powi(3),
         ]);
-        let area = Bounds([self.area, 0.0, 0.0]);
-        let density = density.times(area);
+        let density = density.times(Bounds([area, 0.0, 0.0]));
         // A scalar product with u.
         let cosine = |size: f64, [first, second]: [f64; 2]| {
             Bounds([size, first, second]).times(Bounds([1.0, direction[0], direction[1]]))
@@ -369,36 +488,40 @@ impl Lobe {
         let cosine = |angle: f64| libm::cos(angle.clamp(0.0, PI));
         let (least, most) = (cosine(angle + spread), cosine(angle - spread));
         let (longest, shortest) = (length + turned, (length - turned).max(0.0));
+        let least = least * if least > 0.0 { shortest } else { longest };
         Self {
             shininess,
             has_cosine,
-            cosines: [
-                least * if least > 0.0 { shortest } else { longest },
-                most * longest,
-            ],
+            powers: powers(shininess, [least, most * longest]),
         }
     }
 
     /// Of max(0, c)ⁿ, from bounds of the derivatives of c.
     fn power(&self, Bounds([_, first, second]): Bounds) -> Bounds {
-        let n = self.shininess;
-        let [least, most] = self.cosines;
-        if most <= 0.0 {
-            return Bounds([0.0; 3]);
-        }
-        if n < 2.0 && least <= 0.0 {
-            // The slope jumps where c is 0.
+        let [at, slope, bend] = self.powers;
+        if at == f64::INFINITY {
             return Bounds([f64::INFINITY; 3]);
         }
-        // Where the exponent is below 0, the largest is at the least.
-        let power = |exponent: f64| libm::pow(if exponent < 0.0 { least } else { most }, exponent);
-        let (at, slope, bend) = (
-            power(n),
-            n * power(n - 1.0),
-            (n * (n - 1.0)).abs() * power(n - 2.0),
-        );
         Bounds([at, slope * first, bend * first * first + slope * second])
     }
+}
+
+/// At least max(0, c)ⁿ and its derivatives for c in a range.
+fn powers(n: f64, [least, most]: [f64; 2]) -> [f64; 3] {
+    if most <= 0.0 {
+        return [0.0; 3];
+    }
+    if n < 2.0 && least <= 0.0 {
+        // The slope jumps where c is 0.
+        return [f64::INFINITY; 3];
+    }
+    // Where the exponent is below 0, the largest is at the least.
+    let power = |exponent: f64| libm::pow(if exponent < 0.0 { least } else { most }, exponent);
+    [
+        power(n),
+        n * power(n - 1.0),
+        (n * (n - 1.0)).abs() * power(n - 2.0),
+    ]
 }
 
 impl Place {
@@ -428,101 +551,6 @@ impl Place {
             *ends = [after, at(end)?];
         }
         Some(ends)
-    }
-}
-
-/// Whether balls hide all of a light from everywhere on a flat surface, all of whose points are before the light.
-///
-/// It is so where smaller balls hide it from the middle, by as much as other points are apart from there: if a segment to the
-/// middle is nearer to a ball's center than R − δ, one with the same other end to a point no further than δ from the middle is
-/// nearer than R.
-pub(super) fn is_hidden(
-    surface: &Surface,
-    emitter: &Emitter,
-    balls: impl Iterator<Item = (DVec3, f64)>,
-    Shadow { shadow, occluders }: &mut Shadow,
-) -> bool {
-    let Some(horizon) = surface.plane().and_then(|[_, normal]| Normal::new(normal)) else {
-        return false;
-    };
-    let (middle, apart) = (surface.position.center(), surface.position.radius());
-    let center = emitter.center().0;
-    let [least, most] = emitter.bounds();
-    occluders.clear();
-    occluders.extend(balls.filter_map(|(center, radius)| {
-        let smaller = radius - apart - rounding(middle, center);
-        // A ball that the light is in, or that it reaches into, is not between.
-        let is_outside = (center.clamp(least, most) - center).length() > radius;
-        (is_outside && smaller > 0.0).then_some(Occluder::Ball {
-            center,
-            radius: smaller,
-        })
-    }));
-    // Mostly it is seen right away that its middle is not hidden.
-    let hides_middle = |occluder: &Occluder| {
-        let Occluder::Ball {
-            center: of_ball,
-            radius,
-        } = *occluder
-        else {
-            return false;
-        };
-        let way = center - middle;
-        let along = (way.dot(of_ball - middle) / way.length_squared()).clamp(0.0, 1.0);
-        (middle + way * along - of_ball).length() < radius
-    };
-    if !occluders.iter().any(hides_middle) {
-        return false;
-    }
-    let receiver = Receiver {
-        horizon,
-        normal: horizon,
-        gloss: None,
-    };
-    let error = rounding(middle, center);
-    let seen = emitter.received_past(
-        Point(middle),
-        &receiver,
-        occluders,
-        error,
-        &ACCURACY_OF_DARK,
-        shadow,
-    );
-    // Of what is not decided a half is counted.
-    seen.is_some_and(|seen| seen.value.solid_angle <= 0.0)
-}
-
-/// How far a box is from a light, at least; 0 where a point in it may be behind the light.
-pub(super) fn nearest(emitter: &Emitter, [least, most]: [DVec3; 2]) -> f64 {
-    let center = emitter.center().0;
-    let [low, high] = emitter.bounds();
-    let beside = (low - most).max(least - high).max(DVec3::ZERO).length();
-    match (emitter.surface(), emitter.normal()) {
-        (EmitterSurface::Sphere { radius }, _) => {
-            (center.clamp(least, most) - center).length() - radius
-        }
-        (_, Some(normal)) => {
-            let normal = normal.get();
-            let end = |of_most: bool| {
-                let is_up = normal.cmpgt(DVec3::ZERO);
-                let (up, down) = if of_most {
-                    (most, least)
-                } else {
-                    (least, most)
-                };
-                normal.dot(DVec3::select(is_up, up, down) - center)
-            };
-            let (lowest, highest) = (end(false), end(true));
-            let height = if lowest > 0.0 {
-                lowest
-            } else if highest < 0.0 && emitter.is_two_sided() {
-                -highest
-            } else {
-                return 0.0;
-            };
-            height.max(beside)
-        }
-        (_, None) => 0.0,
     }
 }
 
@@ -565,7 +593,7 @@ mod tests {
             };
             let lobe = Lobe::new(emitter, &place, shininess, number % 2 == 0);
             let bounds = place.position.bounds().unwrap();
-            let sight = Sight::at(emitter, nearest(emitter, bounds), &place, Some(lobe));
+            let sight = Sight::at(emitter, bounds, &place, Some(lobe));
             let value = |u: f64, v: f64| sight.values(&place, None, [u, v, 0.0]).unwrap();
             for slopes in [Slopes::Told, Slopes::Left] {
                 let models = sight.models(&place, None, slopes).unwrap();

@@ -85,7 +85,7 @@ impl Quadrature<'_> {
         let dark = self.radiance(surface, shape, told.reaches, border, Slopes::Told);
         self.reaches[told.reaches + light] = all;
         let dark = dark?;
-        let arriving = Arriving { light, past: None };
+        let arriving = Arriving::alone(light);
         let share = self.light_share(surface, shape, arriving, Slopes::Told);
         Some(Edge {
             silhouette: Silhouette {

@@ -10,10 +10,12 @@
 //! What is known of smooth functions are models (`model`): their values and how much they bend.
 
 mod area;
+mod border;
 mod clip;
 mod edge;
 mod light;
 mod model;
+mod patch;
 mod radiance;
 mod shafts;
 mod surface;
@@ -30,6 +32,7 @@ use crate::math::DVec3;
 use crate::simd::SimdLevel;
 use crate::visibility::{ShaftSpace, Visibility, object_and_triangle};
 use crate::world::{Light, World};
+use patch::{Fit, Patch};
 use radiance::{Radiance, WIDE_BORDER};
 use shafts::{Known, Region};
 use surface::Surface;
@@ -96,7 +99,14 @@ pub(crate) enum Verdict {
         /// The largest error over the larger of radiance and floor.
         relative: f64,
     },
-    /// It is R, G, B, A, each at most `error` off.
+    /// It is R, G, B, A, each at most `error` off, as a square around it says that is smooth or all in penumbrae.
+    Interpolated {
+        mean: [f64; 4],
+        error: [f64; 4],
+        /// Whether that is proven; else it is estimated from some points.
+        is_bound: bool,
+    },
+    /// The same as its own edge says, or its own penumbra.
     Integrated {
         mean: [f64; 4],
         error: [f64; 4],
@@ -117,6 +127,13 @@ impl Verdict {
         range: None,
         is_smooth: false,
     };
+}
+
+/// What is known of the pixels of a square.
+enum Answer {
+    /// The same of all.
+    All(Verdict),
+    Each(Patch),
 }
 
 /// The least and the largest R, G, B, A anywhere.
@@ -239,6 +256,8 @@ impl Mean {
 struct Shadow {
     shadow: ShadowSpace,
     occluders: Vec<Occluder>,
+    /// Of these, those that one point asks for.
+    kept: Vec<Occluder>,
 }
 
 /// Tells what is known of pixels; what a thread needs for that, to be used again and again.
@@ -250,6 +269,8 @@ pub(crate) struct Quadrature<'w> {
     target: Target,
     /// Whether pixels with edges are integrated.
     integrates: bool,
+    /// Whether squares are interpolated. One sample takes less time than what is told of a square under points of light.
+    interpolates: bool,
     /// The largest coordinate of spheres and triangles, if there is a sun.
     reach: f64,
     space: ShaftSpace,
@@ -276,6 +297,11 @@ impl<'w> Quadrature<'w> {
             simd,
             target,
             integrates,
+            interpolates: integrates
+                && world
+                    .lights()
+                    .iter()
+                    .any(|light| light.value.area().is_some()),
             reach: if world.lights().iter().any(|light| light.value.is_sun()) {
                 visibility.reach()
             } else {
@@ -334,14 +360,19 @@ impl<'w> Quadrature<'w> {
         let (lists, reaches) = (self.lists.len(), self.reaches.len());
         let view = View::new(self.camera, square);
         let (told, surface) = self.refine(square, &view, known);
-        let verdict = if self.shows_delta(told.primary) {
+        let answer = if self.shows_delta(told.primary) {
             // Of what is seen in mirrors and glass nothing is told.
             let is_told = square.half <= 0.5 || matches!(told.primary, Primary::One(_));
-            is_told.then_some(Verdict::OPEN)
+            is_told.then_some(Answer::All(Verdict::OPEN))
         } else if square.half > 0.5 {
             self.smooth(square, &told, surface.as_ref())
         } else {
-            Some(self.pixel(square, &view, &told, surface.as_ref()))
+            Some(Answer::All(self.pixel(
+                square,
+                &view,
+                &told,
+                surface.as_ref(),
+            )))
         };
         let is_many = told.primary == Primary::Many;
         let is_small = 2.0 * square.half <= LEAST_CROWDED;
@@ -350,14 +381,15 @@ impl<'w> Quadrature<'w> {
         } else {
             is_small && (is_many || self.is_shadow_crowded(&told))
         };
-        let verdict = verdict.or(is_crowded.then_some(Verdict::OPEN));
-        match verdict {
-            Some(verdict) => {
+        let answer = answer.or(is_crowded.then_some(Answer::All(Verdict::OPEN)));
+        match answer {
+            Some(Answer::All(verdict)) => {
                 for [x, y] in pixels.pixels() {
                     let place = (y - window.y) * window.width + (x - window.x);
                     verdicts[place as usize] = verdict;
                 }
             }
+            Some(Answer::Each(patch)) => patch.tell(pixels, window, verdicts),
             None => {
                 for quarter in square.quarters() {
                     self.descend(quarter, told, window, verdicts);
@@ -444,10 +476,21 @@ impl<'w> Quadrature<'w> {
         })
     }
 
-    /// A square of whole pixels that is smooth, and bends so little that one sample a pixel will do.
-    fn smooth(&self, square: Square, told: &Told, surface: Option<&Surface>) -> Option<Verdict> {
-        let radiance = self.smooth_radiance(told, surface, None)?;
-        self.flatness(&radiance, 1, 0.5 / square.half)
+    /// A square of whole pixels that is smooth, and bends so little that nine values will do, or one sample a pixel.
+    fn smooth(&self, square: Square, told: &Told, surface: Option<&Surface>) -> Option<Answer> {
+        let Some(radiance) = self.smooth_radiance(told, surface, None) else {
+            let surface = surface.filter(|_| self.interpolates)?;
+            return self.penumbra_patch(square, told, surface).map(Answer::Each);
+        };
+        if self.interpolates {
+            match self.smooth_patch(square, told, &radiance) {
+                Fit::Told(patch) => return Some(Answer::Each(patch)),
+                Fit::OfQuarters => return None,
+                Fit::TooCoarse => {}
+            }
+        }
+        let verdict = self.flatness(&radiance, 1, 0.5 / square.half);
+        verdict.map(Answer::All)
     }
 
     /// What is known of one pixel.

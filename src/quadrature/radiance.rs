@@ -3,12 +3,13 @@
 use std::f64::consts::TAU;
 
 use super::area::{Past, Slopes};
+use super::border::over_width;
 use super::light::geometry;
 use super::model::Model;
 use super::shafts::Known;
 use super::surface::Surface;
 use super::view::{Square, View};
-use super::{List, Primary, Quadrature, Range, Reach, Told};
+use super::{List, Primary, Quadrature, Range, Reach, Shadow, Told};
 use crate::camera::Projection;
 use crate::emitter::Surface as EmitterSurface;
 use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
@@ -17,6 +18,10 @@ use crate::world::Light;
 /// What arrives past shapes is estimated where no border of a shadow moves across more than this part of a light from one
 /// end of a pixel to the other.
 pub(super) const WIDE_BORDER: f64 = 0.5;
+
+/// What arrives in a penumbra is taken to be so much of what would without anything in the way, where it is asked whether to
+/// try what takes less time: a guess, which changes no pixel's promise.
+pub(super) const LIKELY: f64 = 0.125;
 
 /// L over a square, per primary.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +60,19 @@ pub(super) struct Arriving {
     pub(super) light: usize,
     /// The shapes that hide a part of it.
     pub(super) past: Option<List>,
+    /// No border of a shadow moves across more than this part of it.
+    border: f64,
+}
+
+impl Arriving {
+    /// With nothing in the way.
+    pub(super) fn alone(light: usize) -> Self {
+        Self {
+            light,
+            past: None,
+            border: 0.0,
+        }
+    }
 }
 
 impl Quadrature<'_> {
@@ -69,10 +87,48 @@ impl Quadrature<'_> {
     ) -> Option<Radiance> {
         let mut radiance = Radiance::constant(self.emission(shape));
         for light in self.arriving(reaches, border)? {
-            radiance = radiance.plus(self.light_share(surface, shape, light, slopes));
+            radiance = radiance.plus(self.share(surface, shape, light, slopes));
             radiance.is_bound &= light.past.is_none();
         }
         Some(radiance)
+    }
+
+    /// The part of a light that borders of shadows, or the horizon of what is round, cross over a surface.
+    pub(super) fn border_over(&self, surface: &Surface, arriving: &Arriving) -> f64 {
+        let Arriving { light, border, .. } = *arriving;
+        let Light::Area(light) = &self.world.lights()[light].value else {
+            return border;
+        };
+        if surface.plane().is_some() {
+            return border;
+        }
+        let way = light.emitter.center().0 - surface.position.center();
+        let turned = 2.0 * surface.normal().radius();
+        border + turned * way.length() * over_width(&light.emitter)
+    }
+
+    /// What one light alone does to a surface, by its value in the middle if that is near enough past shapes.
+    fn share(&self, surface: &Surface, shape: u64, light: Arriving, slopes: Slopes) -> [Model; 3] {
+        if light.past.is_some() && slopes != Slopes::None {
+            let border = self.border_over(surface, &light);
+            let limits = self.limits(Some(surface), shape, light.light);
+            let most = limits.map(|[least, most]| most.max(-least));
+            let likely = most.map(|most| LIKELY * most);
+            if self.is_fine(likely, most.map(|most| 0.5 * border * most)) {
+                let share = self.light_share(surface, shape, light, Slopes::Glimpsed);
+                let error = share.map(|model| {
+                    if slopes == Slopes::Told {
+                        model.rest
+                    } else {
+                        model.mean_error()
+                    }
+                });
+                if self.is_fine(share.map(|model| model.least()), error) {
+                    return share;
+                }
+            }
+        }
+        self.light_share(surface, shape, light, slopes)
     }
 
     /// What a shape sends itself, if it is a light that is seen: from the side that the camera is on.
@@ -106,24 +162,29 @@ impl Quadrature<'_> {
         &self,
         surface: &Surface,
         shape: u64,
-        Arriving { light, past }: Arriving,
+        arriving: Arriving,
         slopes: Slopes,
     ) -> [Model; 3] {
+        let Arriving { light, past, .. } = arriving;
         let (object, _) = object_and_triangle(shape);
         let index = self.world.objects()[object as usize].material;
         let material = &self.world.materials()[index].value;
         let origin = self.origin(light, surface.position.bounds());
         let light_value = &self.world.lights()[light].value;
-        let space = &mut *self.shadow.borrow_mut();
+        let Shadow {
+            shadow,
+            occluders,
+            kept,
+        } = &mut *self.shadow.borrow_mut();
         let past = past.map(|list| {
             let shapes = self.list(list).iter();
-            space.occluders.clear();
-            space
-                .occluders
-                .extend(shapes.map(|&shape| self.solid(shape).occluder()));
+            occluders.clear();
+            occluders.extend(shapes.map(|&shape| self.solid(shape).occluder()));
             Past {
-                occluders: &space.occluders,
-                space: &mut space.shadow,
+                occluders,
+                kept,
+                border: self.border_over(surface, &arriving),
+                space: shadow,
             }
         });
         let lobes = geometry(surface, light_value, origin, material, slopes, past);
@@ -137,7 +198,7 @@ impl Quadrature<'_> {
     /// The lights that reach a square, if it is known of all whether and how they do. Of a light with an area of which shapes
     /// hide a part, only if no border of a shadow moves across more than a part of it, see [`WIDE_BORDER`]; `None` is only
     /// where nothing is hidden.
-    fn arriving(
+    pub(super) fn arriving(
         &self,
         reaches: usize,
         border: Option<f64>,
@@ -148,14 +209,18 @@ impl Quadrature<'_> {
             Reach::Partial { border: widest, .. } => border.is_some_and(|border| widest <= border),
             Reach::Unasked | Reach::Terminator | Reach::Several(_) | Reach::Many => false,
         };
-        let arriving = reaches.iter().enumerate().filter_map(|(light, reach)| {
-            let past = match *reach {
-                Reach::Partial { list, .. } => Some(list),
-                Reach::Dark => return None,
-                _ => None,
-            };
-            Some(Arriving { light, past })
-        });
+        let arriving = reaches
+            .iter()
+            .enumerate()
+            .filter_map(|(light, reach)| match *reach {
+                Reach::Partial { list, border } => Some(Arriving {
+                    light,
+                    past: Some(list),
+                    border,
+                }),
+                Reach::Dark => None,
+                _ => Some(Arriving::alone(light)),
+            });
         reaches.iter().all(is_known).then_some(arriving)
     }
 
@@ -260,7 +325,7 @@ impl Quadrature<'_> {
                 // What is below the horizon is not told from what is above.
                 [Model::UNKNOWN; 3]
             } else {
-                let arriving = Arriving { light, past: None };
+                let arriving = Arriving::alone(light);
                 self.light_share(surface, shape, arriving, Slopes::Left)
             };
             let limits = self.limits(Some(surface), shape, light);

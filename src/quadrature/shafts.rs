@@ -2,12 +2,12 @@
 
 use fearless_simd::Simd;
 
-use super::area::{is_hidden, nearest};
+use super::border::{border, is_hidden, nearest};
 use super::surface::{Solid, Surface, rounding};
 use super::view::{Square, View};
 use super::{List, MOST_SHAPES, Primary, Quadrature, REGION, Reach, aligned};
 use crate::camera::Projection;
-use crate::emitter::{Emitter, Surface as EmitterSurface};
+use crate::emitter::Emitter;
 use crate::math::DVec3;
 use crate::simd::Kernel;
 use crate::visibility::{
@@ -295,17 +295,21 @@ impl Quadrature<'_> {
     }
 
     pub(super) fn all_between(&mut self, from: [DVec3; 2], shape: u64, light: usize) -> Reach {
-        if self.world.lights()[light].value.area().is_some() {
-            // What is between all of it and these is asked at each square.
-            return Reach::Unasked;
+        let question = ShaftQuestion::Contents;
+        if let Some(area) = self.world.lights()[light].value.area() {
+            let to = area.emitter.bounds();
+            let answer = self.ask(&Shaft::ToBox { from, to }, question, shape, MOST_LISTED);
+            if answer == ShaftAnswer::TooMany {
+                return Reach::Unasked;
+            }
+            self.drop_from_list(|quadrature, other| quadrature.is_of(light, other));
+            return Reach::Partial {
+                list: self.keep_for_region(),
+                border: f64::INFINITY,
+            };
         }
         let to = self.origin(light, Some(from));
-        match self.ask(
-            &Shaft::ToPoint { from, to },
-            ShaftQuestion::Contents,
-            shape,
-            MOST_LISTED,
-        ) {
+        match self.ask(&Shaft::ToPoint { from, to }, question, shape, MOST_LISTED) {
             ShaftAnswer::TooMany => Reach::Unasked,
             ShaftAnswer::Nothing | ShaftAnswer::All(_) | ShaftAnswer::These => {
                 Reach::Several(self.keep_for_region())
@@ -530,7 +534,7 @@ impl Quadrature<'_> {
     /// The list of the last answer may hide a part of a light with an area.
     fn partial(&mut self, surface: &Surface, emitter: &Emitter) -> Reach {
         let shapes = self.space.list.iter().map(|&shape| self.solid(shape));
-        let border = border(surface, emitter, shapes);
+        let border = border(surface, emitter, &shapes);
         let list = self.keep();
         Reach::Partial { list, border }
     }
@@ -561,29 +565,4 @@ impl Quadrature<'_> {
         self.visibility
             .shaft_among(&shaft, question, shape, list, &mut self.space)
     }
-}
-
-/// How much of a light may come into view between two points of a surface, past shapes: as a part of all of it, for
-/// estimates. The border of a shadow that falls on the light moves across it as far as the points are apart, the farther
-/// the nearer to them the shape is.
-pub(super) fn border(
-    surface: &Surface,
-    emitter: &Emitter,
-    shapes: impl Iterator<Item = Solid>,
-) -> f64 {
-    let (place, apart) = (surface.position.center(), 2.0 * surface.position.radius());
-    let distance = (emitter.center().0 - place).length();
-    let over_width = match emitter.surface() {
-        EmitterSurface::Rectangle([a, b, c, _]) => 1.0 / (b - a).length() + 1.0 / (c - b).length(),
-        EmitterSurface::Disk { radius, .. } | EmitterSurface::Sphere { radius } => 1.0 / radius,
-    };
-    let parts = shapes.map(|shape| {
-        let nearest = shape.distance(place) - apart;
-        if nearest > 0.0 {
-            apart * ((distance - nearest).max(0.0) / nearest) * over_width
-        } else {
-            f64::INFINITY
-        }
-    });
-    parts.fold(0.0, f64::max)
 }

@@ -1,6 +1,6 @@
 //! Verdicts against many samples, and against each other.
 
-use super::shafts::border;
+use super::border::{border, over_width};
 use super::surface::Solid;
 use super::*;
 use crate::emitter::Emitter;
@@ -36,7 +36,18 @@ fn verdicts(
     simd: SimdLevel,
     windows: &[Window],
 ) -> Vec<Verdict> {
-    let mut quadrature = Quadrature::new(world, camera, visibility, simd, TARGET, true);
+    verdicts_to(TARGET, world, camera, visibility, simd, windows)
+}
+
+fn verdicts_to(
+    target: Target,
+    world: &World,
+    camera: &Camera,
+    visibility: &Visibility<'_>,
+    simd: SimdLevel,
+    windows: &[Window],
+) -> Vec<Verdict> {
+    let mut quadrature = Quadrature::new(world, camera, visibility, simd, target, true);
     let mut all = Vec::new();
     for &window in windows {
         let mut verdicts = Vec::new();
@@ -80,6 +91,10 @@ fn bounds_hold_of(
                 counts[0] += 1;
                 let center = centers.pixels()[pixel].map(f64::from);
                 (center, [r, g, b, 0.0], 1e-5)
+            }
+            Verdict::Interpolated { mean, error, .. } => {
+                counts[0] += 1;
+                (mean, error, 1e-5)
             }
             Verdict::Integrated { mean, error, .. } => {
                 counts[1] += 1;
@@ -433,8 +448,9 @@ fn borders_move_across_a_light() {
             normals: None,
             is_lifted: false,
         };
-        let most =
-            |emitter: &Emitter, solids: &[Solid]| border(&surface, emitter, solids.iter().copied());
+        let most = |emitter: &Emitter, solids: &[Solid]| {
+            border(&surface, emitter, &solids.iter().copied())
+        };
         for (emitter, size) in [(&rectangle, 10.0), (&disk, 40.0), (&globe, 1.0)] {
             assert_eq!(most(emitter, &[]), 0.0);
             // How far it moves at least, as a part of the light, and not 20 times that.
@@ -450,6 +466,26 @@ fn borders_move_across_a_light() {
             }
             // What the points may touch may hide all of it from one and nothing from another.
             assert_eq!(most(emitter, &[edge(1.0)]), f64::INFINITY);
+            // Below the horizon nothing is hidden, nor beyond the light.
+            assert_eq!(most(emitter, &[edge(-0.1)]), 0.0);
+            assert_eq!(most(emitter, &[edge(5.0)]), 0.0);
+            // Where another triangle goes on, there is no border.
+            let beyond = Solid::Triangle {
+                corners: [[0.5, 7.0], [0.5, -7.0], [8.0, 0.0]].map(|[x, y]| DVec3::new(x, y, 2.0)),
+                normal: DVec3::Z,
+                normals: None,
+                is_lifted: false,
+            };
+            let alone = most(emitter, &[edge(2.0)]);
+            assert!(most(emitter, &[beyond, edge(2.0)]) < alone);
+            // A ball that stands on the plane 3 m away is touched by lines of 3 m. Points are √2 m apart at most.
+            let ball = Solid::Sphere {
+                center: DVec3::new(3.5, 0.5, 1.0),
+                radius: 1.0,
+            };
+            let nearest = 3.0 - 2.0_f64.sqrt();
+            let moved = 2.0_f64.sqrt() * (4.0 - nearest) / nearest;
+            assert!((most(emitter, &[ball]) / (moved * over_width(emitter)) - 1.0).abs() < 1e-14);
         }
     });
 }
@@ -502,6 +538,10 @@ fn it_is_dark_below_a_ball() {
                         error: [0.0, 0.0, 0.0],
                         is_bound: true,
                         ..
+                    } | Verdict::Interpolated {
+                        mean: [0.0, 0.0, 0.0, 1.0],
+                        error: [0.0, 0.0, 0.0, 0.0],
+                        is_bound: true,
                     }
                 );
                 assert!(is_dark, "{light}: {x}, {y}: {verdict:?}");
@@ -509,4 +549,72 @@ fn it_is_dark_below_a_ball() {
         }
         assert!(dark > 100, "{light}: {dark}");
     }
+}
+
+/// Under a panel most pixels are told by the nodes of squares, whatever the window and the instructions; what is proven
+/// holds, and what is estimated too, against exact samples.
+#[test]
+fn squares_are_interpolated_under_lights_with_an_area() {
+    const TARGET: Target = Target {
+        relative: 0.1,
+        floor: 1.0,
+        most_side: 1,
+    };
+    let mut scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/room.toml")).unwrap();
+    scene.image.resolution.value = [640, 360];
+    let (world, camera) = World::new(&scene).unwrap();
+    let visibility = Visibility::new(&world, &Plan::new(&world));
+    // A part of the floor, the boxes and the balls.
+    let window = Window {
+        x: 208,
+        y: 200,
+        width: 208,
+        height: 150,
+    };
+    let told =
+        |simd, windows: &[Window]| verdicts_to(TARGET, &world, &camera, &visibility, simd, windows);
+    let first = told(SimdLevel::default(), &[window]);
+    let rows: Vec<Window> = (window.y..window.y + window.height)
+        .map(|y| Window {
+            y,
+            height: 1,
+            ..window
+        })
+        .collect();
+    assert!(first == told(SimdLevel::default(), &rows));
+    for (_, level) in SimdLevel::available() {
+        assert!(first == told(level, &[window]));
+    }
+    let options = Options {
+        samples: 64,
+        window: Some(window),
+        ..Options::default()
+    };
+    let renderer = Renderer::new(&world).unwrap();
+    let film = renderer.film(&camera, &options, &Job::new()).unwrap().0;
+    let (mut proven, mut estimated) = (0, 0);
+    for ((verdict, truth), place) in first.iter().zip(film.pixels()).zip(window.pixels()) {
+        let Verdict::Interpolated {
+            mean,
+            error,
+            is_bound,
+        } = *verdict
+        else {
+            continue;
+        };
+        *if is_bound {
+            &mut proven
+        } else {
+            &mut estimated
+        } += 1;
+        for channel in 0..4 {
+            let off = (mean[channel] - f64::from(truth[channel])).abs();
+            // Of 64 samples where it is smooth: twice what is measured.
+            assert!(
+                off <= error[channel] + 2e-4,
+                "{place:?}: {verdict:?} {truth:?}"
+            );
+        }
+    }
+    assert!(proven > 10_000 && estimated > 3000, "{proven} {estimated}");
 }

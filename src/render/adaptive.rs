@@ -95,7 +95,12 @@ impl<'w> Adaptive<'w> {
                     smooth[side.trailing_zeros() as usize].insert(pixel);
                     ([r, g, b, 0.0], relative, is_bound)
                 }
-                Verdict::Integrated {
+                Verdict::Interpolated {
+                    mean,
+                    error,
+                    is_bound,
+                }
+                | Verdict::Integrated {
                     mean,
                     error,
                     is_bound,
@@ -196,7 +201,7 @@ impl<'w> Adaptive<'w> {
         };
         for (pixel, place) in tile.places().enumerate() {
             let verdict = &self.verdicts[number(window, place)];
-            if let Verdict::Integrated { mean, .. } = verdict {
+            if let Verdict::Interpolated { mean, .. } | Verdict::Integrated { mean, .. } = verdict {
                 let mut clamped = 0;
                 let narrow = mean.map(|channel| {
                     let (value, is_clamped) = narrowed(channel);
@@ -204,7 +209,7 @@ impl<'w> Adaptive<'w> {
                     value
                 });
                 rendered.set(place, narrow);
-                counts = counts.and(Counts::of_pixel(narrow, clamped));
+                counts.add_pixel(narrow, clamped);
             }
             let PixelError {
                 error,
@@ -223,7 +228,9 @@ impl<'w> Adaptive<'w> {
             if is_bound {
                 match verdict {
                     Verdict::Integrated { .. } => errors.edges += 1,
-                    Verdict::Smooth { .. } | Verdict::Open { .. } => errors.smooth += 1,
+                    Verdict::Smooth { .. }
+                    | Verdict::Interpolated { .. }
+                    | Verdict::Open { .. } => errors.smooth += 1,
                 }
                 errors.worst_bound = errors.worst_bound.max(rounded(relative));
             } else {
@@ -271,7 +278,9 @@ fn estimate(
 ) -> ([f64; 4], [f64; 4]) {
     let (listed, is_smooth) = match *verdict {
         Verdict::Open { range, is_smooth } => (range, is_smooth),
-        Verdict::Smooth { .. } | Verdict::Integrated { .. } => (None, true),
+        Verdict::Smooth { .. } | Verdict::Interpolated { .. } | Verdict::Integrated { .. } => {
+            (None, true)
+        }
     };
     let count = f64::from(samples);
     let statistics = tile.statistics().expect("open pixels have statistics");

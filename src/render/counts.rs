@@ -78,14 +78,11 @@ impl Counts {
         .map(|(name, value)| (name.to_owned(), value))
     }
 
-    /// Of a pixel that has no samples.
-    pub(super) fn of_pixel([r, g, b, _]: [f32; 4], clamped: u64) -> Self {
+    /// Adds a pixel that has no samples.
+    pub(super) fn add_pixel(&mut self, [r, g, b, _]: [f32; 4], clamped: u64) {
         let largest = r.max(g).max(b);
-        Self {
-            clamped,
-            brightest: largest.max(0.0),
-            beyond_white: u64::from(largest > BEYOND_WHITE),
-            ..Self::default()
-        }
+        self.clamped += clamped;
+        self.brightest = self.brightest.max(largest);
+        self.beyond_white += u64::from(largest > BEYOND_WHITE);
     }
 }

@@ -177,7 +177,7 @@ pub(super) struct LayerArguments {
     ///
     /// error: in cd/m², of the largest of R, G and B. `error_kind` is 0 where it is a bound, which is
     /// proven, and 1 where it is an estimate; with --max-error. samples: how many were taken of the pixel; 0 where
-    /// its edges were integrated. Always FLOAT.
+    /// its edges were integrated, or a square around it interpolated. Always FLOAT.
     ///
     /// With `lights` comes what `candela relight` needs: `emission_NAME.R`, … of each light that is seen itself; and where
     /// light is carried spectrally `relight_NAME.flat`, `.1`, …, what a light of another color needs, if that takes at
