@@ -73,7 +73,7 @@ impl PlaneMirror {
         self.primitive == points.primitive[slot] && self.eye == eye
     }
 
-    /// What [`leave`] says of a ray that it reflects, if it is as simple as that; `Some(None)` where none is.
+    /// What [`leave`](super::leave) says of a ray that it reflects, if it is as simple as that; `Some(None)` where none is.
     #[inline]
     pub(crate) fn reflected(
         &self,
