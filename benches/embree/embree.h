@@ -35,6 +35,16 @@ inline void find_occluded(const int* valid, RTCScene scene, RTCRay16& packet, Ra
   rtcOccluded16(valid, scene, &packet, &arguments);
 }
 
+inline void find_nearest(RTCScene scene, RTCRayHit& ray, Rays rays) {
+  auto arguments = embree_arguments(rtcInitIntersectArguments, rays);
+  rtcIntersect1(scene, &ray, &arguments);
+}
+
+inline void find_occluded(RTCScene scene, RTCRay& ray, Rays rays) {
+  auto arguments = embree_arguments(rtcInitOccludedArguments, rays);
+  rtcOccluded1(scene, &ray, &arguments);
+}
+
 #else
 
 inline RTCIntersectContext embree_context(Rays rays) {
@@ -53,6 +63,16 @@ inline void find_nearest(const int* valid, RTCScene scene, RTCRayHit16& packet, 
 inline void find_occluded(const int* valid, RTCScene scene, RTCRay16& packet, Rays rays) {
   auto context = embree_context(rays);
   rtcOccluded16(valid, scene, &context, &packet);
+}
+
+inline void find_nearest(RTCScene scene, RTCRayHit& ray, Rays rays) {
+  auto context = embree_context(rays);
+  rtcIntersect1(scene, &context, &ray);
+}
+
+inline void find_occluded(RTCScene scene, RTCRay& ray, Rays rays) {
+  auto context = embree_context(rays);
+  rtcOccluded1(scene, &context, &ray);
 }
 
 #endif

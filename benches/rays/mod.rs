@@ -281,8 +281,8 @@ pub(crate) fn measure(
     let mut table = String::from(
         "Million rays a second of processor time, one thread; how many times as fast candela is: the median of the runs, \
          with the least and the most.\n\n\
-         | scene | bundle | question | candela | Embree | ratio | different |\n\
-         | --- | --- | --- | ---: | ---: | --- | ---: |\n",
+         | scene | bundle | question | candela | Embree | ratio | different | Embree, ray by ray | ratio |\n\
+         | --- | --- | --- | ---: | ---: | --- | ---: | ---: | --- |\n",
     );
     for scene in scenes {
         let world = World::load(&scene.path)?.world;
@@ -329,6 +329,7 @@ fn measure_bundle(
     let room = bundle.rays.len();
     let (mut t, mut free) = (Vec::with_capacity(room), Vec::with_capacity(room));
     let (mut ours, mut theirs) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
+    let mut singles = [Vec::new(), Vec::new()];
     // In turn, and the first run of each warms up.
     for run in 0..=runs {
         for question in 0..2 {
@@ -339,13 +340,19 @@ fn measure_bundle(
                 tracer.free(&bundle.segments, &mut free);
             }
             let seconds = processor_time()? - start;
-            let command = ["nearest", "occluded"][question];
-            let other = yardstick
-                .as_mut()
-                .map(|yardstick| yardstick.seconds(command));
+            let mut ask = |command: &str| {
+                let seconds = yardstick
+                    .as_mut()
+                    .map(|yardstick| yardstick.seconds(command));
+                seconds.transpose()
+            };
+            // Packets last, which is what is saved.
+            let single = ask(["nearest1", "occluded1"][question])?;
+            let packets = ask(["nearest", "occluded"][question])?;
             if run > 0 {
                 ours[question].push(seconds);
-                theirs[question].extend(other.transpose()?);
+                singles[question].extend(single);
+                theirs[question].extend(packets);
             }
         }
     }
@@ -380,20 +387,25 @@ fn measure_bundle(
             rate(ours)
         )?;
         if theirs.is_empty() {
-            writeln!(rows, " | | |")?;
+            writeln!(rows, " | | | | |")?;
             continue;
         }
-        let ratios: Vec<f64> = theirs.iter().zip(ours).map(|(b, a)| b / a).collect();
-        let ratio = Spread::of(ratios);
+        let ratio_to =
+            |theirs: &[f64]| Spread::of(theirs.iter().zip(ours).map(|(b, a)| b / a).collect());
+        let (ratio, to_single) = (ratio_to(theirs), ratio_to(&singles[question]));
         let differ = different[question].unwrap_or_default();
         let mark = if differ > DIFFERENT { " (!)" } else { "" };
         writeln!(
             rows,
-            " {:.2} | {:.2} ({:.2}–{:.2}) | {differ:.1e}{mark} |",
+            " {:.2} | {:.2} ({:.2}–{:.2}) | {differ:.1e}{mark} | {:.2} | {:.2} ({:.2}–{:.2}) |",
             rate(theirs),
             ratio.median,
             ratio.min,
             ratio.max,
+            rate(&singles[question]),
+            to_single.median,
+            to_single.min,
+            to_single.max,
         )?;
     }
     Ok(rows)

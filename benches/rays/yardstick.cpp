@@ -8,6 +8,8 @@
 //
 //   nearest      rtcIntersect16 for all rays; answers the seconds
 //   occluded     rtcOccluded16 for all segments; answers the seconds
+//   nearest1     rtcIntersect1 for all rays, one by one; answers the seconds
+//   occluded1    rtcOccluded1 for all segments, one by one; answers the seconds
 //   save FILE    write the last t of each ray, infinite without a hit, and 1 or 0 for each segment that is
 //                occluded or not, as f32
 #include "../embree/embree.h"
@@ -127,6 +129,29 @@ class Tracer {
     return processor_time() - start;
   }
 
+  double nearest1() {
+    const double start = processor_time();
+    for (size_t k = 0; k < rays.size(); k++) {
+      RTCRayHit ray;
+      ray.ray = single(rays[k], FAR);
+      ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      find_nearest(scene, ray, Rays::INCOHERENT);
+      t[k] = ray.ray.tfar;
+    }
+    return processor_time() - start;
+  }
+
+  double occluded1() {
+    const double start = processor_time();
+    for (size_t k = 0; k < segments.size(); k++) {
+      RTCRay ray = single(segments[k], 1);
+      find_occluded(scene, ray, Rays::INCOHERENT);
+      dark[k] = ray.tfar < 0;
+    }
+    return processor_time() - start;
+  }
+
   void save(const std::string& path) const {
     std::ofstream file(path, std::ios::binary);
     file.write(reinterpret_cast<const char*>(t.data()), std::streamsize(t.size() * 4));
@@ -141,6 +166,15 @@ class Tracer {
   }
 
  private:
+  static RTCRay single(const Ray& from, float far) {
+    RTCRay ray{};
+    ray.org_x = from.origin[0], ray.org_y = from.origin[1], ray.org_z = from.origin[2];
+    ray.dir_x = from.direction[0], ray.dir_y = from.direction[1], ray.dir_z = from.direction[2];
+    ray.tfar = far;
+    ray.mask = ~0u;
+    return ray;
+  }
+
   void attach(RTCGeometry geometry) {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
@@ -184,6 +218,10 @@ int main(int argc, char** argv) try {
       std::cout << tracer.nearest() << std::endl;
     } else if (command == "occluded") {
       std::cout << tracer.occluded() << std::endl;
+    } else if (command == "nearest1") {
+      std::cout << tracer.nearest1() << std::endl;
+    } else if (command == "occluded1") {
+      std::cout << tracer.occluded1() << std::endl;
     } else if (command == "save") {
       std::string path;
       std::cin >> path;
