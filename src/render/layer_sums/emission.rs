@@ -22,20 +22,11 @@ impl LayerSums<'_> {
         dimmed: Option<Arrivals<'_>>,
         first: usize,
     ) {
-        let world = self.requested.world;
-        if !world.has_emission() {
+        if !self.requested.world.has_emission() {
             return;
         }
         for channel in 0..3 {
-            *self.column = Column::ZERO;
-            for (packet, &bits) in points.hit.iter().enumerate() {
-                for lane in ones(bits) {
-                    let slot = packet * LANES + lane;
-                    if let Some((_, luminance)) = emission(world, points, &shaded.filters, slot) {
-                        self.column[slot] = luminance[channel];
-                    }
-                }
-            }
+            self.fill_luminance(points, shaded, channel, |_| true);
             self.add_dimmed(simd, samples, first + channel, channel, dimmed);
         }
     }
@@ -63,22 +54,9 @@ impl LayerSums<'_> {
         }
         for (place, &share) in requested.shares.seen().iter().enumerate() {
             if let Some(first) = first {
+                let is_of_share = |light| requested.shares.of_light(light) == Some(share);
                 for channel in 0..3 {
-                    *self.column = Column::ZERO;
-                    let mut is_any = false;
-                    for (packet, &bits) in points.hit.iter().enumerate() {
-                        for lane in ones(bits) {
-                            let slot = packet * LANES + lane;
-                            let seen = emission(requested.world, points, &shaded.filters, slot);
-                            if let Some((index, luminance)) = seen
-                                && requested.shares.of_light(index) == Some(share)
-                            {
-                                is_any = true;
-                                self.column[slot] = luminance[channel];
-                            }
-                        }
-                    }
-                    if is_any {
+                    if self.fill_luminance(points, shaded, channel, is_of_share) {
                         let plane = first + 3 * place + channel;
                         self.add_dimmed(simd, samples, plane, channel, dimmed);
                     }
@@ -90,6 +68,31 @@ impl LayerSums<'_> {
                 self.add_arrived(simd, samples, first + of_reflectances + place, dimmed);
             }
         }
+    }
+
+    /// One primary of what some of the lights send that are seen, into the column; whether any is.
+    fn fill_luminance(
+        &mut self,
+        points: &Points,
+        shaded: &Shaded,
+        channel: usize,
+        is_of_lights: impl Fn(usize) -> bool,
+    ) -> bool {
+        *self.column = Column::ZERO;
+        let mut is_any = false;
+        for (packet, &bits) in points.hit.iter().enumerate() {
+            for lane in ones(bits) {
+                let slot = packet * LANES + lane;
+                let seen = emission(self.requested.world, points, &shaded.filters, slot);
+                if let Some((light, luminance)) = seen
+                    && is_of_lights(light)
+                {
+                    is_any = true;
+                    self.column[slot] = luminance[channel];
+                }
+            }
+        }
+        is_any
     }
 
     /// The background where nothing is hit: to its share, or to a layer of its own.
