@@ -86,7 +86,8 @@ pub enum OptionsError {
     /// way of it: that is no sum over the reflectances of surfaces.
     #[error(
         "the layer `relight` cannot be made: the material `{material}` gives what is seen by way of it another color; leave \
-         `relight` out, make that material gray or a mirror without `schlick`, lower `max_depth` where it is one, or set the image's `transport` to \"rgb\", where it is not needed"
+         `relight` out, make that material gray or a mirror without `schlick` (where mirrors have many colors, with a lower \
+         `max_depth`), or set the image's `transport` to \"rgb\", where it is not needed"
     )]
     ColoredWays {
         /// The material, by its name.
