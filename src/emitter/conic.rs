@@ -289,8 +289,15 @@ impl Conic {
         let mut count = 0;
         let planes = self.planes[..self.count].iter().copied();
         for plane in planes.chain(further) {
-            cuts[count] = Cut::new(self, plane);
-            count += 1;
+            let cut = Cut::new(self, plane);
+            match cut.beside(&cuts[..count]) {
+                Beside::Nothing => return,
+                Beside::All => {}
+                Beside::Less => {
+                    cuts[count] = cut;
+                    count += 1;
+                }
+            }
         }
         let cuts = &cuts[..count];
         for_each_arc::<MOST>(cuts, take);
@@ -464,6 +471,16 @@ struct Cut {
     offset: f64,
     /// Where the outline comes in and goes out, the second after the first, if it does; from −π to 3π.
     turns: Option<[f64; 2]>,
+    /// Half the length of its chord, and the ends of it, in the sense of the outline.
+    half: f64,
+    ends: [[f64; 2]; 2],
+}
+
+/// What a cut leaves of what others before it have left.
+enum Beside {
+    Nothing,
+    All,
+    Less,
 }
 
 impl Cut {
@@ -471,6 +488,8 @@ impl Cut {
         normal: [0.0; 2],
         offset: 1.0,
         turns: None,
+        half: 0.0,
+        ends: [[0.0; 2]; 2],
     };
 
     fn new(conic: &Conic, plane: DVec3) -> Self {
@@ -478,57 +497,113 @@ impl Cut {
         let normal = [plane.x * b, plane.y * d];
         let offset = plane.z * a;
         let length = libm::hypot(normal[0], normal[1]);
-        if length <= offset.abs() {
+        let side = offset;
+        let offset = offset / length;
+        let half = ((1.0 - offset) * (1.0 + offset)).max(0.0).sqrt();
+        // One that touches it cuts nothing off.
+        let is_across = length > side.abs() && half > 0.0;
+        if !is_across {
             return Self {
-                normal: [0.0; 2],
-                offset: if offset > 0.0 { 1.0 } else { -1.0 },
-                turns: None,
+                offset: if side > 0.0 { 1.0 } else { -1.0 },
+                ..Self::NONE
             };
         }
         let middle = libm::atan2(normal[1], normal[0]);
-        let half = libm::atan2(((length - offset) * (length + offset)).sqrt(), -offset);
-        Self {
+        let turn = libm::atan2(((length - side) * (length + side)).sqrt(), -side);
+        let cut = Self {
             normal: normal.map(|part| part / length),
-            offset: offset / length,
-            turns: Some([middle - half, middle + half]),
+            offset,
+            turns: Some([middle - turn, middle + turn]),
+            half,
+            ends: Self::NONE.ends,
+        };
+        Self {
+            ends: [-half, half].map(|s| cut.at(s)),
+            ..cut
         }
     }
 
     fn height(&self, [x, y]: [f64; 2]) -> f64 {
         self.normal[0] * x + self.normal[1] * y + self.offset
     }
+
+    /// A place on its chord, so far from the middle of it. The outline goes against the clock; inside is to the left of
+    /// the chord.
+    fn at(&self, s: f64) -> [f64; 2] {
+        let [x, y] = self.normal;
+        [-self.offset * x + s * y, -self.offset * y - s * x]
+    }
+
+    /// How far along the chord a place is.
+    fn along(&self, [x, y]: [f64; 2]) -> f64 {
+        x * self.normal[1] - y * self.normal[0]
+    }
+
+    /// How far the ends of another chord are inside.
+    fn heights_of(&self, other: &Self) -> [f64; 2] {
+        other.ends.map(|end| self.height(end))
+    }
+
+    /// What it leaves, as far as any integral tells, where it does not cut the disk or goes along another.
+    fn beside(&self, others: &[Self]) -> Beside {
+        if self.turns.is_none() {
+            return if self.offset > 0.0 {
+                Beside::All
+            } else {
+                Beside::Nothing
+            };
+        }
+        let is_along = |other: &&Self| {
+            let heights = other.heights_of(self);
+            heights.iter().all(|height| height.abs() <= SAME_PLANE)
+        };
+        match others.iter().find(is_along) {
+            None => Beside::Less,
+            // What two leave that face each other is too narrow.
+            Some(other) if self.faces(other) => Beside::Nothing,
+            Some(_) => Beside::All,
+        }
+    }
+
+    fn faces(&self, other: &Self) -> bool {
+        let ([x, y], [other_x, other_y]) = (self.normal, other.normal);
+        x * other_x + y * other_y < 0.0
+    }
 }
 
 /// Of the chord along one cut, what is inside of the others, in the sense of the outline.
+///
+/// Two chords end in the same place where they cross: how rounding moves it along both, where there is a small angle between
+/// them, is then nothing beside what they enclose.
 fn chord(cuts: &[Cut], place: usize) -> Option<[[f64; 2]; 2]> {
     let cut = &cuts[place];
-    cut.turns?;
-    let [x, y] = cut.normal;
-    let half = ((1.0 - cut.offset) * (1.0 + cut.offset)).max(0.0).sqrt();
-    // The outline goes against the clock; inside is to the left of the chord.
-    let at = |s: f64| [-cut.offset * x + s * y, -cut.offset * y - s * x];
-    let [mut from, mut to] = [-half, half];
+    let [mut from, mut to] = [-cut.half, cut.half];
     for (other_place, other) in cuts.iter().enumerate() {
         if other_place == place {
             continue;
         }
-        let heights = [-half, half].map(|s| other.height(at(s)));
-        if heights.iter().all(|height| height.abs() <= SAME_PLANE) {
-            if other_place < place {
+        let is_first = place < other_place;
+        let (first, second) = if is_first { (cut, other) } else { (other, cut) };
+        let [start, end] = second.heights_of(first);
+        if (start < 0.0) == (end < 0.0) {
+            let [start, end] = other.heights_of(cut);
+            if start + end < 0.0 {
                 return None;
             }
             continue;
         }
-        let [start, end] = heights;
-        if start < 0.0 && end < 0.0 {
-            return None;
-        }
-        let crossing = -half + 2.0 * half * (start / (start - end));
-        if start < 0.0 {
+        let crossing = -first.half + 2.0 * first.half * (start / (start - end));
+        let crossing = if is_first {
+            crossing
+        } else {
+            cut.along(first.at(crossing))
+        };
+        // What is inside of the other begins on the one there and ends on the other.
+        if (start < 0.0) == is_first {
             from = from.max(crossing);
-        } else if end < 0.0 {
+        } else {
             to = to.min(crossing);
         }
     }
-    (from < to).then(|| [at(from), at(to)])
+    (from < to).then(|| [cut.at(from), cut.at(to)])
 }

@@ -307,3 +307,35 @@ fn there_is_an_end_to_corners_and_planes() {
     assert!(outline.clipped(normal(v(1.0, 1.0, 0.0))).is_none());
     assert!(outline.lobe(direction(v(0.1, 0.0, 1.0)), 20.0) < 1e-15);
 }
+
+/// Two planes that face each other leave nothing of a cone, however rounding turns them: neither chord is left without the
+/// other.
+#[test]
+fn between_planes_that_face_each_other_is_nothing() {
+    let disk = Conic::of_disk(v(0.1, 0.2, 1.0), DVec3::Z, 0.5).unwrap();
+    for turn in 0..100 {
+        let (sin, cos) = f64::from(turn).sin_cos();
+        let plane = v(cos, sin, -0.2 * sin);
+        for off in [0.0, 1e-16, 4e-16, 2e-15, 1e-14, 1e-12] {
+            for [x, z] in [[off, 0.0], [0.0, off], [0.0, -off], [off, -off]] {
+                let facing = -plane + v(x, 0.0, z);
+                let cut = |outline: Conic, plane: DVec3| outline.clipped(normal(plane).get());
+                let left = cut(cut(disk, plane).unwrap(), facing).unwrap();
+                let up = normal(v(0.3, 0.1, 1.0)).get();
+                let all = [
+                    left.irradiance(up),
+                    left.irradiance(normal(plane).get()),
+                    left.irradiance(normal(facing).get()),
+                    left.lobe(up, 20.0),
+                    left.cosine_lobe(up, DVec3::Z, 3.0),
+                    left.solid_angle(),
+                ];
+                let most = 1e-14 + 4.0 * off;
+                assert!(
+                    all.iter().all(|&part| part < most),
+                    "{turn} {off:e} {all:?}"
+                );
+            }
+        }
+    }
+}

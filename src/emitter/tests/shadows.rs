@@ -2,6 +2,7 @@
 
 use super::super::shadow::Bounded;
 use super::super::{Accuracy, Emitter, Occluder, Receiver, ShadowSpace};
+use super::cubature::axes_across;
 use super::fuzz::Random;
 use super::{is_near, normal, v};
 use crate::math::{DVec3, Point};
@@ -323,4 +324,41 @@ pub(super) fn icosphere(center: DVec3, radius: f64, levels: u32) -> Vec<[DVec3; 
     placed
         .map(|triangle| triangle.map(|corner| center + corner * radius))
         .collect()
+}
+
+/// A side of a box that goes on from that on which the point is, beyond a common edge, hides nothing of what the horizon
+/// leaves of an emitter, wherever rounding puts it.
+#[test]
+fn the_next_side_of_a_box_hides_nothing() {
+    let mut random = Random(11);
+    for _ in 0..3000 {
+        let up = random.direction();
+        let [along, across] = axes_across(up);
+        let corner = random.direction();
+        let [x, y] = [0.05, 0.4].map(|most| random.within(0.01, most));
+        let point = Point(corner + along * x + across * y);
+        let next = [
+            corner,
+            corner + across * random.within(0.2, 1.0),
+            corner - up * random.within(0.2, 1.0),
+        ];
+        let center = Point(point.0 - along * random.within(1.0, 2.0) + up * 0.1);
+        let turned = normal(along + up * random.within(-0.5, 0.5));
+        let halves = axes_across(turned.get()).map(|half| half * 0.3);
+        let emitters = [
+            Emitter::rectangle(center, halves, true).unwrap(),
+            Emitter::disk(center, turned, 0.4, true).unwrap(),
+            Emitter::sphere(center, 0.4).unwrap(),
+        ];
+        for emitter in &emitters {
+            let receiver = receiver(up);
+            let free = emitter.received(point, &receiver).unwrap();
+            let seen = past(emitter, point, &receiver, &[Occluder::Triangle(next)]);
+            let off = (seen.value.irradiance - free.irradiance).abs();
+            assert!(
+                off <= seen.error.irradiance,
+                "{off:e} {emitter:?} {point:?}"
+            );
+        }
+    }
 }
