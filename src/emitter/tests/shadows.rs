@@ -335,8 +335,9 @@ fn the_next_side_of_a_box_hides_nothing() {
         let up = random.direction();
         let [along, across] = axes_across(up);
         let corner = random.direction();
-        let [x, y] = [0.05, 0.4].map(|most| random.within(0.01, most));
-        let point = Point(corner + along * x + across * y);
+        let [x, y] = [[0.02, 0.2], [0.0, 0.1]].map(|[from, to]| random.within(from, to));
+        let rounded = up * random.within(-2e-15, 2e-15);
+        let point = Point(corner + along * x + across * y + rounded);
         let next = [
             corner,
             corner + across * random.within(0.2, 1.0),
