@@ -179,8 +179,10 @@ impl Quadrature<'_> {
             ShaftAnswer::Nothing => Primary::Background,
             ShaftAnswer::All(shape) => Primary::One(shape),
             ShaftAnswer::These => {
+                self.drop_from_list(|quadrature, shape| quadrature.solid(shape).is_missed(view));
                 self.drop_hidden(view);
                 match self.space.list[..] {
+                    [] => Primary::Background,
                     [shape] if self.solid(shape).is_all_over(view) => Primary::One(shape),
                     _ => Primary::Several(self.keep()),
                 }

@@ -117,6 +117,23 @@ impl Solid {
         }
     }
 
+    /// Whether it is round, and no ray through a square meets it: shafts tell that of the boxes around shapes.
+    pub(super) fn is_missed(&self, view: &View) -> bool {
+        let inside = match *self {
+            Self::Sphere { center, radius } => discriminant(view, center, radius).1,
+            Self::Disk {
+                center,
+                normal,
+                radius,
+            } => {
+                let to_center = -view.origin.minus(center);
+                within_rim(view.direction, to_center, normal, radius)
+            }
+            Self::Plane { .. } | Self::Triangle { .. } => return false,
+        };
+        inside.most() < 0.0
+    }
+
     /// The edge function of a triangle's edge that passes through a square, if it is one alone: above 0 inside.
     pub(super) fn edge(&self, view: &View) -> Option<Model> {
         match *self {

@@ -1,5 +1,7 @@
 //! Verdicts against many samples, and against each other.
 
+mod rims;
+
 use super::border::{border, over_width};
 use super::surface::Solid;
 use super::*;
