@@ -372,9 +372,9 @@ impl Edge {
         let scale = 0.5 * inside.most().max(0.0).sqrt();
         let here = Clip::new(&line, is_round.then_some(scale));
         let there = Clip::new(&-line, None);
-        let at_most = Clip::new(&line.plus(rest), None).area;
-        let at_least = Clip::new(&line.plus(-rest), None).area;
-        let band = (at_most - here.area).max(here.area - at_least);
+        let more = Clip::new(&line.plus(rest), None).area - here.area;
+        let less = here.area - Clip::new(&line.plus(-rest), None).area;
+        let band = more.max(less);
         let mut mean = Mean {
             value: [0.0; 4],
             error: [0.0; 4],
@@ -385,8 +385,11 @@ impl Edge {
                 &self.inside.radiance.models[channel],
                 &self.outside.radiance.models[channel],
             );
-            let jump = (f.most() - g.least()).max(g.most() - f.least()).max(0.0);
-            let mut error = band * jump + here.area * f.rest + there.area * g.rest;
+            // It may bend to one side in one place and to the other in another, where f − g may have another sign.
+            let rise = (f.most() - g.least()).max(0.0);
+            let fall = (g.most() - f.least()).max(0.0);
+            let bent = (more * rise + less * fall).max(more * fall + less * rise);
+            let mut error = bent + here.area * f.rest + there.area * g.rest;
             if is_round {
                 // |√(φ + e) − √φ| ≤ |e|/√φ, in units of half of the largest.
                 error += here.area * f.slope[2].abs() * rest * here.inverse_root / scale;
