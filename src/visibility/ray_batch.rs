@@ -6,7 +6,7 @@ use super::batch::{BATCH, Column, columns, columns_from, columns_mut, first_lane
 use super::points::{Points, Start};
 use super::rays::Rays;
 use crate::math::{DVec3, Point};
-use crate::simd::{DVec3x16, F64x16, LANES, U64x16, ones};
+use crate::simd::{DVec3x16, F64x16, LANES, ones};
 
 /// At most [`BATCH`] rays r(t) = o + t ω, ω of any length but zero, with what they have in common, if anything.
 ///
@@ -65,28 +65,6 @@ pub(crate) struct RayStart {
     pub(crate) error: f64,
     /// What it is on: a flat shape is not met again, a sphere at its other side alone.
     pub(crate) primitive: u64,
-}
-
-/// Where the rays of a packet leave surfaces: [`RayStart`] lane by lane.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RayStarts<S: Simd> {
-    pub(super) t: F64x16<S>,
-    pub(super) position: DVec3x16<S>,
-    pub(super) error: F64x16<S>,
-    pub(super) primitive: U64x16<S>,
-}
-
-impl RayStart {
-    /// The same for all lanes.
-    #[inline(always)]
-    pub(super) fn lanes<S: Simd>(&self, simd: S) -> RayStarts<S> {
-        RayStarts {
-            t: F64x16::splat(simd, self.t),
-            position: DVec3x16::splat(simd, self.position),
-            error: F64x16::splat(simd, self.error),
-            primitive: U64x16::splat(simd, self.primitive),
-        }
-    }
 }
 
 impl Starts {
@@ -270,19 +248,6 @@ impl IncoherentRays {
     #[inline(always)]
     pub(super) fn eye(&self) -> Option<DVec3> {
         self.eye
-    }
-
-    /// Where the rays of a packet leave surfaces, if they do.
-    #[inline(always)]
-    pub(super) fn starts_of_packet<S: Simd>(&self, simd: S, packet: usize) -> Option<RayStarts<S>> {
-        let starts = self.starts.as_ref()?;
-        let first = packet * LANES;
-        Some(RayStarts {
-            t: F64x16::load(simd, &starts.t[first..]),
-            position: DVec3x16::load(simd, columns(&starts.position, packet)),
-            error: F64x16::load(simd, &starts.error[first..]),
-            primitive: U64x16::load(simd, &starts.primitive[first..]),
-        })
     }
 
     /// t and error of all starts, and what they are on, if any starts at a surface.

@@ -12,8 +12,8 @@ use crate::visibility::primitive::Primitive;
 use crate::visibility::question::NearestHit;
 use crate::visibility::ray_batch::IncoherentRays;
 use crate::visibility::rays::{Rays, ShearedRays};
-use crate::visibility::search::{Along, AlongInPackets, AskedPacket, Way};
-use crate::visibility::shape::{Block, Sphere, SphereBlock, Triangle, TriangleBlock, disk, plane};
+use crate::visibility::search::{Along, DESCENTS, Way};
+use crate::visibility::shape::{Block, SphereBlock, TriangleBlock, disk, plane};
 use crate::visibility::shapes::Shapes;
 use crate::world::geometry::area_vector;
 
@@ -21,7 +21,7 @@ use crate::world::geometry::area_vector;
 struct NearestSpheres<'b> {
     rays: &'b IncoherentRays,
     hits: &'b mut Hits,
-    current: [usize; LANES],
+    current: [usize; DESCENTS],
 }
 
 impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
@@ -34,20 +34,23 @@ impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
     #[inline(always)]
     fn show(&mut self, simd: S, place: usize, block: &SphereBlock, bits: u32) -> Option<f64> {
         let ray = self.current[place];
-        let [origin, direction] = self.rays.ray(ray);
+        let way = self.rays.way(ray, 0.0);
+        if let Some(start) = self.rays.start(ray) {
+            for place in ones(bits) {
+                let (center, radius) = block.sphere(place);
+                let primitive = block.primitive(place);
+                if let Some(t) = leave::sphere(&way, &start, primitive, center, radius) {
+                    self.hits.offer(ray, t, primitive);
+                }
+            }
+            return Some(self.hits.t[ray]);
+        }
         let lanes = Rays::new(
-            DVec3x16::splat(simd, origin),
-            DVec3x16::splat(simd, direction),
+            DVec3x16::splat(simd, way.origin),
+            DVec3x16::splat(simd, way.direction),
             None,
         );
-        let met = match self.rays.start(ray) {
-            Some(start) => {
-                let own = Primitive(start.primitive);
-                block.first_met_after(simd, &lanes, &start.lanes(simd), own, bits)
-            }
-            None => block.first_met(simd, &lanes, bits),
-        };
-        if let Some((found, t)) = met {
+        if let Some((found, t)) = block.first_met(simd, &lanes, bits) {
             let t = t.to_array();
             for place in ones(found.to_bits()) {
                 self.hits.offer(ray, t[place], block.primitive(place));
@@ -60,36 +63,13 @@ impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
     fn end(&mut self, _: usize) {}
 }
 
-impl<S: Simd> AlongInPackets<S, Sphere> for NearestSpheres<'_> {
-    #[inline(always)]
-    fn show_shape(&mut self, simd: S, packet: &AskedPacket<'_, S>, sphere: &Sphere) {
-        let rays = &packet.rays.rays;
-        let met = match &packet.starts {
-            Some(starts) => sphere.first_met_after(simd, rays, starts, packet.asked),
-            None => sphere.first_met(simd, rays, packet.asked),
-        };
-        if let Some((found, t)) = met {
-            let t = t.to_array();
-            for lane in ones(found.to_bits()) {
-                self.hits
-                    .offer(packet.first + lane, t[lane], sphere.primitive());
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn limit(&self, place: usize) -> f64 {
-        self.hits.t[self.current[place]]
-    }
-}
-
 /// L2 for triangles: their candidates.
 struct NearestTriangles<'b, 'w> {
     shapes: &'b Shapes<'w>,
     rays: &'b IncoherentRays,
     hits: &'b mut Hits,
     pairs: &'b mut Vec<Pair>,
-    current: [CurrentRay; LANES],
+    current: [CurrentRay; DESCENTS],
 }
 
 impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
@@ -147,35 +127,6 @@ impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
     }
 }
 
-impl<S: Simd> AlongInPackets<S, Triangle> for NearestTriangles<'_, '_> {
-    #[inline(always)]
-    fn show_shape(&mut self, simd: S, packet: &AskedPacket<'_, S>, triangle: &Triangle) {
-        let met = triangle.met_by(simd, &packet.rays, packet.bits, packet.asked);
-        let Some((found, t)) = met else {
-            return;
-        };
-        let t = t.to_array();
-        for lane in ones(found.to_bits()) {
-            let ray = packet.first + lane;
-            if let Some(start) = self.rays.start(ray) {
-                let vertices = triangle.vertices();
-                let normal = area_vector(vertices);
-                if !leave::flat(&start, t[lane], triangle.primitive(), vertices[0], normal) {
-                    continue;
-                }
-            }
-            self.hits.offer(ray, t[lane], triangle.primitive());
-            let limit = &mut self.current[lane].limit;
-            *limit = limit.min(t[lane]);
-        }
-    }
-
-    #[inline(always)]
-    fn limit(&self, place: usize) -> f64 {
-        self.current[place].limit
-    }
-}
-
 impl Shapes<'_> {
     #[inline(always)]
     pub(super) fn nearest_all<S: Simd>(
@@ -192,10 +143,10 @@ impl Shapes<'_> {
             let mut asker = NearestSpheres {
                 rays,
                 hits,
-                current: [0; LANES],
+                current: [0; DESCENTS],
             };
             self.spheres
-                .along_in_packets(simd, rays, &mut asker, descents);
+                .along::<S, _, true>(simd, rays.count(), &mut asker, descents);
         }
         if !self.triangles.is_empty() {
             let mut asker = NearestTriangles {
@@ -203,10 +154,10 @@ impl Shapes<'_> {
                 rays,
                 hits,
                 pairs,
-                current: [CurrentRay::NONE; LANES],
+                current: [CurrentRay::NONE; DESCENTS],
             };
             self.triangles
-                .along_in_packets(simd, rays, &mut asker, descents);
+                .along::<S, _, true>(simd, rays.count(), &mut asker, descents);
             for pairs in pairs.chunks(LANES) {
                 self.meet_pairs(simd, rays, pairs, hits);
             }
