@@ -342,8 +342,8 @@ def measure_in(options, folder):
             render = functools.partial(candela, options, ["--samples", str(samples)])
             series.setdefault("candela --samples", []).append((samples, render))
         for text in options.max_error:
-            limit, *floor = text.split("@")
-            arguments = ["--max-error", limit] + (["--error-floor", floor[0]] if floor else [])
+            options_of = ["--max-error", "--error-floor", "--max-samples"]
+            arguments = sum(map(list, zip(options_of, text.split("@"))), [])
             render = functools.partial(candela, options, arguments)
             series.setdefault("candela --max-error", []).append((text, render))
     found = {name: [] for name in series}
@@ -386,7 +386,7 @@ def main():
     compare.add_argument("--yardstick", nargs="*", default=[], help="such as 16,4,centers or 16,1,spread")
     compare.add_argument("--embree", type=int, choices=(3, 4), default=4)
     compare.add_argument("--samples", type=int, nargs="*", default=[1, 4, 16, 64])
-    compare.add_argument("--max-error", nargs="*", default=[], help="such as 1%% or, with a floor, 1%%@0.3")
+    compare.add_argument("--max-error", nargs="*", default=[], help="such as 1%%, with a floor 1%%@0.3, with the most samples 1%%@0.3@16")
     compare.add_argument("--runs", type=int, default=3)
     compare.add_argument("--target", type=float, default=0.005)
     options = parser.parse_args()

@@ -125,10 +125,7 @@ impl Solid {
                 center,
                 normal,
                 radius,
-            } => {
-                let to_center = -view.origin.minus(center);
-                within_rim(view.direction, to_center, normal, radius)
-            }
+            } => within_disk(view, center, normal, radius),
             Self::Plane { .. } | Self::Triangle { .. } => return false,
         };
         inside.most() < 0.0
@@ -506,6 +503,12 @@ pub(super) fn within_rim(way: Vector, to_center: Vector, normal: DVec3, radius: 
     (facing * facing).times(radius * radius) - beside.dot(beside)
 }
 
+/// Where rays come through a disk: above 0 there.
+fn within_disk(view: &View, center: DVec3, normal: DVec3, radius: f64) -> Model {
+    let to_center = -view.origin.minus(center);
+    within_rim(view.direction, to_center, normal, radius)
+}
+
 impl Solid {
     /// Its silhouette in a square, if that is one curve there; and how far the rays get before it, at most.
     pub(super) fn silhouette(&self, view: &View) -> Option<(Silhouette, f64)> {
@@ -534,8 +537,7 @@ impl Solid {
                 normal,
                 radius,
             } => {
-                let to_center = -view.origin.minus(center);
-                let inside = within_rim(view.direction, to_center, normal, radius);
+                let inside = within_disk(view, center, normal, radius);
                 let surface = Surface::new(view, self)?;
                 let silhouette = Silhouette {
                     inside,
