@@ -222,8 +222,9 @@ impl LeavingRays<'_, '_> {
         let first = packet * LANES;
         let place = lanes.count;
         let count = bits.count_ones() as usize;
-        let of_packet = (reflected.origin, reflected.direction, reflected.t);
-        rays.push_reflected(simd, points, packet, of_packet);
+        let ray = (reflected.origin, reflected.direction);
+        let starts = points.ray_starts(simd, packet, reflected.t);
+        rays.push_reflected(simd, bits, ray, &starts);
         lanes.count += count;
         if count == LANES && place + LANES <= BATCH {
             lanes.sample[place..place + LANES].copy_from_slice(&above.sample[first..first + LANES]);

@@ -5,6 +5,9 @@
 //! candidate, what it is sure of says how far to look. In the end the candidates of all rays of the batch are
 //! put to f64, sixteen pairs of a ray and a triangle at a time, by the formulas of the packets. So a ray meets what it
 //! meets in a packet, at the same t to the bit, and ties go by the order of the scene.
+//!
+//! Where the rays of a packet go much the same way, as those of a curved mirror do, they go together
+//! ([`along_in_packets`](super::search::Search::along_in_packets)), and a leaf's shapes are put to all of them at once in f64.
 
 mod batch;
 mod candidates;

@@ -10,14 +10,15 @@ use std::ops::Range;
 
 use fearless_simd::Simd;
 
-use super::batch::{BATCH, Column, PACKETS, columns_mut};
+use super::batch::{BATCH, Column, PACKETS, columns, columns_mut};
 use super::primitive::{Primitive, SPHERES};
 use super::projection::NOTHING;
 use super::question::NearestHit;
+use super::ray_batch::{RayStart, RayStarts};
 use super::rays::{ROUNDING, Rays};
 use super::shapes::Shapes;
 use crate::math::{DVec3, Normal, Point};
-use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, ones};
+use crate::simd::{DVec3x16, F64x16, LANES, Mask64x16, U32x16, U64x16, ones};
 pub(crate) use facing::Facing;
 use lift::Lifts;
 pub(super) use met::surface_of;
@@ -167,6 +168,18 @@ struct Met<S: Simd> {
     is_curved: Mask64x16<S>,
 }
 
+impl From<Start> for RayStart {
+    /// Of a ray from there.
+    fn from(start: Start) -> Self {
+        Self {
+            t: 0.0,
+            position: start.position.0,
+            error: start.error,
+            primitive: start.primitive,
+        }
+    }
+}
+
 impl Points {
     /// Forgets all points.
     pub(super) fn begin(&mut self, is_smooth: bool) {
@@ -178,6 +191,18 @@ impl Points {
     /// Knows nothing of what was met before.
     pub(crate) fn forget(&mut self) {
         self.only = Only::Nothing;
+    }
+
+    /// Where the rays of a packet leave these points, at t of theirs.
+    #[inline(always)]
+    pub(crate) fn ray_starts<S: Simd>(&self, simd: S, packet: usize, t: F64x16<S>) -> RayStarts<S> {
+        let first = packet * LANES;
+        RayStarts {
+            t,
+            position: DVec3x16::load(simd, columns(&self.position, packet)),
+            error: F64x16::load(simd, &self.error[first..]),
+            primitive: U64x16::load(simd, &self.primitive[first..]),
+        }
     }
 
     /// Knows all points, and what they have in common.

@@ -3,10 +3,9 @@
 use fearless_simd::Simd;
 
 use super::batch::{BATCH, Column, columns, columns_from, columns_mut, first_lanes, vector};
-use super::points::{Points, Start};
 use super::rays::Rays;
 use crate::math::{DVec3, Point};
-use crate::simd::{DVec3x16, F64x16, LANES, ones};
+use crate::simd::{DVec3x16, F64x16, LANES, U64x16, ones};
 
 /// At most [`BATCH`] rays r(t) = o + t ω, ω of any length but zero, with what they have in common, if anything.
 ///
@@ -67,6 +66,28 @@ pub(crate) struct RayStart {
     pub(crate) primitive: u64,
 }
 
+/// Where the rays of a packet leave surfaces: [`RayStart`] lane by lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayStarts<S: Simd> {
+    pub(super) t: F64x16<S>,
+    pub(super) position: DVec3x16<S>,
+    pub(super) error: F64x16<S>,
+    pub(super) primitive: U64x16<S>,
+}
+
+impl RayStart {
+    /// The same for all lanes.
+    #[inline(always)]
+    pub(super) fn lanes<S: Simd>(&self, simd: S) -> RayStarts<S> {
+        RayStarts {
+            t: F64x16::splat(simd, self.t),
+            position: DVec3x16::splat(simd, self.position),
+            error: F64x16::splat(simd, self.error),
+            primitive: U64x16::splat(simd, self.primitive),
+        }
+    }
+}
+
 impl Starts {
     fn none() -> Box<Self> {
         Box::new(Self {
@@ -75,18 +96,6 @@ impl Starts {
             error: Column::ZERO,
             primitive: [u64::MAX; BATCH],
         })
-    }
-}
-
-impl From<Start> for RayStart {
-    /// Of a ray from there.
-    fn from(start: Start) -> Self {
-        Self {
-            t: 0.0,
-            position: start.position.0,
-            error: start.error,
-            primitive: start.primitive,
-        }
     }
 }
 
@@ -183,43 +192,35 @@ impl IncoherentRays {
         starts.primitive[ray] = start.primitive;
     }
 
-    /// Puts the rays of a packet to the others that come from the image of their eye in a plane mirror, and leave the points
-    /// that are hit: as [`Self::push_from`] does one by one.
+    /// Puts the rays of a packet to the others that come from the image of their eye in a plane mirror, and leave a
+    /// surface: as [`Self::push_from`] does one by one.
     #[inline(always)]
     pub(crate) fn push_reflected<S: Simd>(
         &mut self,
         simd: S,
-        points: &Points,
-        packet: usize,
-        (origin, direction, t): (DVec3, DVec3x16<S>, F64x16<S>),
+        bits: u32,
+        (origin, direction): (DVec3, DVec3x16<S>),
+        left: &RayStarts<S>,
     ) {
-        let bits = points.hit[packet];
-        let (first, place) = (packet * LANES, self.count);
+        let place = self.count;
         let is_shared = place == 0 || self.eye == Some(origin);
         self.eye = is_shared.then_some(origin);
         self.count += bits.count_ones() as usize;
         let starts = self.starts.get_or_insert_with(Starts::none);
-        let position = columns(&points.position, packet);
-        let error = &points.error[first..first + LANES];
+        let primitive = left.primitive.to_array();
         if self.count == place + LANES {
             DVec3x16::splat(simd, origin).store(columns_from(&mut self.origin, place));
             direction.store(columns_from(&mut self.direction, place));
-            t.store(&mut starts.t[place..]);
-            let [x, y, z] = columns_from(&mut starts.position, place);
-            x[..LANES].copy_from_slice(position[0]);
-            y[..LANES].copy_from_slice(position[1]);
-            z[..LANES].copy_from_slice(position[2]);
-            starts.error[place..place + LANES].copy_from_slice(error);
-            starts.primitive[place..place + LANES]
-                .copy_from_slice(&points.primitive[first..first + LANES]);
+            left.t.store(&mut starts.t[place..]);
+            left.position
+                .store(columns_from(&mut starts.position, place));
+            left.error.store(&mut starts.error[place..]);
+            starts.primitive[place..place + LANES].copy_from_slice(&primitive);
             return;
         }
-        let direction = [
-            direction.x.to_array(),
-            direction.y.to_array(),
-            direction.z.to_array(),
-        ];
-        let t = t.to_array();
+        let [direction, position] =
+            [direction, left.position].map(|v| [v.x.to_array(), v.y.to_array(), v.z.to_array()]);
+        let (t, error) = (left.t.to_array(), left.error.to_array());
         for (ray, lane) in (place..).zip(ones(bits)) {
             for axis in 0..3 {
                 self.origin[axis][ray] = origin[axis];
@@ -228,7 +229,7 @@ impl IncoherentRays {
             }
             starts.t[ray] = t[lane];
             starts.error[ray] = error[lane];
-            starts.primitive[ray] = points.primitive[first + lane];
+            starts.primitive[ray] = primitive[lane];
         }
     }
 
@@ -248,6 +249,19 @@ impl IncoherentRays {
     #[inline(always)]
     pub(super) fn eye(&self) -> Option<DVec3> {
         self.eye
+    }
+
+    /// Where the rays of a packet leave surfaces, if they do.
+    #[inline(always)]
+    pub(super) fn starts_of_packet<S: Simd>(&self, simd: S, packet: usize) -> Option<RayStarts<S>> {
+        let starts = self.starts.as_ref()?;
+        let first = packet * LANES;
+        Some(RayStarts {
+            t: F64x16::load(simd, &starts.t[first..]),
+            position: DVec3x16::load(simd, columns(&starts.position, packet)),
+            error: F64x16::load(simd, &starts.error[first..]),
+            primitive: U64x16::load(simd, &starts.primitive[first..]),
+        })
     }
 
     /// t and error of all starts, and what they are on, if any starts at a surface.

@@ -1,7 +1,11 @@
 //! All shapes of one kind: a list to go through, or a tree over it.
 
+mod packets;
+
 use fearless_simd::Simd;
 use rayon::prelude::*;
+
+pub(super) use packets::{AlongInPackets, AskedPacket};
 
 use super::packet::{Question, descend};
 use super::primitive::Primitive;
@@ -9,8 +13,8 @@ use super::projection::{BatchProjection, DepthTest};
 use super::rays::ShearedRays;
 use super::shape::{Block, Shape};
 use super::tree::{
-    Approach, BlockRange, Bounds, Descent, HalfSpace, PlacedPart, Stack, Step, Tree, TreeRay,
-    TreeVolume, blocks_of,
+    Approach, BlockRange, Bounds, Descent, HalfSpace, PlacedPart, Stack, Step, Tree, TreeFrame,
+    TreeRay, TreeVolume, blocks_of,
 };
 use crate::math::DVec3;
 use crate::simd::{LANES, ones};
@@ -36,6 +40,8 @@ pub(super) struct Search<T: Shape> {
     /// How many are gone through one by one.
     listed: usize,
     tree: Option<Tree>,
+    /// The tree's, or one around the listed shapes.
+    frame: TreeFrame,
 }
 
 /// The shapes of one kind, by their numbers.
@@ -51,12 +57,6 @@ pub(super) trait NumberedShapes<T: Shape>: Sync {
     fn exact(&self) -> T::Exact;
 }
 
-/// Rays that are on their way at once.
-pub(super) const DESCENTS: usize = 8;
-
-/// Their ways.
-pub(super) type Descents = [Descent; DESCENTS];
-
 /// A ray as it sets out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
@@ -68,9 +68,9 @@ pub(super) struct Way {
     pub(super) limit: f64,
 }
 
-/// What rays ask on their way along blocks, [`DESCENTS`] at once.
+/// What rays ask on their way along blocks, some at once.
 pub(super) trait Along<S: Simd, B> {
-    /// A ray of the batch takes a place, if it asks for anything.
+    /// A ray of the batch takes a place below [`LANES`], if it asks for anything.
     fn begin(&mut self, place: usize, ray: usize) -> Option<Way>;
 
     /// Asks the shapes of a block with a bit for the ray at a place; how far to go from then on, if at all.
@@ -142,11 +142,20 @@ impl<T: Shape> Search<T> {
             }
             T::Block::of(&some[..numbers.len()], (index * T::WIDTH) as u32)
         });
+        let frame = tree.as_ref().map(|tree| TreeFrame {
+            center: tree.center,
+            scale: tree.scale,
+        });
+        let frame = frame.unwrap_or_else(|| {
+            let bounds = order.iter().map(|&number| shapes.bounds(number));
+            TreeFrame::around(bounds.fold(Bounds::NOWHERE, Bounds::union))
+        });
         Self {
             blocks: blocks.collect(),
             exact: shapes.exact(),
             listed,
             tree,
+            frame,
         }
     }
 
@@ -319,20 +328,19 @@ impl<T: Shape> Search<T> {
         }
     }
 
-    /// Takes `count` rays along all blocks that they may meet, near ones first if it is `SORTED`. A few are on their
+    /// Takes rays along all blocks that they may meet, near ones first if it is `SORTED`. A few are on their
     /// way at once and take turns: each step of one reads from memory what another step will wait for.
     #[inline(always)]
     pub(super) fn along<S: Simd, A: Along<S, T::Block>, const SORTED: bool>(
         &self,
         simd: S,
-        count: usize,
+        mut rays: impl Iterator<Item = usize>,
         asker: &mut A,
-        descents: &mut Descents,
+        descents: &mut [Descent],
     ) {
-        let mut next = 0;
         let mut waiting = 0_u32;
         for (place, descent) in descents.iter_mut().enumerate() {
-            let is_on_its_way = self.set_out(simd, place, &mut next, count, asker, descent);
+            let is_on_its_way = self.set_out(simd, place, &mut rays, asker, descent);
             waiting |= u32::from(is_on_its_way) << place;
         }
         let Some(tree) = &self.tree else {
@@ -360,7 +368,7 @@ impl<T: Shape> Search<T> {
                 };
                 if is_done {
                     asker.end(place);
-                    let is_on_its_way = self.set_out(simd, place, &mut next, count, asker, descent);
+                    let is_on_its_way = self.set_out(simd, place, &mut rays, asker, descent);
                     waiting &= !(u32::from(!is_on_its_way) << place);
                 }
                 if let Some(block) = descent.look_ahead(tree) {
@@ -376,14 +384,11 @@ impl<T: Shape> Search<T> {
         &self,
         simd: S,
         place: usize,
-        next: &mut usize,
-        count: usize,
+        rays: &mut impl Iterator<Item = usize>,
         asker: &mut A,
         descent: &mut Descent,
     ) -> bool {
-        while *next < count {
-            let ray = *next;
-            *next += 1;
+        for ray in rays {
             let Some(way) = asker.begin(place, ray) else {
                 continue;
             };

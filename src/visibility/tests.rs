@@ -21,6 +21,7 @@ mod parallel;
 mod parts;
 mod shafts;
 mod suns;
+mod together;
 
 /// Columns and rows of the images.
 const RESOLUTION: [u32; 2] = [64, 48];

@@ -7,9 +7,10 @@ use crate::simd::{DVec3x16, LANES, U64x16};
 use crate::visibility::batch::{BATCH, Column, first_lanes};
 use crate::visibility::ray_batch::IncoherentRays;
 use crate::visibility::rays::Rays;
-use crate::visibility::search::{Descents, Way};
+use crate::visibility::search::Way;
 use crate::visibility::shape::{SingleRay, TrianglePerRay, side_by_side};
 use crate::visibility::shapes::Shapes;
+use crate::visibility::tree::Descents;
 
 /// What a thread needs for batches, to be used again and again.
 #[derive(Debug)]

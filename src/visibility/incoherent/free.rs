@@ -7,9 +7,10 @@ use super::candidates::{Candidates, CurrentRay, Pair};
 use crate::simd::{DVec3x16, LANES, ones};
 use crate::visibility::batch::{PACKETS, first_lanes};
 use crate::visibility::rays::{Rays, ShearedRays};
-use crate::visibility::search::{Along, DESCENTS, Way};
+use crate::visibility::search::{Along, Way};
 use crate::visibility::shape::{Block, SphereBlock, TriangleBlock, disk, plane};
 use crate::visibility::shapes::Shapes;
+use crate::visibility::tree::DESCENTS;
 
 /// A segment is not free.
 #[inline(always)]
@@ -138,8 +139,12 @@ impl Shapes<'_> {
                 free: &mut free,
                 current: [0; DESCENTS],
             };
-            self.spheres
-                .along::<S, _, false>(simd, segments.count, &mut asker, descents);
+            self.spheres.along::<S, _, false>(
+                simd,
+                0..segments.count,
+                &mut asker,
+                &mut descents.alone,
+            );
         }
         if !self.triangles.is_empty() {
             let mut asker = SegmentTriangles {
@@ -149,8 +154,12 @@ impl Shapes<'_> {
                 pairs,
                 current: [CurrentRay::NONE; DESCENTS],
             };
-            self.triangles
-                .along::<S, _, false>(simd, segments.count, &mut asker, descents);
+            self.triangles.along::<S, _, false>(
+                simd,
+                0..segments.count,
+                &mut asker,
+                &mut descents.alone,
+            );
             for pairs in pairs.chunks(LANES) {
                 for lane in ones(self.hidden_pairs(simd, segments, pairs)) {
                     hide(&mut free, pairs[lane].ray as usize);

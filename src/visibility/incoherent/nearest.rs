@@ -12,8 +12,8 @@ use crate::visibility::primitive::Primitive;
 use crate::visibility::question::NearestHit;
 use crate::visibility::ray_batch::IncoherentRays;
 use crate::visibility::rays::{Rays, ShearedRays};
-use crate::visibility::search::{Along, DESCENTS, Way};
-use crate::visibility::shape::{Block, SphereBlock, TriangleBlock, disk, plane};
+use crate::visibility::search::{Along, AlongInPackets, AskedPacket, Way};
+use crate::visibility::shape::{Block, Sphere, SphereBlock, Triangle, TriangleBlock, disk, plane};
 use crate::visibility::shapes::Shapes;
 use crate::world::geometry::area_vector;
 
@@ -21,7 +21,7 @@ use crate::world::geometry::area_vector;
 struct NearestSpheres<'b> {
     rays: &'b IncoherentRays,
     hits: &'b mut Hits,
-    current: [usize; DESCENTS],
+    current: [usize; LANES],
 }
 
 impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
@@ -34,23 +34,20 @@ impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
     #[inline(always)]
     fn show(&mut self, simd: S, place: usize, block: &SphereBlock, bits: u32) -> Option<f64> {
         let ray = self.current[place];
-        let way = self.rays.way(ray, 0.0);
-        if let Some(start) = self.rays.start(ray) {
-            for place in ones(bits) {
-                let (center, radius) = block.sphere(place);
-                let primitive = block.primitive(place);
-                if let Some(t) = leave::sphere(&way, &start, primitive, center, radius) {
-                    self.hits.offer(ray, t, primitive);
-                }
-            }
-            return Some(self.hits.t[ray]);
-        }
+        let [origin, direction] = self.rays.ray(ray);
         let lanes = Rays::new(
-            DVec3x16::splat(simd, way.origin),
-            DVec3x16::splat(simd, way.direction),
+            DVec3x16::splat(simd, origin),
+            DVec3x16::splat(simd, direction),
             None,
         );
-        if let Some((found, t)) = block.first_met(simd, &lanes, bits) {
+        let met = match self.rays.start(ray) {
+            Some(start) => {
+                let own = Primitive(start.primitive);
+                block.first_met_after(simd, &lanes, &start.lanes(simd), own, bits)
+            }
+            None => block.first_met(simd, &lanes, bits),
+        };
+        if let Some((found, t)) = met {
             let t = t.to_array();
             for place in ones(found.to_bits()) {
                 self.hits.offer(ray, t[place], block.primitive(place));
@@ -63,13 +60,36 @@ impl<S: Simd> Along<S, SphereBlock> for NearestSpheres<'_> {
     fn end(&mut self, _: usize) {}
 }
 
+impl<S: Simd> AlongInPackets<S, Sphere> for NearestSpheres<'_> {
+    #[inline(always)]
+    fn show_shape(&mut self, simd: S, packet: &AskedPacket<'_, S>, sphere: &Sphere) {
+        let rays = &packet.rays.rays;
+        let met = match &packet.starts {
+            Some(starts) => sphere.first_met_after(simd, rays, starts, packet.asked),
+            None => sphere.first_met(simd, rays, packet.asked),
+        };
+        if let Some((found, t)) = met {
+            let t = t.to_array();
+            for lane in ones(found.to_bits()) {
+                self.hits
+                    .offer(packet.first + lane, t[lane], sphere.primitive());
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self, place: usize) -> f64 {
+        self.hits.t[self.current[place]]
+    }
+}
+
 /// L2 for triangles: their candidates.
 struct NearestTriangles<'b, 'w> {
     shapes: &'b Shapes<'w>,
     rays: &'b IncoherentRays,
     hits: &'b mut Hits,
     pairs: &'b mut Vec<Pair>,
-    current: [CurrentRay; DESCENTS],
+    current: [CurrentRay; LANES],
 }
 
 impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
@@ -127,6 +147,35 @@ impl<S: Simd> Along<S, TriangleBlock> for NearestTriangles<'_, '_> {
     }
 }
 
+impl<S: Simd> AlongInPackets<S, Triangle> for NearestTriangles<'_, '_> {
+    #[inline(always)]
+    fn show_shape(&mut self, simd: S, packet: &AskedPacket<'_, S>, triangle: &Triangle) {
+        let met = triangle.met_by(simd, &packet.rays, packet.bits, packet.asked);
+        let Some((found, t)) = met else {
+            return;
+        };
+        let t = t.to_array();
+        for lane in ones(found.to_bits()) {
+            let ray = packet.first + lane;
+            if let Some(start) = self.rays.start(ray) {
+                let vertices = triangle.vertices();
+                let normal = area_vector(vertices);
+                if !leave::flat(&start, t[lane], triangle.primitive(), vertices[0], normal) {
+                    continue;
+                }
+            }
+            self.hits.offer(ray, t[lane], triangle.primitive());
+            let limit = &mut self.current[lane].limit;
+            *limit = limit.min(t[lane]);
+        }
+    }
+
+    #[inline(always)]
+    fn limit(&self, place: usize) -> f64 {
+        self.current[place].limit
+    }
+}
+
 impl Shapes<'_> {
     #[inline(always)]
     pub(super) fn nearest_all<S: Simd>(
@@ -143,10 +192,10 @@ impl Shapes<'_> {
             let mut asker = NearestSpheres {
                 rays,
                 hits,
-                current: [0; DESCENTS],
+                current: [0; LANES],
             };
             self.spheres
-                .along::<S, _, true>(simd, rays.count(), &mut asker, descents);
+                .along_in_packets(simd, rays, &mut asker, descents);
         }
         if !self.triangles.is_empty() {
             let mut asker = NearestTriangles {
@@ -154,10 +203,10 @@ impl Shapes<'_> {
                 rays,
                 hits,
                 pairs,
-                current: [CurrentRay::NONE; DESCENTS],
+                current: [CurrentRay::NONE; LANES],
             };
             self.triangles
-                .along::<S, _, true>(simd, rays.count(), &mut asker, descents);
+                .along_in_packets(simd, rays, &mut asker, descents);
             for pairs in pairs.chunks(LANES) {
                 self.meet_pairs(simd, rays, pairs, hits);
             }

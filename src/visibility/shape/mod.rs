@@ -14,7 +14,7 @@ use super::projection::{BatchProjection, DepthTest};
 use super::question::{NearestHit, Occlusion};
 use super::rays::ShearedRays;
 use super::tree::{Beam, Bounds};
-pub(in crate::visibility) use sphere::{Sphere, SphereBlock, single_crossings};
+pub(in crate::visibility) use sphere::{Sphere, SphereBlock};
 pub(in crate::visibility) use triangle::{
     PlaneSetup, SingleRay, Triangle, TriangleBlock, TrianglePerRay, edge, side_by_side,
 };

@@ -1,6 +1,7 @@
 //! L2 and L4 for spheres: ‖r(t) − c‖² = R².
 
 mod conic;
+mod leaving;
 mod single;
 
 use fearless_simd::Simd;
@@ -66,38 +67,6 @@ fn crossings<S: Simd>(
         first: a.min(b),
         second: b.max(a),
     })
-}
-
-/// The same of one line, to the same bits; `None` if it does not meet the sphere.
-#[inline]
-pub(in crate::visibility) fn single_crossings(
-    [origin, direction]: [DVec3; 2],
-    center: DVec3,
-    radius: f64,
-) -> Option<[f64; 2]> {
-    let square = direction.dot(direction);
-    let oc = -(origin - center);
-    let along = oc.dot(direction);
-    let inverse_square = 1.0 / square;
-    let across = oc - direction * (along * inverse_square);
-    let discriminant = -across.dot(across) + radius * radius;
-    if discriminant < 0.0 || discriminant.is_nan() {
-        return None;
-    }
-    let root = (square * discriminant).sqrt();
-    let q = if along < 0.0 {
-        along - root
-    } else {
-        along + root
-    };
-    let distance = oc.dot(oc).sqrt();
-    let c = (distance - radius) * (distance + radius);
-    let [a, b] = if q == 0.0 {
-        [0.0; 2]
-    } else {
-        [q * inverse_square, c / q]
-    };
-    Some([a.min(b), b.max(a)])
 }
 
 impl Sphere {

@@ -223,6 +223,30 @@ impl Triangle {
         passes_through(simd, self.vertices, packet, asked)
     }
 
+    /// L2: which of the rays in `asked`, by bits and by lanes, meet it at t above 0, and where; `None` if none does.
+    #[inline(always)]
+    pub(in crate::visibility) fn met_by<S: Simd>(
+        &self,
+        simd: S,
+        packet: &ShearedRays<S>,
+        bits: u32,
+        asked: Mask64x16<S>,
+    ) -> Option<(Mask64x16<S>, F64x16<S>)> {
+        let passes = self.passed_through(simd, packet, bits) & asked;
+        if !passes.any() {
+            return None;
+        }
+        let [a, b, c] = self.vertices;
+        let corners = [
+            DVec3x16::splat(simd, a),
+            DVec3x16::splat(simd, b),
+            DVec3x16::splat(simd, c),
+        ];
+        let setup = PlaneSetup::new(corners, packet.rays.origin);
+        let (is_met, t) = met_apart(simd, &setup, &packet.rays, passes);
+        Some((passes & is_met, t))
+    }
+
     #[inline]
     pub(in crate::visibility) fn new(primitive: Primitive, vertices: [DVec3; 3]) -> Self {
         let start = Turn::to_shorter_edges(vertices);
@@ -381,19 +405,9 @@ impl Shape for Triangle {
 
     #[inline(always)]
     fn intersect<S: Simd>(&self, simd: S, packet: &ShearedRays<S>, nearest: &mut NearestHit<S>) {
-        let passes = self.passed_through(simd, packet, nearest.asked_bits) & nearest.asked;
-        if !passes.any() {
-            return;
+        if let Some((found, t)) = self.met_by(simd, packet, nearest.asked_bits, nearest.asked) {
+            nearest.offer(simd, found, t, self.primitive);
         }
-        let [a, b, c] = self.vertices;
-        let corners = [
-            DVec3x16::splat(simd, a),
-            DVec3x16::splat(simd, b),
-            DVec3x16::splat(simd, c),
-        ];
-        let setup = PlaneSetup::new(corners, packet.rays.origin);
-        let (is_met, t) = met_apart(simd, &setup, &packet.rays, passes);
-        nearest.offer(simd, passes & is_met, t, self.primitive);
     }
 
     #[inline]

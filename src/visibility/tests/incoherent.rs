@@ -228,11 +228,17 @@ pub(super) fn agrees_with_brute_force(world: &World, size: f64, count: u32) -> f
 #[track_caller]
 pub(super) fn agree_with_brute_force(visibility: &Visibility<'_>, size: f64, count: u32) -> f64 {
     let all = Everything::new(visibility.shapes.world);
-    let rays = bundle(&all, size, count);
-    let expected = SimdLevel::default().run(BruteForce(&all, &rays));
+    agree_with_rays(visibility, &bundle(&all, size, count))
+}
+
+/// The same of any rays.
+#[track_caller]
+pub(super) fn agree_with_rays(visibility: &Visibility<'_>, rays: &[Ray]) -> f64 {
+    let all = Everything::new(visibility.shapes.world);
+    let expected = SimdLevel::default().run(BruteForce(&all, rays));
     for (name, level) in SimdLevel::available() {
-        let found = level.run(Traced(visibility, &rays));
-        for ((found, expected), ray) in found.iter().zip(&expected).zip(&rays) {
+        let found = level.run(Traced(visibility, rays));
+        for ((found, expected), ray) in found.iter().zip(&expected).zip(rays) {
             let bits = |(t, primitive): (f64, u64)| (t.to_bits(), primitive);
             assert_eq!(
                 bits(*found),
@@ -242,7 +248,7 @@ pub(super) fn agree_with_brute_force(visibility: &Visibility<'_>, size: f64, cou
         }
     }
     let hit = expected.iter().filter(|(t, _)| t.is_finite()).count();
-    hit as f64 / f64::from(count)
+    hit as f64 / rays.len() as f64
 }
 
 fn clutter(size: f64, place: [f64; 3], triangles: u32, spheres: u32) -> Writer {

@@ -7,7 +7,7 @@ use super::node::WIDTH;
 use super::stack::{Entry, Stack};
 use super::wide::{Tree, WideNode};
 use crate::math::DVec3;
-use crate::simd::{Mask64x16, ones};
+use crate::simd::{F64x16, Mask64x16, ones};
 use crate::visibility::batch::range;
 use crate::visibility::rays::{ROUNDING, Rays};
 
@@ -16,7 +16,7 @@ use crate::visibility::rays::{ROUNDING, Rays};
 const PLANE_ERROR: f64 = 1.0 / (1 << 20) as f64;
 
 /// The largest coordinate of a box in a tree's frame, in which the whole is about 1 across.
-const REACH: f64 = 2.0;
+pub(super) const REACH: f64 = 2.0;
 
 /// Further from a tree than this, in its own size, no ray tells its boxes apart.
 const FARTHEST: f64 = 1e30;
@@ -90,16 +90,33 @@ impl BeamPlane {
 /// Four planes around some rays, and where they start along their middle.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::visibility) struct Beam {
-    sides: [Side; 4],
-    start: Side,
+    pub(super) sides: [Side; 4],
+    pub(super) start: Side,
     /// How far along `start` boxes have to reach, to be ahead of where the rays start.
-    behind: f32,
+    pub(super) behind: f32,
     /// From the world to the tree's frame.
-    center: DVec3,
-    scale: f64,
+    pub(super) center: DVec3,
+    pub(super) scale: f64,
 }
 
 impl Beam {
+    /// No rays.
+    pub(super) const NONE: Self = {
+        let side = Side {
+            exact: DVec3::ZERO,
+            normal: [0.0; 3],
+            upper: [0; 3],
+            offset: f32::INFINITY,
+        };
+        Self {
+            sides: [side; 4],
+            start: side,
+            behind: f32::INFINITY,
+            center: DVec3::ZERO,
+            scale: 1.0,
+        }
+    };
+
     /// Rays from `origin` whose directions are x u + y v + w, or the like of it, with x and y in a
     /// rectangle. What is `error` beside them counts as met: an end that is this far off may be on a sphere.
     #[inline(always)]
@@ -217,6 +234,27 @@ impl Beam {
         (beam, deepest)
     }
 
+    /// How deep rays start along the beam, and how much deeper they are with t, in the tree's frame.
+    #[inline(always)]
+    pub(super) fn depths<S: Simd>(&self, rays: &Rays<S>) -> [F64x16<S>; 2] {
+        let origin = rays.origin.minus(self.center);
+        let along = self.start.exact * self.scale;
+        [origin.dot_with(along), rays.direction.dot_with(along)]
+    }
+
+    /// A depth in the tree's frame, of a ray that starts at another one, or somewhat more: boxes that
+    /// [begin](Self::meet) beyond it are deeper.
+    #[inline(always)]
+    pub(super) fn limit_in_frame(depth: f64, start: f64) -> f32 {
+        let rounding = start.abs() * (4.0 * ROUNDING);
+        let limit = depth + (REACH + depth.abs()) * (4.0 * PLANE_ERROR) + rounding;
+        if limit < FARTHEST {
+            limit as f32
+        } else {
+            f32::INFINITY
+        }
+    }
+
     /// Any rays.
     fn everything(tree: &Tree) -> Self {
         let side = Side::new(DVec3::ZERO, f64::NEG_INFINITY, 0.0, 0.0);
@@ -245,7 +283,12 @@ impl Beam {
     /// One bit for each child of a node whose box a ray might meet up to `limit`, and how deep the box
     /// begins.
     #[inline(always)]
-    fn meet<S: Simd>(&self, simd: S, node: &WideNode, limit: f32) -> (u32, [f32; WIDTH]) {
+    pub(super) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        node: &WideNode,
+        limit: f32,
+    ) -> (u32, [f32; WIDTH]) {
         let [left, right, bottom, top] = &self.sides;
         let begins = self.start.reach(simd, node, 0);
         let meets = left.reach(simd, node, 1).simd_ge(left.offset)

@@ -11,16 +11,16 @@ const LARGEST_EXPONENT: i32 = 100;
 
 /// In which the whole tree is about 1 across, around the origin: f32 does for its boxes at any scale and anywhere.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TreeFrame {
+pub(in crate::visibility) struct TreeFrame {
     /// Its middle in world space.
-    pub(super) center: DVec3,
+    pub(in crate::visibility) center: DVec3,
     /// From lengths of the world to lengths of the frame: a power of two.
-    pub(super) scale: f64,
+    pub(in crate::visibility) scale: f64,
 }
 
 impl TreeFrame {
     /// Around a box of the world.
-    pub(super) fn around(whole: Bounds) -> Self {
+    pub(in crate::visibility) fn around(whole: Bounds) -> Self {
         let size = (whole.max - whole.min).max_element();
         // Shapes smaller than the rounding of their place may have no size in common.
         let exponent = if size > 0.0 { libm::ilogb(size) } else { 0 };

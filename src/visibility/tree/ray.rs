@@ -56,7 +56,7 @@ pub(in crate::visibility) enum Approach {
 }
 
 impl TreeRay {
-    const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         inverse: [0.0; 3],
         near: [0.0; 3],
         far: [0.0; 3],
@@ -136,6 +136,12 @@ impl TreeRay {
         (limit + limit.abs() * f64::from(f32::EPSILON)) as f32
     }
 
+    /// Across an axis 1/d, and −o/d less and more what slabs give way.
+    #[inline(always)]
+    pub(super) fn slab_of(&self, axis: usize) -> [f32; 3] {
+        [self.inverse[axis], self.near[axis], self.far[axis]]
+    }
+
     /// Where the ray enters the slabs of a node's boxes across an axis, and where it leaves them.
     #[inline(always)]
     fn slab<S: Simd>(&self, simd: S, node: &WideNode, axis: usize) -> (f32x8<S>, f32x8<S>) {
@@ -171,6 +177,9 @@ pub(in crate::visibility) struct Descent {
     height: usize,
     limit: f32,
 }
+
+/// Rays that go alone, and are on their way at once.
+pub(in crate::visibility) const DESCENTS: usize = 8;
 
 /// What a step comes to.
 #[derive(Clone, Copy, Debug)]

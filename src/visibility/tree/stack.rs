@@ -17,7 +17,7 @@ pub(in crate::visibility) struct Entry {
 const DEEPEST: usize = 64 + 11;
 
 /// Boxes that wait to be opened at most: each node leaves 7 behind.
-const STACK: usize = DEEPEST * (WIDTH - 1) + 2 * WIDTH;
+pub(super) const STACK: usize = DEEPEST * (WIDTH - 1) + 2 * WIDTH;
 
 /// Boxes that wait to be opened.
 pub(in crate::visibility) type Stack = [Entry; STACK];

@@ -4,7 +4,6 @@ use fearless_simd::Simd;
 
 use super::conic::SphereLanes;
 use super::{Crossings, SphereBlock, crossings, is_between};
-use crate::math::DVec3;
 use crate::simd::{DVec3x16, F64x16, Mask64x16};
 use crate::visibility::primitive::Primitive;
 use crate::visibility::question::End;
@@ -13,13 +12,6 @@ use crate::visibility::rays::{ROUNDING, Rays};
 impl SphereBlock {
     pub(in crate::visibility) fn primitive(&self, place: usize) -> Primitive {
         Primitive::whole(self.object[place])
-    }
-
-    /// The center and the radius of the one at a place.
-    #[inline(always)]
-    pub(in crate::visibility) fn sphere(&self, place: usize) -> (DVec3, f64) {
-        let [x, y, z] = &self.center;
-        (DVec3::new(x[place], y[place], z[place]), self.radius[place])
     }
 
     /// L2: which of the spheres with a bit a ray meets at t above 0, from outside or inside, and where first;
@@ -51,10 +43,10 @@ impl SphereBlock {
         Some((exist & t.is_positive(), t))
     }
 
-    /// One bit for each place that has the shape which an end is on.
+    /// One bit for each place that has a shape.
     #[inline(always)]
-    fn own(&self, end: &End) -> u32 {
-        let (object, part) = end.primitive.parts();
+    pub(in crate::visibility) fn places_of(&self, primitive: Primitive) -> u32 {
+        let (object, part) = primitive.parts();
         if part != 0 {
             return 0;
         }
@@ -88,7 +80,7 @@ impl SphereBlock {
         let start_length = start.position.length();
         let at_start = (start_distance + radius + start_length) * ROUNDING + start.error;
         let start_off = start_distance - radius;
-        let is_own = Mask64x16::from_bits(simd, self.own(start));
+        let is_own = Mask64x16::from_bits(simd, self.places_of(start.primitive));
         let is_on_start = if start.error > 0.0 {
             is_own | start_off.abs().le(at_start)
         } else {
@@ -99,7 +91,8 @@ impl SphereBlock {
         let reach = outwards.taxicab() + radius;
         let at_end = reach * ROUNDING + end.error;
         let off = distance_square - radius * radius;
-        let is_on_end = Mask64x16::from_bits(simd, self.own(end)) | off.abs().le(at_end * reach);
+        let is_on_end = Mask64x16::from_bits(simd, self.places_of(end.primitive))
+            | off.abs().le(at_end * reach);
         // From the start inwards to an end outside, and from a start outside inwards at the end.
         let leads_in = (-from_start.dot(rays.direction)).is_positive();
         let leads_out = outwards.dot(rays.direction).is_positive();
