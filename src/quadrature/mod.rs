@@ -12,6 +12,7 @@
 mod area;
 mod border;
 mod clip;
+mod division;
 mod edge;
 mod light;
 mod model;
@@ -33,7 +34,7 @@ use crate::simd::SimdLevel;
 use crate::visibility::{ShaftSpace, Visibility, object_and_triangle};
 use crate::world::{Light, World};
 use patch::{Fit, Patch};
-use radiance::{Radiance, WIDE_BORDER};
+use radiance::{Content, Radiance, WIDE_BORDER};
 use shafts::{Known, Region};
 use surface::Surface;
 use view::{Square, View};
@@ -230,12 +231,12 @@ struct Told {
 
 /// The mean over a square.
 #[derive(Clone, Copy, Debug)]
-struct Mean {
+pub(crate) struct Mean {
     /// R, G, B, A, and how far each is off at most.
-    value: [f64; 4],
-    error: [f64; 4],
-    /// Whether that is proven.
-    is_bound: bool,
+    pub(crate) value: [f64; 4],
+    pub(crate) error: [f64; 4],
+    /// Whether that is proven; else it is estimated from some points.
+    pub(crate) is_bound: bool,
 }
 
 impl Mean {
@@ -541,7 +542,7 @@ impl<'w> Quadrature<'w> {
                 _ => false,
             };
         Verdict::Open {
-            range: self.range(square, view, told, surface),
+            range: self.range(square, view, told, surface, Content::Unsampled),
             is_smooth,
         }
     }

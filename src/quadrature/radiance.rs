@@ -54,6 +54,14 @@ impl Radiance {
     }
 }
 
+/// Which radiance of a square a range is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    All,
+    /// What samples of a pixel may not meet: not what penumbrae as wide as it add.
+    Unsampled,
+}
+
 /// A light that reaches a square.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arriving {
@@ -261,11 +269,12 @@ impl Quadrature<'_> {
         view: &View,
         told: &Told,
         surface: Option<&Surface>,
+        content: Content,
     ) -> Option<Range> {
         let background = Range::new(self.world.background().0.0, 0.0);
         match (told.primary, surface) {
             (Primary::Background, _) => Some(background),
-            (Primary::One(shape), Some(surface)) => self.range_of(shape, surface, told),
+            (Primary::One(shape), Some(surface)) => self.range_of(shape, surface, told, content),
             (Primary::Several(list), _) => {
                 let shapes = self.list(list).to_vec();
                 let mut all: Option<Range> =
@@ -280,7 +289,8 @@ impl Quadrature<'_> {
                         Some(surface) => {
                             let (lists, kept) = (self.lists.len(), self.reaches.len());
                             let reaches = self.reach_all(shape, &surface, Known::Nothing);
-                            let range = self.range_of(shape, &surface, &Told { reaches, ..*told });
+                            let told = Told { reaches, ..*told };
+                            let range = self.range_of(shape, &surface, &told, content);
                             self.lists.truncate(lists);
                             self.reaches.truncate(kept);
                             range
@@ -313,7 +323,13 @@ impl Quadrature<'_> {
     }
 
     /// What a surface that is met in a square is anywhere, as the lights reach it.
-    fn range_of(&self, shape: u64, surface: &Surface, told: &Told) -> Option<Range> {
+    fn range_of(
+        &self,
+        shape: u64,
+        surface: &Surface,
+        told: &Told,
+        content: Content,
+    ) -> Option<Range> {
         let mut range = Range::new(self.emission(shape), 1.0);
         for light in 0..self.world.lights().len() {
             let reach = self.reaches[told.reaches + light];
@@ -332,7 +348,9 @@ impl Quadrature<'_> {
             let part = match reach {
                 // Nothing else is in the square, and no border of a shadow is narrower: samples meet it.
                 Reach::Partial { border, .. }
-                    if told.primary == Primary::One(shape) && border < 1.0 =>
+                    if content == Content::Unsampled
+                        && told.primary == Primary::One(shape)
+                        && border < 1.0 =>
                 {
                     0.0
                 }

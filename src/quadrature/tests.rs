@@ -1,5 +1,6 @@
 //! Verdicts against many samples, and against each other.
 
+mod division;
 mod rims;
 
 use super::border::{border, over_width};

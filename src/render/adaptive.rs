@@ -31,6 +31,12 @@ const SMOOTH_MARGIN: f64 = 0.5;
 /// of it is not in the pixel at all, and of the rest no strip along an axis is twice as wide as a sample's.
 const UNMET_PART: f64 = 0.45;
 
+/// A part of a pixel takes about as long as so many samples.
+const SAMPLES_OF_PART: u32 = 4;
+
+/// Pixels that so many samples leave open are integrated in parts.
+const DIVIDED_FROM: u32 = 256;
+
 /// The relative rounding of a pixel to 32 bits.
 const ROUNDING: f64 = f32::EPSILON as f64 * 0.5;
 
@@ -168,14 +174,18 @@ impl<'w> Adaptive<'w> {
                     // In a picture that is black at all points nothing else is expected where it is black again.
                     error[..3].fill(0.0);
                 }
-                let is_met = goal.target.is_met(mean, error);
+                let mut is_met = goal.target.is_met(mean, error);
                 self.errors[pixel] = PixelError {
                     error,
                     relative: goal.target.largest(&mean, &error),
                     is_bound: false,
                     is_met,
                 };
-                if is_met || samples.end >= goal.max_samples {
+                let is_last = samples.end >= goal.max_samples;
+                if !is_met && goal.is_plain && (samples.end >= DIVIDED_FROM || is_last) {
+                    is_met = self.divide(goal, window, pixel, places[pixel], samples.end);
+                }
+                if is_met || is_last {
                     open.remove(pixel);
                 } else {
                     tile.widen(pixel);
@@ -184,6 +194,46 @@ impl<'w> Adaptive<'w> {
             samples = samples.end..samples.end.saturating_mul(4).min(goal.max_samples);
         }
         counts
+    }
+
+    /// Integrates a pixel in parts: whether that is exact enough. If it is not when there are no more samples, but is nearer
+    /// than they are, it is taken as well.
+    fn divide(
+        &mut self,
+        goal: &Goal,
+        window: Window,
+        pixel: usize,
+        place: [u32; 2],
+        samples: u32,
+    ) -> bool {
+        let verdict = &mut self.verdicts[number(window, place)];
+        if !matches!(verdict, Verdict::Open { range: Some(_), .. }) {
+            return false;
+        }
+        let [column, row] = place;
+        let place = [window.x + column, window.y + row];
+        let parts = (samples / SAMPLES_OF_PART) as usize;
+        let mean = self.quadrature.divide(place, parts);
+        let Some(mean) = mean else {
+            return false;
+        };
+        let relative = goal.target.largest(&mean.value, &mean.error);
+        let is_met = goal.target.is_met(mean.value, mean.error);
+        if is_met || (samples >= goal.max_samples && relative < self.errors[pixel].relative) {
+            *verdict = Verdict::Integrated {
+                mean: mean.value,
+                error: mean.error,
+                is_bound: mean.is_bound,
+            };
+            self.errors[pixel] = PixelError {
+                error: mean.error,
+                relative,
+                // Those that miss the target are counted among the estimates.
+                is_bound: mean.is_bound && is_met,
+                is_met,
+            };
+        }
+        is_met
     }
 
     /// Puts in what was integrated, and writes the errors.
