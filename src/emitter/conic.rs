@@ -440,7 +440,9 @@ impl WholeCone {
         let mut before = *corners.last()?;
         for &corner in corners {
             let plane = across(before, corner);
-            let is_edge = |other: DVec3| plane.dot(other) >= -SLACK * l1(plane) * l1(other);
+            // A plane through a long and a short vector is rounded as what it is made of.
+            let rounding = SLACK * l1(plane).max(l1(before) * l1(corner - before));
+            let is_edge = |other: DVec3| plane.dot(other) >= -rounding * l1(other);
             let local = part.local(plane);
             // Planes through ends that are close to each other may be anywhere; what they cut off is as small.
             if part.cuts(local) && corners.iter().all(|&other| is_edge(other)) {

@@ -356,3 +356,51 @@ fn there_is_a_number_past_anything() {
         }
     }
 }
+
+/// Near a disk's plane and a sphere's surface, from where they fill up to a half of all directions: triangles hide together no less
+/// than each alone, and no more than all of them one by one.
+#[test]
+fn near_an_emitter_shadows_add_up() {
+    let mut random = Random(41);
+    let mut space = ShadowSpace::default();
+    let mut judged = 0;
+    for round in 0..20_000 {
+        let height = random.scale(1e-6, 1.0);
+        let emitter = if round % 4 == 0 {
+            TestEmitter::Sphere(random.direction() * (1.0 + height), 1.0)
+        } else {
+            let [x, y] = [(); 2].map(|()| random.within(-1.2, 1.2));
+            TestEmitter::Disk(v(x, y, height), -DVec3::Z, 1.0)
+        };
+        let emitter = emitter.emitter();
+        let up = receiver(random.direction());
+        let Some(free) = emitter.received(ORIGIN, &up) else {
+            continue;
+        };
+        // Every other one is about as flat as what is between the point and the disk.
+        let flat = if round % 2 == 0 { 1.0 } else { 3.0 * height };
+        let triangles = [(); 3].map(|()| {
+            let middle = random.direction() * random.within(0.1, 1.5);
+            Occluder::Triangle([(); 3].map(|()| {
+                let corner = middle + random.direction() * random.within(0.1, 0.7);
+                v(corner.x, corner.y, corner.z * flat)
+            }))
+        });
+        let mut hidden_by = |occluders: &[Occluder]| {
+            let past = emitter.received_past(ORIGIN, &up, occluders, 1e-12, &FINE, &mut space);
+            past.map(|past| free.irradiance - past.value.irradiance)
+        };
+        let Some(hidden) = hidden_by(&triangles) else {
+            continue;
+        };
+        let [a, b, c] = triangles.map(|triangle| hidden_by(&[triangle]).unwrap());
+        let room = 4.0 * FINE.relative * free.irradiance;
+        assert!(
+            hidden >= a.max(b).max(c) - room && hidden <= a + b + c + room,
+            "{round}: {height:e}, {triangles:?} hide {hidden}, alone {a}, {b} and {c} of {}",
+            free.irradiance
+        );
+        judged += 1;
+    }
+    assert!(judged > 15_000, "{judged}");
+}
