@@ -171,6 +171,40 @@ fn an_error_leaves_out_what_cannot_matter() {
     assert!(differ > 0);
 }
 
+/// A pane or a prism that no object is made of changes neither a pixel nor what is proven of it.
+#[test]
+fn materials_that_no_object_has_change_nothing() {
+    let text = "[image]\nresolution = [48, 32]\ntransport = \"spectral\"\n\
+        [camera.perspective]\neye = [0, 1, 6]\nlook_at = [0, 0, 0]\nvertical_fov = 40\n\
+        [materials.g.phong]\ndiffuse = 0.25\n\
+        [lights.l.point]\nposition = [4, 6, 4]\nintensity = 40\n\
+        [objects.a.sphere]\nmaterial = \"g\"\ncenter = [-1, 0, 0]\nradius = 1\n\
+        [objects.b.plane]\nmaterial = \"g\"\npoint = [0, -1, 0]\nnormal = [0, 1, 0]\n";
+    let unused = "[materials.p.pane]\nn = 1.5\n\
+        [materials.d.glass]\nsellmeier = \"N-BK7\"\ndispersion = true\n";
+    let options = Options {
+        target: Some(ErrorTarget::new(0.01)),
+        layers: Layers {
+            error: true,
+            samples: true,
+            ..Layers::default()
+        },
+        ..Options::default()
+    };
+    let [without, with] = [text.to_owned(), format!("{text}{unused}")].map(|text| {
+        let scene = Scene::parse(&text, "test.toml").unwrap();
+        let (world, camera) = World::new(&scene).unwrap();
+        let renderer = Renderer::new(&world).unwrap();
+        let (film, report) = renderer.film(&camera, &options, &Job::new()).unwrap();
+        let values: Vec<Vec<f32>> = (0..film.pixels().len())
+            .map(|place| film.values(place).to_vec())
+            .collect();
+        (film.pixels().to_vec(), values, report.errors.bound())
+    });
+    assert!(with.2 > 1000, "{}", with.2);
+    assert!(without == with);
+}
+
 /// What is left out of a sample does not depend on what is beside it.
 #[test]
 fn what_is_left_out_is_the_same_everywhere() {

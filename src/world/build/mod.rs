@@ -310,15 +310,17 @@ impl<'a> Builder<'a> {
             reflectances.extend(lobes);
             Ok(())
         });
-        let mut objects = world.objects.iter();
-        world.has_deltas = objects.any(|object| world.deltas[object.material].is_some());
-        let is_pane = |delta: &Option<Delta>| matches!(delta, Some(Delta::Pane { .. }));
-        world.has_panes = world.deltas.iter().any(is_pane);
-        let disperses = |delta: &Option<Delta>| match delta {
-            Some(Delta::Glass(glass)) => glass.dispersion.is_some(),
-            _ => false,
-        };
-        world.has_dispersion = self.is_spectral && world.deltas.iter().any(disperses);
+        // Of materials that no object has nothing is needed.
+        let objects = world.objects.iter();
+        let used = objects.filter_map(|object| world.deltas[object.material].as_ref());
+        let (mut has_deltas, mut has_panes, mut disperses) = (false, false, false);
+        for delta in used {
+            has_deltas = true;
+            has_panes |= matches!(delta, Delta::Pane { .. });
+            disperses |= matches!(delta, Delta::Glass(glass) if glass.dispersion.is_some());
+        }
+        (world.has_deltas, world.has_panes) = (has_deltas, has_panes);
+        world.has_dispersion = self.is_spectral && disperses;
         // After an error an object may be missing; then the world is dropped.
         if world.has_deltas && self.diagnostics.is_empty() {
             self.bodies(&mut world);
