@@ -270,8 +270,8 @@ fn judge(
     findings
 }
 
-/// A scene's film with its errors, and the target with the floor that it had.
-fn rendered(scene: &Scene, relative: f64) -> Option<(Claims, ErrorTarget)> {
+/// A scene's film with its errors, and the target with the floor that it had. With depth, whatever has an edge is sampled.
+fn rendered(scene: &Scene, relative: f64, depth: bool) -> Option<(Claims, ErrorTarget)> {
     let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let plain = render(&world, &camera, &Options::default()).unwrap();
     let sum: f64 = plain.pixels().iter().map(|pixel| f64::from(pixel[1])).sum();
@@ -286,6 +286,7 @@ fn rendered(scene: &Scene, relative: f64) -> Option<(Claims, ErrorTarget)> {
     let layers = Layers {
         error: true,
         samples: true,
+        depth,
         ..Layers::default()
     };
     let options = Options {
@@ -310,7 +311,7 @@ fn pixels() -> usize {
 fn sweep(scenes: &[(String, Scene)], relative: f64, pool: &mut Pool) {
     let count = pixels();
     for (number, (name, scene)) in scenes.iter().enumerate() {
-        let Some((claims, target)) = rendered(scene, relative) else {
+        let Some((claims, target)) = rendered(scene, relative, false) else {
             continue;
         };
         let findings = judge(scene, &claims, &target, count, number as u64);
@@ -408,7 +409,7 @@ fn stated_errors_are_honest() {
 #[test]
 fn dishonest_films_are_found_out() {
     let scene = at_width(Scene::builtin(), WIDTH);
-    let (honest, target) = rendered(&scene, TARGET).unwrap();
+    let (honest, target) = rendered(&scene, TARGET, true).unwrap();
     let objections = |claims: &Claims| {
         let mut pool = Pool::default();
         pool.add("lecture", &judge(&scene, claims, &target, 40, 7));
