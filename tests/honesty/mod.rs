@@ -270,8 +270,8 @@ fn judge(
     findings
 }
 
-/// A scene's film with its errors, and the target with the floor that it had. With depth, whatever has an edge is sampled.
-fn rendered(scene: &Scene, relative: f64, depth: bool) -> Option<(Claims, ErrorTarget)> {
+/// A scene's film with its errors, and the target with the floor that it had.
+fn rendered(scene: &Scene, relative: f64) -> Option<(Claims, ErrorTarget)> {
     let (world, camera) = World::new(scene).unwrap_or_else(|error| panic!("{error}"));
     let plain = render(&world, &camera, &Options::default()).unwrap();
     let sum: f64 = plain.pixels().iter().map(|pixel| f64::from(pixel[1])).sum();
@@ -286,7 +286,6 @@ fn rendered(scene: &Scene, relative: f64, depth: bool) -> Option<(Claims, ErrorT
     let layers = Layers {
         error: true,
         samples: true,
-        depth,
         ..Layers::default()
     };
     let options = Options {
@@ -311,7 +310,7 @@ fn pixels() -> usize {
 fn sweep(scenes: &[(String, Scene)], relative: f64, pool: &mut Pool) {
     let count = pixels();
     for (number, (name, scene)) in scenes.iter().enumerate() {
-        let Some((claims, target)) = rendered(scene, relative, false) else {
+        let Some((claims, target)) = rendered(scene, relative) else {
             continue;
         };
         let findings = judge(scene, &claims, &target, count, number as u64);
@@ -408,11 +407,12 @@ fn stated_errors_are_honest() {
 /// with pixels that miss the target and do not say so.
 #[test]
 fn dishonest_films_are_found_out() {
-    let scene = at_width(Scene::builtin(), WIDTH);
-    let (honest, target) = rendered(&scene, TARGET, true).unwrap();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/blackbody.toml");
+    let scene = at_width(Scene::load(path).unwrap(), WIDTH);
+    let (honest, target) = rendered(&scene, TARGET).unwrap();
     let objections = |claims: &Claims| {
         let mut pool = Pool::default();
-        pool.add("lecture", &judge(&scene, claims, &target, 40, 7));
+        pool.add("blackbody", &judge(&scene, claims, &target, 40, 7));
         pool.objections()
     };
     assert_eq!(objections(&honest), Vec::<String>::new());
