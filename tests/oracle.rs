@@ -169,6 +169,7 @@ pub(crate) fn is_flip(
                 radiance,
                 coverage,
                 error: [0.0; 3],
+                unshadowed: [0.0; 3],
             };
             return error(rendered.pixel, &background, floor) <= TOLERANCE;
         }

@@ -26,6 +26,10 @@ use report::{Flip, Histogram, Report};
 /// Below this part of the median radiance of what is lit, errors are relative to that instead of the pixel.
 const FLOOR: f64 = 1e-6;
 
+/// The part of the light without shadow by which what is seen of a light with an area may be off, where something hides
+/// a part: what the renderer promises (docs/scene-format.md).
+const OF_UNSHADOWED: f64 = 1e-6;
+
 /// One pixel in so many may be on the other side of an edge, where nothing else is asked for.
 const ONE_FLIP_IN: u64 = 500_000;
 
@@ -36,8 +40,8 @@ const MOST: u64 = 10_000_000;
 ///
 /// Renders the scene with one sample a pixel, its center, and computes the same pixels by the oracle: in f64, by brute
 /// force, straight from the equations L1 to L9, by code that shares nothing with the renderer. Says how far both
-/// are apart; of each pixel that is off, which edge it lies on. What the oracle may itself be off by in the penumbra of
-/// lights with an area, as it states, counts for the renderer.
+/// are apart; of each pixel that is off, which edge it lies on. In the penumbra of lights with an area what the oracle
+/// may itself be off by, as it states, counts for the renderer, and so does a millionth of the light without shadow.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "\
 Examples:
@@ -224,16 +228,18 @@ fn median_lit(samples: &[Sample]) -> Result<f64, Failure> {
     Ok(*lit.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The largest difference of R, G, B, beyond what the oracle itself may be off by, over the largest of the oracle's;
+/// The largest difference of R, G, B, beyond what both may be off by in a penumbra, over the largest of the oracle's;
 /// infinite where one of both sees a surface and the other does not.
 fn error(rendered: [f32; 4], expected: &Sample, floor: f64) -> f64 {
     if f64::from(rendered[3]) != expected.coverage {
         return f64::INFINITY;
     }
     let scale = brightest(expected.radiance).max(floor);
-    let both = rendered.iter().zip(expected.radiance);
-    let differences = both.map(|(&r, o)| (f64::from(r) - o).abs());
-    let beyond = differences.zip(expected.error).map(|(d, own)| d - own);
+    let beyond = (0..3).map(|channel| {
+        let difference = f64::from(rendered[channel]) - expected.radiance[channel];
+        let of_renderer = OF_UNSHADOWED * expected.unshadowed[channel].abs();
+        difference.abs() - expected.error[channel] - of_renderer
+    });
     beyond.fold(0.0, f64::max) / scale
 }
 

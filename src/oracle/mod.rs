@@ -50,6 +50,7 @@ mod explanation;
 mod fresnel;
 mod hit;
 mod lamp;
+mod light;
 mod lighting;
 mod luminaire;
 mod media;
@@ -91,6 +92,7 @@ pub use explanation::{
 pub use explanation::{Explanation, HitTerms, LightTerms, MaterialTerms};
 use hit::Hit;
 use lamp::{Lamp, Place};
+use light::Light;
 use lighting::{Material, Reflectance, cosine, ideal_reflection, incident_light};
 use media::Media;
 #[doc(hidden)]
@@ -159,6 +161,8 @@ pub struct Sample {
     /// How far R, G and B may be off, by its own estimate: integrals over lights with an area have an end. 0 where there
     /// are none.
     pub error: [f64; 3],
+    /// What of `radiance` would come from those lights with an area of which something hides a part, if nothing did.
+    pub unshadowed: [f64; 3],
 }
 
 /// Which surface a ray hits.
@@ -290,9 +294,10 @@ impl Oracle {
     pub fn radiance(&self, px: f64, py: f64) -> Sample {
         let seen = self.seen(px, py);
         Sample {
-            radiance: self.palette.seen(&seen.radiance),
+            radiance: self.palette.seen(&seen.light.radiance),
             coverage: if seen.is_covered { 1.0 } else { 0.0 },
-            error: self.palette.seen_error(&seen.error),
+            error: self.palette.seen_error(&seen.light.error),
+            unshadowed: self.palette.seen(&seen.light.unshadowed),
         }
     }
 
@@ -303,7 +308,7 @@ impl Oracle {
         if !self.palette.is_spectral() {
             return None;
         }
-        let Components(radiance) = self.seen(px, py).radiance;
+        let Components(radiance) = self.seen(px, py).light.radiance;
         Some(radiance)
     }
 
@@ -342,7 +347,7 @@ impl Oracle {
             lights,
             ways,
             more_ways,
-            radiance: self.palette.seen(&self.seen(px, py).radiance),
+            radiance: self.palette.seen(&self.seen(px, py).light.radiance),
         }
     }
 
@@ -375,20 +380,23 @@ impl Oracle {
         Some(Hit::new(surface, &self.surfaces[surface], ray, distance))
     }
 
-    /// L9: the sum over all lights, and how far it may be off; what a light sends out, where one is hit.
-    fn sum_over_lights(&self, hit: &Hit) -> (Components, Components) {
-        let zero = self.background.zero();
+    /// L9: the sum over all lights; what a light sends out, where one is hit.
+    fn sum_over_lights(&self, hit: &Hit) -> Light {
         if let Some(emitted) = self.emitted(hit) {
-            return (emitted, zero);
+            return Light::only(emitted);
         }
-        let terms = self.lights.iter().map(|light| self.term(hit, light));
-        terms.fold((zero.clone(), zero), |(sum, error), term| {
-            let sum = sum.plus(&term.radiance);
-            match term.shine {
-                Some(shine) => (sum, error.plus(&shine.error)),
-                None => (sum, error),
+        let mut light = Light::only(self.background.zero());
+        for term in self.lights.iter().map(|light| self.term(hit, light)) {
+            let mut of_term = Light::only(term.radiance);
+            if let Some(shine) = term.shine {
+                of_term.error = shine.error;
+                if let Outcome::Partial | Outcome::Occluded = term.outcome {
+                    of_term.unshadowed = term.unoccluded;
+                }
             }
-        })
+            light = light.plus(&of_term);
+        }
+        light
     }
 
     /// The lights that have a term where a ray has hit: a light has no lobes, and a mirror none either.

@@ -9,6 +9,7 @@ use super::camera::Ray;
 use super::components::Components;
 use super::fresnel;
 use super::hit::Hit;
+use super::light::Light;
 use super::lighting::ideal_reflection;
 use super::media::Inside;
 use super::occlusion::{Segment, Side};
@@ -53,9 +54,7 @@ pub(super) struct Vertex<'v> {
     /// By what counts what is here.
     pub(super) weight: &'v Components,
     /// What is seen here but for what other rays see: of lobes under a coat with the part that it lets through.
-    pub(super) seen: &'v Components,
-    /// How far that may be off.
-    pub(super) error: &'v Components,
+    pub(super) seen: &'v Light,
     /// All ways from here.
     pub(super) ways: &'v [Way],
     /// Whether they are followed.
@@ -75,10 +74,9 @@ pub(super) struct Way {
     pub(super) wavelength: Option<usize>,
 }
 
-/// L and what it takes to know how good it is.
+/// What a primary ray sees.
 pub(super) struct Seen {
-    pub(super) radiance: Components,
-    pub(super) error: Components,
+    pub(super) light: Light,
     /// Whether the primary ray hits anything.
     pub(super) is_covered: bool,
 }
@@ -86,16 +84,13 @@ pub(super) struct Seen {
 impl Oracle {
     /// L at a point of the image.
     pub(super) fn seen(&self, px: f64, py: f64) -> Seen {
-        let zero = self.background.zero();
         let mut seen = Seen {
-            radiance: zero.clone(),
-            error: zero,
+            light: Light::only(self.background.zero()),
             is_covered: false,
         };
         self.walk(&self.camera.primary_ray(px, py), |vertex| {
             seen.is_covered |= vertex.hit.is_some();
-            seen.radiance = seen.radiance.plus(&vertex.weight.times(vertex.seen));
-            seen.error = seen.error.plus(&vertex.weight.times(vertex.error));
+            seen.light = seen.light.plus(&vertex.seen.times(vertex.weight));
         });
         seen
     }
@@ -127,7 +122,7 @@ impl Oracle {
             let ways = hit
                 .as_ref()
                 .map_or_else(Vec::new, |hit| self.ways(hit, &branch));
-            let (seen, error) = self.seen_at(hit.as_ref());
+            let seen = self.seen_at(hit.as_ref());
             let goes_on = branch.depth < self.max_depth;
             visit(&Vertex {
                 number,
@@ -135,7 +130,6 @@ impl Oracle {
                 hit: hit.as_ref(),
                 weight: &weight,
                 seen: &seen,
-                error: &error,
                 ways: &ways,
                 goes_on,
                 wavelength: branch.wavelength,
@@ -172,22 +166,20 @@ impl Oracle {
         }
     }
 
-    /// What is seen where a ray ends but for what other rays see, and how far it may be off.
-    fn seen_at(&self, hit: Option<&Hit>) -> (Components, Components) {
-        let zero = self.background.zero();
+    /// What is seen where a ray ends but for what other rays see.
+    fn seen_at(&self, hit: Option<&Hit>) -> Light {
         let Some(hit) = hit else {
-            return (self.background.clone(), zero);
+            return Light::only(self.background.clone());
         };
         match self.smooth(hit) {
             None => self.sum_over_lights(hit),
             Some(Smooth::Coat(coat)) => {
                 let through = coat.at(facing(hit).1).rest();
-                let (sum, error) = self.sum_over_lights(hit);
-                (sum.times(&through), error.times(&through))
+                self.sum_over_lights(hit).times(&through)
             }
             Some(
                 Smooth::Mirror(_) | Smooth::Metal { .. } | Smooth::Glass(_) | Smooth::Pane { .. },
-            ) => (zero.clone(), zero),
+            ) => Light::only(self.background.zero()),
         }
     }
 

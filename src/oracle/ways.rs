@@ -152,7 +152,9 @@ impl Oracle {
                 radiance: seen,
             });
         };
-        let seen = self.palette.seen(&vertex.weight.times(vertex.seen));
+        let seen = self
+            .palette
+            .seen(&vertex.weight.times(&vertex.seen.radiance));
         let one = Components::uniform(1.0, self.background.0.len());
         match vertex.hit {
             None => add_end(Event::Background, &one, vertex.weight, seen),

@@ -154,7 +154,7 @@ impl<'q> Points<'q> {
     fn over_smooth(&mut self, hit: &Hit, x: f64, y: f64) -> (Decided, [f64; 3], f64, Vec<Pace>) {
         let oracle = self.quadrature.oracle;
         let seen = oracle.seen(x, y);
-        let error = oracle.palette.seen_error(&seen.error);
+        let error = oracle.palette.seen_error(&seen.light.error);
         for (noise, error) in self.noise.iter_mut().zip(error) {
             *noise = noise.max(error);
         }
@@ -164,7 +164,7 @@ impl<'q> Points<'q> {
             lights: Vec::new(),
             over_smooth: Some(oracle.decisions(x, y)),
         };
-        let radiance = oracle.palette.seen(&seen.radiance);
+        let radiance = oracle.palette.seen(&seen.light.radiance);
         (decided, radiance, 1.0, Vec::new())
     }
 
