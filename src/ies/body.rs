@@ -71,6 +71,8 @@ pub(super) struct Given<'a> {
     pub(super) tilt: Option<&'a TiltFactors>,
 }
 
+const BALLAST: &str = "the ballast factor";
+
 /// A number above 0.
 fn factor(
     numbers: &mut Numbers<'_>,
@@ -79,7 +81,13 @@ fn factor(
 ) -> Result<f64, Problem> {
     let Number { value, offset } = numbers.next(expected)?;
     if !(value > 0.0 && value <= 1e12) {
-        let expected = "a factor above 0 and up to 1e12, usually 1";
+        // Of the two lines before the angles the second is often left out, and then the first angle is read as it.
+        let expected = if what == BALLAST && value == 0.0 {
+            "a factor above 0, usually 1; if this is the first angle, put a line `1 1 0` before it: ballast factor, \
+             ballast-lamp factor and input watts"
+        } else {
+            "a factor above 0 and up to 1e12, usually 1"
+        };
         let fault = Fault::OutOfRange {
             what,
             value,
@@ -158,7 +166,7 @@ impl Body {
         let width = count(written, "horizontal angles", COUNT)?;
         let coordinates = coordinates(numbers)?;
         let opening = opening(numbers, &mut remarks)?;
-        let ballast = factor(numbers, "the ballast factor", "a ballast factor, usually 1")?;
+        let ballast = factor(numbers, BALLAST, "a ballast factor, usually 1")?;
         let (ballast_lamp, generation) = second_factor(numbers, given.edition, &mut remarks)?;
         let watts = numbers.next("the input watts")?.value;
         let factors = Factors {
@@ -182,7 +190,8 @@ impl Body {
         }
         let written_v = list(numbers, height, "a vertical angle in degrees")?;
         let written_h = list(numbers, width, "a horizontal angle in degrees")?;
-        let values_at = numbers.position();
+        let first = numbers.clone().word();
+        let values_at = first.map_or(numbers.position(), |word| word.offset);
         let values = values(numbers, height * width, factors, &mut remarks)?;
 
         let columns_same = |i: usize, j: usize| {
@@ -204,6 +213,7 @@ impl Body {
         }
         (remarks.extra_numbers, remarks.trailing_bytes) = numbers.rest();
         remarks.decimal_commas = numbers.decimal_commas;
+        remarks.fortran_exponents = numbers.fortran_exponents;
         Ok(Self {
             tilt: included,
             lamps,

@@ -36,6 +36,8 @@ pub(super) struct Numbers<'a> {
     commas: Commas,
     /// Commas that were decimal points so far.
     pub(super) decimal_commas: u32,
+    /// Exponents behind a D so far.
+    pub(super) fortran_exponents: u32,
 }
 
 /// Blanks, line ends, and what programs leave at the end of a file: NUL, and the mark by which DOS ends a
@@ -55,6 +57,7 @@ impl<'a> Numbers<'a> {
             position,
             commas,
             decimal_commas: 0,
+            fortran_exponents: 0,
         }
     }
 
@@ -100,6 +103,9 @@ impl<'a> Numbers<'a> {
         if self.commas == Commas::Decimal && word.text.contains(&b',') {
             self.decimal_commas = self.decimal_commas.saturating_add(1);
         }
+        if word.text.iter().any(is_fortran_exponent) {
+            self.fortran_exponents = self.fortran_exponents.saturating_add(1);
+        }
         Ok(Number { value, offset })
     }
 
@@ -124,19 +130,26 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// The finite decimal number that a word is. One comma may be its decimal point.
+/// The finite decimal number that a word is. One comma may be its decimal point, and D may be before its exponent.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
-    let is_part = |&byte: &u8| byte.is_ascii_digit() || b"+-.eE,".contains(&byte);
+    let is_part = |&byte: &u8| byte.is_ascii_digit() || b"+-.eEdD,".contains(&byte);
     if !word.iter().all(is_part) {
         return None;
     }
     let text = std::str::from_utf8(word).ok()?;
-    let value: f64 = if text.contains(',') {
-        text.replacen(',', ".", 1).parse().ok()?
+    let is_plain = |&byte: &u8| byte != b',' && !is_fortran_exponent(&byte);
+    let value: f64 = if word.iter().all(is_plain) {
+        text.parse().ok()?
     } else {
+        let text = text.replacen(',', ".", 1).replacen(['d', 'D'], "e", 1);
         text.parse().ok()?
     };
     value.is_finite().then_some(value)
+}
+
+/// As programs in Fortran write numbers of double precision: `8.0D1`.
+const fn is_fortran_exponent(byte: &u8) -> bool {
+    matches!(byte, b'd' | b'D')
 }
 
 /// Where the first comma stands that may be a decimal point, from `start` on.

@@ -31,6 +31,8 @@ pub struct IesRemarks {
     pub unknown_unit: bool,
     /// Commas that were read as decimal points.
     pub decimal_commas: u32,
+    /// Exponents behind a D, as Fortran writes them.
+    pub fortran_exponents: u32,
     /// Lists of angles that do not ascend: they were sorted, with their values.
     pub unsorted_lists: u32,
     /// Angles that are there twice with the same values: one of each was left out.
@@ -90,6 +92,11 @@ impl IesRemarks {
                 u64::from(self.decimal_commas),
                 "comma read as a decimal point",
                 "commas read as decimal points",
+            ),
+            (
+                u64::from(self.fortran_exponents),
+                "number with D before its exponent, read as E",
+                "numbers with D before their exponents, read as E",
             ),
             (
                 u64::from(self.unsorted_lists),

@@ -6,7 +6,7 @@ const GOOD: &str = "IESNA:LM-63-2002\n[TEST] 1\nTILT=NONE\n1 1000 1 3 2 1 2 0.1 
     100 80 10\n100 70 5\n";
 
 /// Each replaces a part of the good file, and what the message then says.
-const BROKEN: [(&str, &str, &str); 62] = [
+const BROKEN: [(&str, &str, &str); 63] = [
     (
         "TILT=NONE\n",
         "",
@@ -143,6 +143,11 @@ const BROKEN: [(&str, &str, &str); 62] = [
         "\n1 1 10",
         "\n0 1 10",
         "line 5, column 1: the ballast factor is 0, expected a factor above 0",
+    ),
+    (
+        "1 1 10\n",
+        "",
+        "line 5, column 1: the ballast factor is 0, expected a factor above 0, usually 1; if this is the first angle, put a",
     ),
     (
         "\n1 1 10",

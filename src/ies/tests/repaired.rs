@@ -346,6 +346,18 @@ fn angles_in_any_order() {
 }
 
 #[test]
+fn fortran_exponents() {
+    let text = GOOD.replace("100 80", "1.0D2 8.d+1");
+    let file = parse(&text);
+    assert_eq!(file.remarks.fortran_exponents, 4);
+    assert_eq!(file.photometry, parse(GOOD).photometry);
+    for word in ["D2", "1D", "1D2D3", "1e2d3"] {
+        let error = IesFile::parse(GOOD.replace("100", word).as_bytes());
+        assert!(error.unwrap_err().to_string().contains(word));
+    }
+}
+
+#[test]
 fn decimal_commas() {
     let text = GOOD.replace('.', ",");
     let file = parse(&text);
