@@ -85,19 +85,21 @@ impl AccuracyArguments {
         self.max_error?;
         let all = (errors.bound() + errors.estimated).max(1) as f64;
         let share = |count: u64| percent(count as f64 / all);
-        let mut line = format!(
-            "errors: {} of the pixels proven to {}",
-            share(errors.bound()),
-            percent(errors.worst_bound),
-        );
-        if errors.estimated > 0 {
-            line += &format!(
-                ", {} estimated to {}",
-                share(errors.estimated),
-                percent(errors.worst_estimate)
-            );
+        let mut parts: Vec<String> = Vec::new();
+        for (count, how, worst) in [
+            (errors.bound(), "proven", errors.worst_bound),
+            (errors.estimated, "estimated", errors.worst_estimate),
+        ] {
+            if count > 0 {
+                let of = if parts.is_empty() {
+                    " of the pixels"
+                } else {
+                    ""
+                };
+                parts.push(format!("{}{of} {how} to {}", share(count), percent(worst)));
+            }
         }
-        Some(line)
+        Some(format!("errors: {}", parts.join(", ")))
     }
 
     /// What is to be warned of.

@@ -127,6 +127,20 @@ impl Reader<'_> {
             return None;
         };
         let key = notation.key();
+        let mut sizes = Notation::ALL.into_iter().filter(|other| {
+            matches!(other, Notation::Sized(_)) && table.contains_key(other.key().name)
+        });
+        if let (Some(first), Some(second)) = (sizes.next(), sizes.next()) {
+            let second = second.key().name;
+            let place = table.keys().find(|written| written.get_ref() == second);
+            let place = place.map_or(span, |written| written.span().into());
+            let conflict = format!(
+                "`{second}` says the size a second time, beside `{}`; expected one of them",
+                first.key().name
+            );
+            self.report(place, Problem::Conflict(conflict));
+            return None;
+        }
         if let Err(why) = notation.is_for(purpose) {
             let place = table.keys().find(|written| written.get_ref() == key.name);
             let place = place.map_or(span, |written| written.span().into());
