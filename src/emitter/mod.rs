@@ -27,10 +27,12 @@
 //! analytically determined form-factors". Arvo 1995, "Applications of irradiance tensors to the simulation of
 //! non-Lambertian phenomena".
 
+mod average;
 mod beside;
 mod clip;
 mod conic;
 mod crossing;
+mod fit;
 mod gauss;
 mod lambert;
 mod lobe;
@@ -45,6 +47,7 @@ mod seen;
 mod shadow;
 #[cfg(test)]
 mod tests;
+mod through;
 
 use std::f64::consts::PI;
 
@@ -56,6 +59,7 @@ use outline::Outline;
 pub(crate) use places::{Surface, SurfacePoint};
 pub(crate) use received::{Gloss, Received, Receiver};
 pub(crate) use shadow::{Accuracy, ShadowSpace};
+pub(crate) use through::{Panes, Untold};
 
 /// A luminaire with an area, of the same luminance everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -155,6 +155,13 @@ impl Blocker {
         &self.planes[..self.count]
     }
 
+    /// Whether it blocks a direction.
+    pub(super) fn blocks(&self, way: DVec3) -> bool {
+        self.planes().iter().all(|plane| plane.dot(way) >= 0.0)
+            && self.cone.is_none_or(|cone| cone.holds(way))
+            && !self.hole.is_some_and(|hole| hole.holds(way))
+    }
+
     pub(super) fn is_straight(&self) -> bool {
         self.cone.is_none() && self.hole.is_none()
     }

@@ -143,17 +143,36 @@ impl Receiver {
         }
     }
 
+    /// What each integral is over, along a direction of any length.
+    pub(super) fn weights(&self, way: DVec3) -> Received {
+        let way = way / way.length();
+        let irradiance = self.normal.get().dot(way).max(0.0);
+        let lobe = |gloss: Gloss| {
+            let lobe = libm::pow(gloss.axis.get().dot(way).max(0.0), gloss.shininess);
+            lobe * if gloss.has_cosine { irradiance } else { 1.0 }
+        };
+        Received {
+            irradiance,
+            lobe: self.gloss.map_or(0.0, lobe),
+            solid_angle: 1.0,
+        }
+    }
+
     /// How far each integral over one piece may be off as numbers are rounded, and as what is narrower than they
     /// tell is left out.
     pub(super) fn rounding(&self) -> Received {
-        let full = self.gloss.map_or(0.0, |gloss| {
-            TAU / (gloss.shininess + if gloss.has_cosine { 2.0 } else { 1.0 })
-        });
         Received {
             irradiance: 1e-14,
-            lobe: 3e-12 * full,
+            lobe: 3e-12 * self.full_lobe(),
             solid_angle: 1e-13,
         }
+    }
+
+    /// The lobe over all directions, at most.
+    pub(super) fn full_lobe(&self) -> f64 {
+        self.gloss.map_or(0.0, |gloss| {
+            TAU / (gloss.shininess + if gloss.has_cosine { 2.0 } else { 1.0 })
+        })
     }
 }
 
@@ -177,6 +196,42 @@ impl Received {
         self.irradiance <= most.irradiance
             && self.lobe <= most.lobe
             && self.solid_angle <= most.solid_angle
+    }
+
+    /// Each times that of another.
+    pub(super) fn times(self, other: Self) -> Self {
+        Self {
+            irradiance: self.irradiance * other.irradiance,
+            lobe: self.lobe * other.lobe,
+            solid_angle: self.solid_angle * other.solid_angle,
+        }
+    }
+
+    /// The smaller one of each.
+    pub(super) fn least(self, other: Self) -> Self {
+        Self {
+            irradiance: self.irradiance.min(other.irradiance),
+            lobe: self.lobe.min(other.lobe),
+            solid_angle: self.solid_angle.min(other.solid_angle),
+        }
+    }
+
+    /// The larger one of each.
+    pub(super) fn most(self, other: Self) -> Self {
+        Self {
+            irradiance: self.irradiance.max(other.irradiance),
+            lobe: self.lobe.max(other.lobe),
+            solid_angle: self.solid_angle.max(other.solid_angle),
+        }
+    }
+
+    /// Each without its sign.
+    pub(super) fn magnitude(self) -> Self {
+        Self {
+            irradiance: self.irradiance.abs(),
+            lobe: self.lobe.abs(),
+            solid_angle: self.solid_angle.abs(),
+        }
     }
 
     /// Each at least 0, which rounding may have changed.

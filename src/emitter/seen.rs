@@ -32,7 +32,8 @@ impl Light<'_> {
         self.within(&cone, corners)
     }
 
-    fn within(&self, cone: &WholeCone, corners: &[DVec3]) -> Option<Received> {
+    /// What is received of a piece within a cone, if that is lit.
+    pub(super) fn within(&self, cone: &WholeCone, corners: &[DVec3]) -> Option<Received> {
         Some(match cone.side_of(corners) {
             Side::Inside => self.receiver.of_polygon(corners),
             Side::Outside => Received::NOTHING,

@@ -38,21 +38,21 @@ pub(crate) struct Bounded {
 /// What [`Emitter::received_past`] works in: for one call at a time, to be kept for the next.
 #[derive(Debug, Default)]
 pub(crate) struct ShadowSpace {
-    pieces: Pieces,
-    straight: Vec<Straight>,
-    blockers: Vec<Blocker>,
+    pub(super) pieces: Pieces,
+    pub(super) straight: Vec<Straight>,
+    pub(super) blockers: Vec<Blocker>,
     /// Of cells, who may still block a part.
     candidates: Vec<usize>,
     /// What is left once what is straight has been subtracted.
-    seen: Vec<Piece>,
+    pub(super) seen: Vec<Piece>,
     cells: Vec<Cell>,
     undecided: BinaryHeap<Undecided>,
 }
 
 /// A part of the emitter that nothing straight blocks.
 #[derive(Clone, Debug)]
-struct Piece {
-    corners: Range<usize>,
+pub(super) struct Piece {
+    pub(super) corners: Range<usize>,
     bounds: Bounds,
 }
 
@@ -75,7 +75,7 @@ struct Undecided {
 
 /// Directions within planes, all of which are blocked.
 #[derive(Clone, Copy, Debug)]
-struct Straight {
+pub(super) struct Straight {
     planes: [DVec3; MOST_EDGES],
     corners: [DVec3; MOST_EDGES],
     plane_count: usize,
@@ -134,19 +134,9 @@ impl Emitter {
             }
             return Some(total.bounded(receiver));
         }
-        space.keep(whole);
-        let mut place = 0;
-        while place < space.straight.len() && (1..=accuracy.most_cells).contains(&space.seen.len())
-        {
-            space.subtract(place);
-            place += 1;
-        }
+        space.subtract_straight(whole, accuracy);
         if space.seen.is_empty() {
             return Some(total.bounded(receiver));
-        }
-        // What there is no room for is decided cell by cell, as far as that goes.
-        for straight in &space.straight[place..] {
-            space.blockers.push(straight.blocker());
         }
         if space.blockers.is_empty() {
             let mut is_sum = true;
@@ -170,7 +160,7 @@ impl Emitter {
     }
 
     /// The emitter has to be seen from there.
-    fn view(&self, point: Point, error: f64) -> View {
+    pub(super) fn view(&self, point: Point, error: f64) -> View {
         let to_center = self.center.from(point);
         let (front, ball) = match self.shape {
             Shape::Rectangle { normal, .. } | Shape::Disk { normal, .. } => {
@@ -222,6 +212,14 @@ impl Total {
 }
 
 impl Straight {
+    pub(super) fn planes(&self) -> &[DVec3] {
+        &self.planes[..self.plane_count]
+    }
+
+    pub(super) fn corners(&self) -> &[DVec3] {
+        &self.corners[..self.corner_count]
+    }
+
     fn blocker(&self) -> Blocker {
         Blocker {
             planes: self.planes,
@@ -234,7 +232,7 @@ impl Straight {
 }
 
 impl ShadowSpace {
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.pieces.clear();
         self.straight.clear();
         self.blockers.clear();
@@ -246,7 +244,7 @@ impl ShadowSpace {
 
     /// The corners around what is seen above the horizon, and the cone of a disk or a sphere. `None` where there is
     /// nothing.
-    fn take_outline(
+    pub(super) fn take_outline(
         &mut self,
         outline: &Outline,
         receiver: &Receiver,
@@ -269,7 +267,7 @@ impl ShadowSpace {
     }
 
     /// Keeps what blocks a part of the emitter. Whether that is not all of it.
-    fn take_blocker(&mut self, blocker: &Blocker, whole: &Range<usize>) -> bool {
+    pub(super) fn take_blocker(&mut self, blocker: &Blocker, whole: &Range<usize>) -> bool {
         match effect_of(blocker, self.pieces.corners(whole)) {
             Effect::Nothing => {}
             Effect::All => return false,
@@ -292,6 +290,20 @@ impl ShadowSpace {
         true
     }
 
+    /// Takes from all of the outline what straight blockers block; those that there is no room for are decided cell
+    /// by cell, as far as that goes.
+    pub(super) fn subtract_straight(&mut self, whole: Range<usize>, accuracy: &Accuracy) {
+        self.keep(whole);
+        let mut place = 0;
+        while place < self.straight.len() && (1..=accuracy.most_cells).contains(&self.seen.len()) {
+            self.subtract(place);
+            place += 1;
+        }
+        for straight in &self.straight[place..] {
+            self.blockers.push(straight.blocker());
+        }
+    }
+
     /// What is left so far.
     fn keep(&mut self, corners: Range<usize>) {
         let bounds = self.pieces.bounds_of(self.pieces.corners(&corners));
@@ -301,7 +313,7 @@ impl ShadowSpace {
     /// What of a piece is within all planes.
     fn part(&mut self, piece: Range<usize>, straight: &Straight) -> Option<Range<usize>> {
         let mut part = piece;
-        for &plane in &straight.planes[..straight.plane_count] {
+        for &plane in straight.planes() {
             match self.pieces.split(&part, plane) {
                 Split::Inside => {}
                 Split::Outside => return None,
@@ -315,7 +327,7 @@ impl ShadowSpace {
     /// those before is a piece.
     fn subtract(&mut self, place: usize) {
         let straight = self.straight[place];
-        let planes = &straight.planes[..straight.plane_count];
+        let planes = straight.planes();
         let mut piece = 0;
         let mut end = self.seen.len();
         while piece < end {
@@ -325,7 +337,7 @@ impl ShadowSpace {
             }
             let mut rest = self.seen[piece].corners.clone();
             let corners = self.pieces.corners(&rest);
-            if are_apart(planes, &straight.corners[..straight.corner_count], corners) {
+            if are_apart(planes, straight.corners(), corners) {
                 piece += 1;
                 continue;
             }

@@ -199,6 +199,8 @@ enum Reach {
         /// other.
         border: f64,
     },
+    /// Through thin panes, past anything else.
+    Dimmed,
     /// Of more than are told one by one.
     Many,
 }
@@ -333,10 +335,6 @@ impl<'w> Quadrature<'w> {
     pub(crate) fn tell(&mut self, window: Window, verdicts: &mut Vec<Verdict>) {
         verdicts.clear();
         verdicts.resize(window.count() as usize, Verdict::OPEN);
-        // A pane lets light pass, of which shafts do not know how much.
-        if self.world.has_panes() {
-            return;
-        }
         let blocks = |start: u32, size: u32| start / BLOCK..=(start + size - 1) / BLOCK;
         for row in blocks(window.y, window.height) {
             for column in blocks(window.x, window.width) {

@@ -19,6 +19,13 @@ use crate::world::Light;
 /// end of a pixel to the other.
 pub(super) const WIDE_BORDER: f64 = 0.5;
 
+/// Of what a light sends past shapes, the part that the range of what samples may not have met has, per part of the light
+/// that a border moves across: where all of N samples are dark a penumbra may end between them and the pixel's border,
+/// half the distance of two samples, N^−½/2, from there, and rises from its end as the distance x. That is
+/// ∫ x dx = 1/(8 N) of the light where a border moves across all of it, and of the range 0.45/N is taken
+/// (`UNMET_PART` of `render::adaptive`).
+const PENUMBRA_END: f64 = 0.125 / 0.45;
+
 /// What arrives in a penumbra is taken to be so much of what would without anything in the way, where it is asked whether to
 /// try what takes less time: a guess, which changes no pixel's promise.
 pub(super) const LIKELY: f64 = 0.125;
@@ -215,7 +222,11 @@ impl Quadrature<'_> {
         let is_known = |reach: &Reach| match *reach {
             Reach::Lit | Reach::Dark => true,
             Reach::Partial { border: widest, .. } => border.is_some_and(|border| widest <= border),
-            Reach::Unasked | Reach::Terminator | Reach::Several(_) | Reach::Many => false,
+            Reach::Unasked
+            | Reach::Terminator
+            | Reach::Several(_)
+            | Reach::Dimmed
+            | Reach::Many => false,
         };
         let arriving = reaches
             .iter()
@@ -346,13 +357,13 @@ impl Quadrature<'_> {
             };
             let limits = self.limits(Some(surface), shape, light);
             let part = match reach {
-                // Nothing else is in the square, and no border of a shadow is narrower: samples meet it.
+                // Nothing else is in the square, and no border of a shadow is narrower: samples meet all but its end.
                 Reach::Partial { border, .. }
                     if content == Content::Unsampled
                         && told.primary == Primary::One(shape)
                         && border < 1.0 =>
                 {
-                    0.0
+                    PENUMBRA_END * border
                 }
                 _ => 1.0,
             };

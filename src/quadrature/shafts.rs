@@ -346,7 +346,7 @@ impl Quadrature<'_> {
                 Known::Nothing | Known::Beside(_) => Reach::Unasked,
             };
             let reach = match reach {
-                Reach::Unasked | Reach::Terminator | Reach::Many => {
+                Reach::Unasked | Reach::Terminator | Reach::Dimmed | Reach::Many => {
                     self.region.reaches[of_region + light]
                 }
                 Reach::Lit | Reach::Dark | Reach::Several(_) | Reach::Partial { .. } => reach,
@@ -400,7 +400,9 @@ impl Quadrature<'_> {
         // A flat shape does not hide its own points, and a sphere none that are above of it.
         match self.between_points(bounds, origin, shape, before.reach, ShaftQuestion::Blockage) {
             ShaftAnswer::Nothing => Reach::Lit,
+            ShaftAnswer::All(blocks) if self.is_pane(blocks) => Reach::Dimmed,
             ShaftAnswer::All(_) => Reach::Dark,
+            ShaftAnswer::These if self.are_panes_listed() => Reach::Dimmed,
             ShaftAnswer::These => {
                 let beside = before.beside.filter(|beside| beside.is_before(origin));
                 self.drop_from_list(|_, other| beside.is_some_and(|beside| beside.shape == other));
@@ -412,6 +414,17 @@ impl Quadrature<'_> {
             }
             ShaftAnswer::TooMany => Reach::Many,
         }
+    }
+
+    /// Whether a shape is a thin pane: it lets light pass, of which shafts do not know how much.
+    fn is_pane(&self, shape: u64) -> bool {
+        let (object, _) = object_and_triangle(shape);
+        self.world.is_pane(object)
+    }
+
+    /// Whether there are any in the list of the last answer.
+    fn are_panes_listed(&self) -> bool {
+        self.world.has_panes() && self.space.list.iter().any(|&shape| self.is_pane(shape))
     }
 
     /// Drops shapes from the list of the last answer.
@@ -488,6 +501,9 @@ impl Quadrature<'_> {
         };
         let mut answer = ask(self, ShaftQuestion::Blockage);
         if let ShaftAnswer::All(blocks) = answer {
+            if self.is_pane(blocks) {
+                return Reach::Dimmed;
+            }
             if !self.is_of(light, blocks) {
                 return Reach::Dark;
             }
@@ -496,6 +512,7 @@ impl Quadrature<'_> {
         }
         match answer {
             ShaftAnswer::TooMany | ShaftAnswer::All(_) => Reach::Many,
+            ShaftAnswer::These if self.are_panes_listed() => Reach::Dimmed,
             ShaftAnswer::Nothing if may_be_lit => Reach::Lit,
             ShaftAnswer::Nothing => {
                 self.space.list.clear();

@@ -367,7 +367,10 @@ fn estimate(
         let spread = met.most[channel] - met.least[channel];
         let error = (of_deviation * deviation).max(of_range * spread);
         if is_smooth {
-            return error;
+            // Where all is dark, the end of a penumbra may be between the samples.
+            let is_dark = met.most[channel] <= 0.0;
+            let end = |listed: Range| UNMET_PART / count * listed.most[channel].max(0.0);
+            return error.max(listed.filter(|_| is_dark).map_or(0.0, end));
         }
         let all = match listed {
             Some(Range { least, most }) => (most[channel] - least[channel]).max(spread),

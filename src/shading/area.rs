@@ -11,7 +11,7 @@
 use fearless_simd::Simd;
 
 use super::groups::Gloss;
-use super::panes::PaneSpace;
+use super::panes::{PaneSpace, PanesBefore};
 use crate::emitter::{Accuracy, Gloss as EmitterGloss, Occluder, Received, Receiver, ShadowSpace};
 use crate::math::{DVec3, Direction, Normal};
 use crate::simd::{LANES, ones};
@@ -37,7 +37,7 @@ const MOST_CUT_FOR_ERROR: usize = 4096;
 
 /// How far what is cut may be off where no error is asked for, as a part of what arrives with nothing in the way.
 /// Without round shapes before round lights it is exact.
-const ACCURACY: Accuracy = Accuracy {
+pub(super) const ACCURACY: Accuracy = Accuracy {
     relative: 1e-5,
     most_cells: 4096,
 };
@@ -70,11 +70,12 @@ pub(crate) struct AreaSpace {
     batch_list: Vec<u64>,
     packet_list: Vec<u64>,
     pub(super) occluders: Vec<Occluder>,
+    pub(super) panes_before: PanesBefore,
+    /// Points that ask points of the light how much panes let pass.
+    pub(super) undimmed: Vec<usize>,
     /// Of points of which points of the light are asked: with nothing in the way, and sums of weights.
     pub(super) free: Vec<(usize, Receiver, Received)>,
     pub(super) sums: Vec<[f64; 4]>,
-    /// Whether panes may be before any of the points.
-    passes_panes: bool,
     pub(super) panes: PaneSpace,
 }
 
@@ -87,6 +88,16 @@ enum Between {
     /// Some of a list.
     Listed,
     Many,
+}
+
+/// What a point receives of a light past all that stands between, and V.
+enum Cut {
+    Seen(Received, f64),
+    /// Beyond panes, of which nothing has been taken away yet.
+    Undimmed(Received, f64),
+    Hidden,
+    /// There is too much between.
+    TooMany,
 }
 
 /// What a light with an area does at a batch of points, and for each packet one bit for each point that it reaches.
@@ -109,6 +120,7 @@ pub(super) struct Asked<'a, 'w> {
     pub(super) number: usize,
     /// Whether it is cut by up to [`MOST_CUT_FOR_ERROR`] shapes.
     pub(super) cuts_all: bool,
+    pub(super) accuracy: &'static Accuracy,
     /// For each packet one bit for each point with lobes.
     pub(super) lobed: &'a [u32; PACKETS],
 }
@@ -126,7 +138,6 @@ impl Asked<'_, '_> {
         if self.light.emitter.is_behind(points.bounds_of_starts()) {
             return None;
         }
-        area.passes_panes = false;
         let of_batch = self.between_all(
             simd,
             points.bounds_of_starts(),
@@ -155,6 +166,7 @@ impl Asked<'_, '_> {
         };
         let mut sampled = [0; PACKETS];
         area.free.clear();
+        area.undimmed.clear();
         for (packet, sampled) in sampled.iter_mut().enumerate() {
             let hit = self.lobed[packet];
             if hit == 0 {
@@ -190,8 +202,13 @@ impl Asked<'_, '_> {
                         let cut =
                             self.cut(simd, between, &start, &receiver, &received, area, of_batch);
                         match cut {
-                            Some(cut) => cut,
-                            None => {
+                            Cut::Seen(received, share) => Some((received, share)),
+                            Cut::Undimmed(received, share) => {
+                                area.undimmed.push(slot);
+                                Some((received, share))
+                            }
+                            Cut::Hidden => None,
+                            Cut::TooMany => {
                                 *sampled |= 1 << lane;
                                 area.free.push((slot, receiver, received));
                                 None
@@ -206,8 +223,12 @@ impl Asked<'_, '_> {
         }
         if !area.free.is_empty() {
             self.sample(simd, &sampled, &mut lit, area, space);
+            if self.world.has_panes() {
+                let AreaSpace { free, undimmed, .. } = area;
+                undimmed.extend(free.iter().map(|(slot, ..)| slot));
+            }
         }
-        if self.world.has_panes() && (area.passes_panes || of_batch == Between::Many) {
+        if !area.undimmed.is_empty() {
             self.through_panes(simd, &mut lit, area, space);
         }
         lit.points.iter().any(|&bits| bits != 0).then_some(lit)
@@ -242,9 +263,7 @@ impl Asked<'_, '_> {
             // What it meets is the light itself, or a pane, behind which something else may have been left out.
             ShaftAnswer::All(_) | ShaftAnswer::TooMany => Between::Many,
             ShaftAnswer::These => {
-                area.passes_panes |= area.shafts.list.iter().any(|&shape| self.is_pane(shape));
-                let is_opaque = |shape: u64| !self.is_own(shape) && !self.is_pane(shape);
-                area.shafts.list.retain(|&shape| is_opaque(shape));
+                area.shafts.list.retain(|&shape| !self.is_own(shape));
                 if area.shafts.list.is_empty() {
                     Between::Nothing
                 } else {
@@ -259,7 +278,7 @@ impl Asked<'_, '_> {
         matches!(occluder(self.world, shape), Occluder::Ball { .. })
     }
 
-    /// Whether a shape is a thin pane, which hides nothing.
+    /// Whether a shape is a thin pane, which lets a part of the light pass.
     fn is_pane(&self, shape: u64) -> bool {
         let (object, _) = object_and_triangle(shape);
         self.world.is_pane(object)
@@ -307,8 +326,7 @@ impl Asked<'_, '_> {
         }
     }
 
-    /// What a point receives past what may be in the way, and how much of the light it sees; `Some(None)` where that
-    /// is nothing, `None` where there is too much in the way.
+    /// What a point receives past what may be in the way, and how much of the light it sees.
     #[expect(clippy::too_many_arguments, reason = "all of it is of one point")]
     fn cut<S: Simd>(
         &self,
@@ -319,7 +337,7 @@ impl Asked<'_, '_> {
         received: &Received,
         area: &mut AreaSpace,
         of_batch: Between,
-    ) -> Option<Option<(Received, f64)>> {
+    ) -> Cut {
         let most = if self.cuts_all {
             MOST_CUT_FOR_ERROR
         } else {
@@ -342,7 +360,7 @@ impl Asked<'_, '_> {
             let answer =
                 visibility.shaft(simd, &shaft, question, u64::MAX, limit, &mut area.shafts);
             if answer == ShaftAnswer::TooMany {
-                return None;
+                return Cut::TooMany;
             }
         }
         let list = match (between, of_batch) {
@@ -351,44 +369,53 @@ impl Asked<'_, '_> {
             _ => &area.batch_list,
         };
         let sight = emitter.sight(start.position, start.horizon);
+        area.panes_before.clear();
         for &shape in list {
-            if self.is_own(shape) || self.is_pane(shape) {
+            if self.is_own(shape) {
                 continue;
             }
             let occluder = occluder(self.world, shape);
+            if self.is_pane(shape) {
+                if sight.may_be_hidden_by(&occluder) {
+                    area.panes_before.add(self.world, shape, occluder);
+                }
+                continue;
+            }
             if shape == start.primitive {
                 match self.hidden_by_surface(&occluder, start) {
-                    true => return Some(None),
+                    true => return Cut::Hidden,
                     false => continue,
                 }
             }
             if sight.may_be_hidden_by(&occluder) {
                 area.occluders.push(occluder);
                 if area.occluders.len() > most {
-                    return None;
+                    return Cut::TooMany;
                 }
             }
         }
-        if area.occluders.is_empty() {
-            return Some(Some((*received, 1.0)));
+        if area.occluders.is_empty() && area.panes_before.is_empty() {
+            return Cut::Seen(*received, 1.0);
         }
-        let accuracy = if self.cuts_all {
-            &ACCURACY_FOR_ERROR
-        } else {
-            &ACCURACY
+        let AreaSpace {
+            occluders,
+            panes_before,
+            shadow,
+            ..
+        } = area;
+        let from = (start.position, start.error);
+        let past = panes_before.received(emitter, from, receiver, occluders, self.accuracy, shadow);
+        let Some(seen) = past.received else {
+            return Cut::Hidden;
         };
-        let seen = emitter.received_past(
-            start.position,
-            receiver,
-            &area.occluders,
-            start.error,
-            accuracy,
-            &mut area.shadow,
-        );
-        Some(seen.and_then(|seen| {
-            let share = share(&seen.value, received);
-            (share > NOTHING).then_some((seen.value, share))
-        }))
+        let share = share(&seen, received);
+        if share <= NOTHING {
+            Cut::Hidden
+        } else if past.is_undimmed {
+            Cut::Undimmed(seen, share)
+        } else {
+            Cut::Seen(seen, share)
+        }
     }
 
     /// Whether the shape that a point is on hides the light: a sphere from within, unless the light is within, too.

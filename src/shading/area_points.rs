@@ -6,13 +6,14 @@ use super::area::{AreaLit, AreaSpace, AreaTerms, Asked};
 use super::panes::{Crossing, Opaque, PaneSpace};
 use crate::emitter::{Emitter, Received, Receiver, SurfacePoint};
 use crate::math::Point;
-use crate::simd::{LANES, ones};
+use crate::simd::LANES;
 use crate::visibility::{PACKETS, RayStart, SegmentBatch, Visibility, Workspace};
 use crate::world::World;
 use crate::world::light::AreaLight;
 
 impl Asked<'_, '_> {
-    /// Takes away what panes reflect: of each point as much as of [`AreaLight::samples`] points of the light.
+    /// Takes away what panes reflect, of [the points](AreaSpace::undimmed) where that is not known otherwise: as much as
+    /// of [`AreaLight::samples`] points of the light.
     #[inline(never)]
     pub(super) fn through_panes<S: Simd>(
         &self,
@@ -21,26 +22,20 @@ impl Asked<'_, '_> {
         area: &mut AreaSpace,
         space: &mut Workspace,
     ) {
-        for packet in 0..PACKETS {
-            for lane in ones(lit.points[packet]) {
-                let slot = packet * LANES + lane;
-                let start = self.points.start(slot);
-                let receiver = self.receiver(slot, &start);
-                let (scene, panes) = ((self.world, self.visibility), &mut area.panes);
-                let [diffuse, specular] = through_panes(
-                    simd,
-                    scene,
-                    self.light,
-                    &start.into(),
-                    &receiver,
-                    panes,
-                    space,
-                );
-                let AreaTerms { geometry, seen } = &mut *lit.terms;
-                geometry.diffuse[slot] *= diffuse;
-                geometry.specular[slot] *= specular;
-                seen[slot] *= diffuse;
-            }
+        let AreaSpace {
+            undimmed, panes, ..
+        } = area;
+        for &slot in &*undimmed {
+            let start = self.points.start(slot);
+            let receiver = self.receiver(slot, &start);
+            let scene = (self.world, self.visibility);
+            let (light, start) = (self.light, start.into());
+            let [diffuse, specular] =
+                through_panes(simd, scene, light, &start, &receiver, panes, space);
+            let AreaTerms { geometry, seen } = &mut *lit.terms;
+            geometry.diffuse[slot] *= diffuse;
+            geometry.specular[slot] *= specular;
+            seen[slot] *= diffuse;
         }
     }
 

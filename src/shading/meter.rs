@@ -41,25 +41,35 @@ pub(crate) fn area_illuminance<S: Simd>(
     visibility.shaft(simd, &shaft, question, u64::MAX, all, &mut space.shafts);
     let sight = emitter.sight(point, normal);
     space.occluders.clear();
+    space.panes_before.clear();
     for &shape in &space.shafts.list {
         let (object, _) = object_and_triangle(shape);
-        if !is_light(world, shape, index) && !world.is_pane(object) {
-            let occluder = occluder(world, shape);
-            if sight.may_be_hidden_by(&occluder) {
-                space.occluders.push(occluder);
-            }
+        if is_light(world, shape, index) {
+            continue;
+        }
+        let occluder = occluder(world, shape);
+        if !sight.may_be_hidden_by(&occluder) {
+            continue;
+        }
+        if world.is_pane(object) {
+            space.panes_before.add(world, shape, occluder);
+        } else {
+            space.occluders.push(occluder);
         }
     }
-    let irradiance = if space.occluders.is_empty() {
-        received.irradiance
-    } else {
-        let (occluders, accuracy) = (&space.occluders, &ACCURACY_FOR_ERROR);
-        let shadow = &mut space.shadow;
-        let seen = emitter.received_past(point, &receiver, occluders, rounding, accuracy, shadow);
-        seen.map_or(0.0, |seen| seen.value.irradiance)
-    };
-    let is_pane = |&shape: &u64| world.is_pane(object_and_triangle(shape).0);
-    let [passed, _] = if irradiance > 0.0 && space.shafts.list.iter().any(is_pane) {
+    if space.occluders.is_empty() && space.panes_before.is_empty() {
+        return received.irradiance * light.over_area();
+    }
+    let AreaSpace {
+        occluders,
+        panes_before,
+        shadow,
+        ..
+    } = &mut *space;
+    let (from, accuracy) = ((point, rounding), &ACCURACY_FOR_ERROR);
+    let past = panes_before.received(emitter, from, &receiver, occluders, accuracy, shadow);
+    let irradiance = past.received.map_or(0.0, |seen| seen.irradiance);
+    let [passed, _] = if irradiance > 0.0 && past.is_undimmed {
         let start = RayStart {
             t: 0.0,
             position: point.0,

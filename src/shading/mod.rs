@@ -277,6 +277,11 @@ impl Shaded {
             number,
             // Of points of a light it is not asked past panes.
             cuts_all: self.cuts_areas || world.has_panes(),
+            accuracy: if self.cuts_areas {
+                &area::ACCURACY_FOR_ERROR
+            } else {
+                &area::ACCURACY
+            },
             lobed: &self.lobed,
         };
         let Some(lit) = asked.terms(simd, &mut self.area, space) else {

@@ -26,7 +26,7 @@ impl Body {
 }
 
 /// How many bodies may be around one point.
-const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 
 /// No body.
 const NONE: u32 = u32::MAX;

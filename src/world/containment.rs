@@ -229,6 +229,15 @@ impl Node {
 /// 2 atan2(a · (b × c), |a||b||c| + (a·b)|c| + (a·c)|b| + (b·c)|a|)
 /// (Van Oosterom & Strackee 1983).
 pub(super) fn winding_number(world: &World, mesh: &Mesh, point: Point) -> f64 {
+    winding_number_of(world, mesh.triangles.clone(), point)
+}
+
+/// The same of some triangles.
+pub(super) fn winding_number_of(
+    world: &World,
+    triangles: impl Iterator<Item = u32>,
+    point: Point,
+) -> f64 {
     let solid_angle = |index: u32| {
         let [a, b, c] = world
             .triangles()
@@ -239,5 +248,5 @@ pub(super) fn winding_number(world: &World, mesh: &Mesh, point: Point) -> f64 {
         let around = la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la;
         2.0 * libm::atan2(volume, around)
     };
-    mesh.triangles.clone().map(solid_angle).sum::<f64>() / (2.0 * TAU)
+    triangles.map(solid_angle).sum::<f64>() / (2.0 * TAU)
 }

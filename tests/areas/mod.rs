@@ -263,3 +263,34 @@ fn an_up_along_the_axis_is_the_default() {
         assert!(written.pixels() == film("").pixels(), "{direction:?}");
     }
 }
+
+/// What comes through flat panes is the oracle's as well, beside their borders and in the shadows of other things.
+#[test]
+fn light_through_panes_is_that_of_the_oracle() {
+    let mut measured = Measured::new("light of areas through panes".to_owned(), 1e-5);
+    for seed in 20..32 {
+        let pane = "[materials.p.pane]\nn = 1.5\n\
+             [objects.first.triangle]\nmaterial = \"p\"\nvertices = [[-0.9, 0.2, -0.3], [0.4, 1.3, -0.4], [0.9, 1.1, 0.5]]\n\
+             [objects.second.triangle]\nmaterial = \"p\"\nvertices = [[-0.9, 0.2, -0.3], [0.9, 1.1, 0.5], [-0.4, 0.3, 0.6]]\n\
+             [objects.sheet.plane]\nmaterial = \"p\"\npoint = [0.2, 0, 0]\nnormal = [1, 0.1, 0.2]\n";
+        let text = generated(seed) + pane;
+        let scene = Scene::parse(&text, "test.toml").unwrap();
+        let oracle = Oracle::new(&scene);
+        let film = film_of_text(&text, &Options::default());
+        for (place, pixel) in film.pixels().iter().enumerate() {
+            let (x, y) = (place % 20, place / 20);
+            let expected = oracle.radiance(x as f64 + 0.5, y as f64 + 0.5);
+            for channel in 0..3 {
+                let truth = expected.radiance[channel];
+                let light = truth.max(expected.unshadowed[channel]);
+                let off = (f64::from(pixel[channel]) - truth).abs() - expected.error[channel];
+                if light > 0.0 {
+                    measured.see((off / light).max(0.0), || {
+                        format!("seed {seed}, pixel {x},{y}")
+                    });
+                }
+            }
+        }
+    }
+    measured.judge();
+}

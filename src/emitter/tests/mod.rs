@@ -4,6 +4,7 @@ mod brute;
 mod cubature;
 mod fuzz;
 mod lobes;
+mod panes;
 mod shadow_fuzz;
 mod shadows;
 mod symmetry;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::color::Bound;
 use super::{Builder, Reported, as_written};
 use crate::optics;
-use crate::scene::{self, Glass as Written, GlassIndex, Metal, Mirror, Spanned, Value};
+use crate::scene::{self, Glass as Written, GlassIndex, Metal, Mirror, Problem, Spanned, Value};
 use crate::spectrum::Spectrum;
 use crate::world::delta::{Absorption, ComplexIndex, Delta, Glass, Tint};
 
@@ -123,6 +123,14 @@ impl Builder<'_> {
         };
         let absorption = self.reflection("absorption", &glass.absorption, Bound::None);
         let index = index?;
+        if let (Index::Number(_), GlassIndex::Value(value)) = (&index, &glass.index)
+            && glass.dispersion
+        {
+            const CONFLICT: &str = "`dispersion` takes an index for each wavelength, and this one is the same for all; \
+                                    expected `sellmeier = \"N-BK7\"` or a curve for `n`, or no `dispersion`";
+            self.report(value.span, Problem::Conflict(CONFLICT.to_owned()));
+            return Err(Reported);
+        }
         let n = match &glass.index {
             // The formula itself, without the grid.
             GlassIndex::Sellmeier(name) => optics::Glass::named(&name.value)
@@ -201,7 +209,7 @@ impl Builder<'_> {
         name: &Spanned<String>,
         names: impl Iterator<Item = &'n str>,
     ) -> Reported {
-        let problem = scene::Problem::unknown(what, &name.value, names);
+        let problem = Problem::unknown(what, &name.value, names);
         self.report(name.span, problem);
         Reported
     }

@@ -11,6 +11,7 @@ mod mesh;
 mod mixture;
 mod range;
 mod shapes;
+mod shells;
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
