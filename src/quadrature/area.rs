@@ -34,6 +34,7 @@ use crate::emitter::{
 use crate::math::{DVec3, Direction, Normal, Point};
 use crate::world::light::AreaLight;
 use crate::world::material::Model as Reflection;
+use crate::world::panes::PanesBefore;
 use crate::world::{Lobes, Material};
 
 /// Whether slopes are told, or only how far values may be from the one in the middle.
@@ -50,6 +51,7 @@ pub(super) enum Slopes {
 /// What hides a part of a light.
 pub(super) struct Past<'a> {
     pub(super) occluders: &'a [Occluder],
+    pub(super) panes: &'a PanesBefore,
     /// Room for those of them that a point asks for.
     pub(super) kept: &'a mut Vec<Occluder>,
     /// No border of a shadow moves across more than this part of the light.
@@ -349,25 +351,25 @@ impl<'a> Sight<'a> {
             Some(normal) => normal,
             None => Normal::new(place.normal.at(at))?,
         };
-        self.receive(place, horizon, at, |emitter, point, receiver| {
+        let mut is_known = true;
+        let values = self.receive(place, horizon, at, |emitter, point, receiver| {
             let sight = emitter.sight(point, horizon);
             let hiding = past.occluders.iter().copied();
             past.kept.clear();
             past.kept
                 .extend(hiding.filter(|occluder| sight.may_be_hidden_by(occluder)));
-            if past.kept.is_empty() {
+            if past.kept.is_empty() && past.panes.is_empty() {
                 return emitter.received_by_lobes(point, receiver);
             }
-            let seen = emitter.received_past(
-                point,
-                receiver,
-                past.kept,
-                rounding(point.0, emitter.center().0),
-                &ACCURACY,
-                past.space,
-            );
-            seen.map(|seen| seen.value)
-        })
+            let from = (point, rounding(point.0, emitter.center().0));
+            let (kept, space) = (&past.kept[..], &mut *past.space);
+            let seen = past
+                .panes
+                .received(emitter, from, receiver, kept, &ACCURACY, space);
+            is_known &= !seen.is_undimmed;
+            seen.received
+        });
+        values.filter(|_| is_known)
     }
 
     /// Both integrals at a place, along the linear parts.

@@ -32,6 +32,7 @@ use crate::image::Window;
 use crate::math::DVec3;
 use crate::simd::SimdLevel;
 use crate::visibility::{ShaftSpace, Visibility, object_and_triangle};
+use crate::world::panes::PanesBefore;
 use crate::world::{Light, World};
 use patch::{Fit, Patch};
 use radiance::{Content, Radiance, WIDE_BORDER};
@@ -261,6 +262,7 @@ struct Shadow {
     occluders: Vec<Occluder>,
     /// Of these, those that one point asks for.
     kept: Vec<Occluder>,
+    panes: PanesBefore,
 }
 
 /// Tells what is known of pixels; what a thread needs for that, to be used again and again.

@@ -124,7 +124,9 @@ impl Quadrature<'_> {
 
     /// What one light alone does to a surface, by its value in the middle if that is near enough past shapes.
     fn share(&self, surface: &Surface, shape: u64, light: Arriving, slopes: Slopes) -> [Model; 3] {
-        if light.past.is_some() && slopes != Slopes::None {
+        // How T changes along a surface is not known from one value.
+        let has_panes = |list: List| self.list(list).iter().any(|&shape| self.is_pane(shape));
+        if light.past.is_some_and(|list| !has_panes(list)) && slopes != Slopes::None {
             let border = self.border_over(surface, &light);
             let limits = self.limits(Some(surface), shape, light.light);
             let most = limits.map(|[least, most]| most.max(-least));
@@ -190,13 +192,23 @@ impl Quadrature<'_> {
             shadow,
             occluders,
             kept,
+            panes,
         } = &mut *self.shadow.borrow_mut();
         let past = past.map(|list| {
-            let shapes = self.list(list).iter();
             occluders.clear();
-            occluders.extend(shapes.map(|&shape| self.solid(shape).occluder()));
+            panes.clear();
+            for &shape in self.list(list) {
+                let occluder = self.solid(shape).occluder();
+                if self.is_pane(shape) {
+                    let (object, triangle) = object_and_triangle(shape);
+                    panes.add(self.world, [object, triangle], occluder);
+                } else {
+                    occluders.push(occluder);
+                }
+            }
             Past {
                 occluders,
+                panes,
                 kept,
                 border: self.border_over(surface, &arriving),
                 space: shadow,

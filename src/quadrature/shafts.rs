@@ -417,7 +417,7 @@ impl Quadrature<'_> {
     }
 
     /// Whether a shape is a thin pane: it lets light pass, of which shafts do not know how much.
-    fn is_pane(&self, shape: u64) -> bool {
+    pub(super) fn is_pane(&self, shape: u64) -> bool {
         let (object, _) = object_and_triangle(shape);
         self.world.is_pane(object)
     }
@@ -425,6 +425,13 @@ impl Quadrature<'_> {
     /// Whether there are any in the list of the last answer.
     fn are_panes_listed(&self) -> bool {
         self.world.has_panes() && self.space.list.iter().any(|&shape| self.is_pane(shape))
+    }
+
+    /// Whether there are any that are spheres.
+    fn are_round_panes_listed(&self) -> bool {
+        let is_round = |shape: u64| matches!(self.solid(shape), Solid::Sphere { .. });
+        let mut list = self.space.list.iter();
+        self.world.has_panes() && list.any(|&shape| self.is_pane(shape) && is_round(shape))
     }
 
     /// Drops shapes from the list of the last answer.
@@ -501,18 +508,15 @@ impl Quadrature<'_> {
         };
         let mut answer = ask(self, ShaftQuestion::Blockage);
         if let ShaftAnswer::All(blocks) = answer {
-            if self.is_pane(blocks) {
-                return Reach::Dimmed;
-            }
-            if !self.is_of(light, blocks) {
+            if !self.is_of(light, blocks) && !self.is_pane(blocks) {
                 return Reach::Dark;
             }
-            // What is behind the light itself may have been left out.
+            // What is behind the light itself, or a pane, may have been left out.
             answer = ask(self, ShaftQuestion::Contents);
         }
         match answer {
             ShaftAnswer::TooMany | ShaftAnswer::All(_) => Reach::Many,
-            ShaftAnswer::These if self.are_panes_listed() => Reach::Dimmed,
+            ShaftAnswer::These if self.are_round_panes_listed() => Reach::Dimmed,
             ShaftAnswer::Nothing if may_be_lit => Reach::Lit,
             ShaftAnswer::Nothing => {
                 self.space.list.clear();
@@ -552,8 +556,13 @@ impl Quadrature<'_> {
 
     /// The list of the last answer may hide a part of a light with an area.
     fn partial(&mut self, surface: &Surface, emitter: &Emitter) -> Reach {
-        let shapes = self.space.list.iter().map(|&shape| self.solid(shape));
-        let border = border(surface, emitter, &shapes);
+        // The edge of a pane is a border, whatever opaque shape goes on from there.
+        let border = [false, true].map(|are_panes| {
+            let shapes = self.space.list.iter();
+            let shapes = shapes.filter(|&&shape| self.is_pane(shape) == are_panes);
+            border(surface, emitter, &shapes.map(|&shape| self.solid(shape)))
+        });
+        let border = border[0].max(border[1]);
         let list = self.keep();
         Reach::Partial { list, border }
     }

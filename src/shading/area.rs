@@ -11,7 +11,7 @@
 use fearless_simd::Simd;
 
 use super::groups::Gloss;
-use super::panes::{PaneSpace, PanesBefore};
+use super::panes::PaneSpace;
 use crate::emitter::{Accuracy, Gloss as EmitterGloss, Occluder, Received, Receiver, ShadowSpace};
 use crate::math::{DVec3, Direction, Normal};
 use crate::simd::{LANES, ones};
@@ -20,6 +20,7 @@ use crate::visibility::{
     Visibility, Workspace, object_and_triangle,
 };
 use crate::world::light::AreaLight;
+use crate::world::panes::PanesBefore;
 use crate::world::{Lobes, Shape, World};
 
 /// So many shapes may be listed between a batch and a light; if there are more, each of its packets asks, and so
@@ -377,7 +378,9 @@ impl Asked<'_, '_> {
             let occluder = occluder(self.world, shape);
             if self.is_pane(shape) {
                 if sight.may_be_hidden_by(&occluder) {
-                    area.panes_before.add(self.world, shape, occluder);
+                    let (object, triangle) = object_and_triangle(shape);
+                    area.panes_before
+                        .add(self.world, [object, triangle], occluder);
                 }
                 continue;
             }

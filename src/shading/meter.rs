@@ -43,7 +43,7 @@ pub(crate) fn area_illuminance<S: Simd>(
     space.occluders.clear();
     space.panes_before.clear();
     for &shape in &space.shafts.list {
-        let (object, _) = object_and_triangle(shape);
+        let (object, triangle) = object_and_triangle(shape);
         if is_light(world, shape, index) {
             continue;
         }
@@ -52,7 +52,7 @@ pub(crate) fn area_illuminance<S: Simd>(
             continue;
         }
         if world.is_pane(object) {
-            space.panes_before.add(world, shape, occluder);
+            space.panes_before.add(world, [object, triangle], occluder);
         } else {
             space.occluders.push(occluder);
         }

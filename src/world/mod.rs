@@ -27,6 +27,7 @@ pub(crate) mod geometry;
 pub mod light;
 #[doc(hidden)]
 pub mod material;
+pub(crate) mod panes;
 #[doc(hidden)]
 pub mod physics;
 #[doc(hidden)]

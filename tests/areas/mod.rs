@@ -280,10 +280,10 @@ fn light_through_panes_is_that_of_the_oracle() {
         for (place, pixel) in film.pixels().iter().enumerate() {
             let (x, y) = (place % 20, place / 20);
             let expected = oracle.radiance(x as f64 + 0.5, y as f64 + 0.5);
-            for channel in 0..3 {
+            for (channel, &value) in pixel[..3].iter().enumerate() {
                 let truth = expected.radiance[channel];
                 let light = truth.max(expected.unshadowed[channel]);
-                let off = (f64::from(pixel[channel]) - truth).abs() - expected.error[channel];
+                let off = (f64::from(value) - truth).abs() - expected.error[channel];
                 if light > 0.0 {
                     measured.see((off / light).max(0.0), || {
                         format!("seed {seed}, pixel {x},{y}")
