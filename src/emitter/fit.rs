@@ -7,6 +7,9 @@ use crate::math::DVec3;
 /// The largest degree of a polynomial for T.
 pub(super) const MOST_DEGREE: usize = 4;
 
+/// The largest sum of coefficients: integrals are off by 1e-12, which becomes 1e-8.
+const LARGEST: f64 = 1e4;
+
 /// A polynomial in the cosine to an axis.
 pub(super) struct Fit {
     pub(super) axis: DVec3,
@@ -76,6 +79,15 @@ impl Fit {
         coefficients.fold(0.0, |sum, coefficient| sum * cosine + coefficient)
     }
 
+    /// Whether its coefficients are so small that integrals of powers may be as far off as they are rounded.
+    pub(super) fn is_steady(&self) -> bool {
+        let coefficients = self.coefficients[..=self.degree].iter();
+        coefficients
+            .map(|coefficient| coefficient.abs())
+            .sum::<f64>()
+            <= LARGEST
+    }
+
     /// How much it differs, where it does not turn.
     pub(super) fn spread(&self) -> f64 {
         let ends = [self.middle - self.half, self.middle + self.half];
@@ -120,8 +132,10 @@ impl Line {
         for (place, fit) in fits.iter().enumerate() {
             let others = (0..fits.len()).filter(|&other| other != place);
             let slope = lines[place][1] * others.map(at_middle).product::<f64>();
-            constant -= slope * fit.middle;
-            slopes.push((fit.axis, slope));
+            if slope.abs() <= LARGEST {
+                constant -= slope * fit.middle;
+                slopes.push((fit.axis, slope));
+            }
         }
         Self {
             constant,

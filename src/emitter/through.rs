@@ -51,7 +51,9 @@ const SAME_NORMAL: f64 = 1e-24;
 #[derive(Clone, Copy)]
 pub(crate) struct Panes<'a> {
     pub(crate) shapes: &'a [Occluder],
-    /// The normal of one of them.
+    /// How many more there are, that all of the light is seen through; they have the numbers after those of the shapes.
+    pub(crate) whole: usize,
+    /// The normal of one of them, or for a ball the direction to its center.
     pub(crate) normal: &'a dyn Fn(usize) -> DVec3,
     /// T of one of them along a direction of any length: 0 to 1. It depends on the angle to the normal alone.
     pub(crate) transmittance: &'a dyn Fn(usize, DVec3) -> f64,
@@ -118,6 +120,12 @@ impl Emitter {
                 }
                 numbers.resize(space.straight.len(), number);
             }
+        }
+        for number in panes.shapes.len()..panes.shapes.len() + panes.whole {
+            if number >= MOST_PANES {
+                return Err(Untold);
+            }
+            before_all |= 1 << number;
         }
         if !space.blockers.is_empty() {
             return Err(Untold);
@@ -319,11 +327,17 @@ impl Through<'_> {
             };
         }
         let corners = space.pieces.corners(&piece.corners);
-        let fits = self.fits(corners, piece.panes, 0.5 * accuracy.relative);
+        let allowed = 0.5 * accuracy.relative;
+        let fits = self.fits(corners, piece.panes, allowed);
         let mut value = Received::NOTHING;
         let mut error = Received::NOTHING;
         let mut line = Line::of(&fits);
-        if let [fit] = &fits[..] {
+        let is_polynomial = |fit: &Fit| fit.off <= allowed && fit.is_steady();
+        let one = match &fits[..] {
+            [fit] => Some(fit).filter(|fit| is_polynomial(fit)),
+            _ => None,
+        };
+        if let Some(fit) = one {
             let Some(irradiance) = self.polynomial(fit, seen, effects, piece, space) else {
                 return self.undecided(piece, seen, &before, space);
             };
@@ -337,7 +351,7 @@ impl Through<'_> {
                 return Passed { value, error };
             }
         }
-        let is_one = fits.len() == 1;
+        let is_one = one.is_some();
         let Some(linear) = self.linear(&line, !is_one, seen, effects, piece, space) else {
             return self.undecided(piece, seen, &before, space);
         };
@@ -534,7 +548,11 @@ impl Through<'_> {
                 if fit.off <= allowed || !is_one {
                     break;
                 }
-                fit = Fit::of_degree(degree, axis, range, &transmittance);
+                let next = Fit::of_degree(degree, axis, range, &transmittance);
+                if !next.is_steady() {
+                    break;
+                }
+                fit = next;
             }
             fits.push(fit);
         }

@@ -12,6 +12,7 @@ use super::view::{Square, View};
 use super::{List, Primary, Quadrature, Range, Reach, Shadow, Told};
 use crate::camera::Projection;
 use crate::emitter::Surface as EmitterSurface;
+use crate::math::Point;
 use crate::visibility::{ShaftAnswer, ShaftQuestion, object_and_triangle};
 use crate::world::Light;
 
@@ -201,7 +202,11 @@ impl Quadrature<'_> {
                 let occluder = self.solid(shape).occluder();
                 if self.is_pane(shape) {
                     let (object, triangle) = object_and_triangle(shape);
-                    panes.add(self.world, [object, triangle], occluder);
+                    // Round ones are told of elsewhere.
+                    if let Light::Area(light) = light_value {
+                        let from = (&light.emitter, Point(surface.position.center()));
+                        panes.add(self.world, [object, triangle], occluder, from);
+                    }
                 } else {
                     occluders.push(occluder);
                 }

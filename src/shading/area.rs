@@ -379,8 +379,9 @@ impl Asked<'_, '_> {
             if self.is_pane(shape) {
                 if sight.may_be_hidden_by(&occluder) {
                     let (object, triangle) = object_and_triangle(shape);
+                    let from = (emitter, start.position);
                     area.panes_before
-                        .add(self.world, [object, triangle], occluder);
+                        .add(self.world, [object, triangle], occluder, from);
                 }
                 continue;
             }

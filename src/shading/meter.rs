@@ -52,7 +52,10 @@ pub(crate) fn area_illuminance<S: Simd>(
             continue;
         }
         if world.is_pane(object) {
-            space.panes_before.add(world, [object, triangle], occluder);
+            let from = (emitter, point);
+            space
+                .panes_before
+                .add(world, [object, triangle], occluder, from);
         } else {
             space.occluders.push(occluder);
         }

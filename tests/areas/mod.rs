@@ -264,33 +264,63 @@ fn an_up_along_the_axis_is_the_default() {
     }
 }
 
+/// How far pixels are from the oracle, relative to the light without shadow.
+fn compare(text: &str, name: &str, measured: &mut Measured) {
+    let scene = Scene::parse(text, "test.toml").unwrap_or_else(|error| panic!("{error}"));
+    let oracle = Oracle::new(&scene);
+    let film = film_of_text(text, &Options::default());
+    let [width, _] = film.resolution();
+    for (place, pixel) in (0..).zip(film.pixels()) {
+        let (x, y) = (place % width, place / width);
+        let expected = oracle.radiance(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        for (channel, &value) in pixel[..3].iter().enumerate() {
+            let truth = expected.radiance[channel];
+            let light = truth.max(expected.unshadowed[channel]);
+            let off = (f64::from(value) - truth).abs() - expected.error[channel];
+            if light > 0.0 {
+                measured.see((off / light).max(0.0), || format!("{name}, pixel {x},{y}"));
+            }
+        }
+    }
+}
+
 /// What comes through flat panes is the oracle's as well, beside their borders and in the shadows of other things.
 #[test]
 fn light_through_panes_is_that_of_the_oracle() {
     let mut measured = Measured::new("light of areas through panes".to_owned(), 1e-5);
+    let panes = "[materials.p.pane]\nn = 1.5\n\
+         [objects.first.triangle]\nmaterial = \"p\"\nvertices = [[-0.9, 0.2, -0.3], [0.4, 1.3, -0.4], [0.9, 1.1, 0.5]]\n\
+         [objects.second.triangle]\nmaterial = \"p\"\nvertices = [[-0.9, 0.2, -0.3], [0.9, 1.1, 0.5], [-0.4, 0.3, 0.6]]\n\
+         [objects.sheet.plane]\nmaterial = \"p\"\npoint = [0.2, 0, 0]\nnormal = [1, 0.1, 0.2]\n";
     for seed in 20..32 {
-        let pane = "[materials.p.pane]\nn = 1.5\n\
-             [objects.first.triangle]\nmaterial = \"p\"\nvertices = [[-0.9, 0.2, -0.3], [0.4, 1.3, -0.4], [0.9, 1.1, 0.5]]\n\
-             [objects.second.triangle]\nmaterial = \"p\"\nvertices = [[-0.9, 0.2, -0.3], [0.9, 1.1, 0.5], [-0.4, 0.3, 0.6]]\n\
-             [objects.sheet.plane]\nmaterial = \"p\"\npoint = [0.2, 0, 0]\nnormal = [1, 0.1, 0.2]\n";
-        let text = generated(seed) + pane;
-        let scene = Scene::parse(&text, "test.toml").unwrap();
-        let oracle = Oracle::new(&scene);
-        let film = film_of_text(&text, &Options::default());
-        for (place, pixel) in film.pixels().iter().enumerate() {
-            let (x, y) = (place % 20, place / 20);
-            let expected = oracle.radiance(x as f64 + 0.5, y as f64 + 0.5);
-            for (channel, &value) in pixel[..3].iter().enumerate() {
-                let truth = expected.radiance[channel];
-                let light = truth.max(expected.unshadowed[channel]);
-                let off = (f64::from(value) - truth).abs() - expected.error[channel];
-                if light > 0.0 {
-                    measured.see((off / light).max(0.0), || {
-                        format!("seed {seed}, pixel {x},{y}")
-                    });
-                }
-            }
-        }
+        let text = generated(seed) + panes;
+        compare(&text, &format!("seed {seed}"), &mut measured);
+    }
+    measured.judge();
+}
+
+/// A lamp in a globe, and a panel above a dome: balls of a pane that all of a light is seen through.
+#[test]
+fn light_through_balls_of_panes_is_that_of_the_oracle() {
+    let mut measured = Measured::new("light of areas through balls of panes".to_owned(), 1e-6);
+    let scene = "[image]\nresolution = [24, 16]\n\
+         [camera.perspective]\neye = [0, 0.5, 1.4]\nlook_at = [0, 0, 0]\nvertical_fov = 60\n\
+         [materials.m.phong]\ndiffuse = 0.2\nspecular = 0.3\nshininess = 15\n[materials.p.pane]\nn = 1.5\n\
+         [objects.floor.triangle]\nmaterial = \"m\"\nvertices = [[-0.9, -0.7, -0.9], [0.9, -0.7, -0.9], [0, -0.7, 1.2]]\n\
+         [objects.ball.sphere]\nmaterial = \"m\"\ncenter = [0.3, -0.3, 0]\nradius = 0.3\n";
+    for (name, body) in [
+        (
+            "globe",
+            "[lights.lamp.sphere]\ncenter = [0, 0.9, 0]\nradius = 0.1\nluminance = 20\n\
+             [objects.globe.sphere]\nmaterial = \"p\"\ncenter = [0.05, 0.9, 0]\nradius = 0.4\n",
+        ),
+        (
+            "dome",
+            "[lights.panel.disk]\ncenter = [0.3, 4, 0]\ndirection = [0, -1, 0]\nradius = 0.5\nluminance = 20\n\
+             [objects.dome.sphere]\nmaterial = \"p\"\ncenter = [0.05, 0, 0]\nradius = 2\n",
+        ),
+    ] {
+        compare(&(scene.to_owned() + body), name, &mut measured);
     }
     measured.judge();
 }
