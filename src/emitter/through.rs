@@ -36,7 +36,7 @@ const OF_WHOLE: f64 = 1.0 / 64.0;
 
 /// The part of the deviation of T that the quadrature may be off by where all of a piece is seen, and where a part is.
 const OF_SMOOTH: f64 = 1.0 / 64.0;
-const OF_CUT: f64 = 1.0 / 4.0;
+const OF_CUT: f64 = 1.0;
 
 /// A lobe of which less than this part of all of it is received is as exact as one of which that is.
 const LEAST_LOBE: f64 = 1e-7;
