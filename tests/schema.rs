@@ -85,7 +85,7 @@ fn every_scene_is_valid() {
 
 /// What a schema cannot say, and the bad scenes that are wrong in that way alone. Each stands for all
 /// whose names begin so.
-const BEYOND: [(&str, &[&str]); 10] = [
+const BEYOND: [(&str, &[&str]); 11] = [
     ("what is in a file", &["csv_", "mesh_"]),
     (
         "that wavelengths ascend",
@@ -125,7 +125,18 @@ const BEYOND: [(&str, &[&str]); 10] = [
     ),
     ("numbers that JSON's readers make infinite", &["curve_huge"]),
     ("wavelengths in another unit", &["curve_micrometers"]),
-    ("what of an object is inside", &["smooth_glass_plane"]),
+    (
+        "what of an object is inside",
+        &[
+            "smooth_glass_plane",
+            "smooth_glass_shells",
+            "smooth_glass_crowded",
+        ],
+    ),
+    (
+        "whether an index is one for all wavelengths",
+        &["smooth_glass_dispersion"],
+    ),
 ];
 
 #[test]
@@ -250,6 +261,8 @@ fn is_beyond(key: &str, value: &str) -> bool {
         "scale" => value.trim_start_matches('-') == "1e30",
         // How large the values of a curve are, beside 1.
         "n" => value.starts_with("{ wavelengths = [400, 700], values"),
+        // Whether an index is one for all wavelengths.
+        "dispersion" => value == "true",
         // Which of two angles is larger.
         "inner" => value.parse().is_ok_and(|angle: f64| angle > 30.0),
         _ => false,
