@@ -254,7 +254,7 @@ const BROKEN: [(&str, &str, &str); 63] = [
     (
         "\n100 80 10\n100 70 5\n",
         "\n0 0 0\n0 0 0\n",
-        "line 7, column 5: no intensity is above",
+        "line 8, column 1: no intensity is above",
     ),
     (
         "0 45 90\n0 90\n100 80 10\n100 70 5\n",
