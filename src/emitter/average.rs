@@ -60,47 +60,24 @@ impl Sums {
         let spread = self
             .range
             .map_or(Received::NOTHING, |[most, least]| most - least);
-        let of = |all: f64, seen: f64, rest: f64, squares: [f64; 2], [plain, spread]: [f64; 2]| {
+        // The part that is seen, the mean of the rest, and how much it differs, of one integral.
+        let of = |of: fn(&Received) -> f64| {
+            let [all, seen] = [of(&self.all), of(&self.seen)];
             let part = if all > 0.0 { seen / all } else { 0.0 };
             if seen <= 0.0 {
-                return [part, plain, spread];
+                return [part, of(&plain), of(&spread)];
             }
-            let mean = rest / seen;
-            let [squares, rest_squares] = squares;
+            let mean = of(&self.rest) / seen;
             // Where few points have all the weight they do not tell what is between them.
-            let is_few = seen * seen < FEW * squares;
-            let deviation = (rest_squares / seen - mean * mean).max(0.0).sqrt();
-            [part, mean, if is_few { spread } else { deviation }]
+            let is_few = seen * seen < FEW * of(&self.squares);
+            let deviation = (of(&self.rest_squares) / seen - mean * mean)
+                .max(0.0)
+                .sqrt();
+            [part, mean, if is_few { of(&spread) } else { deviation }]
         };
-        let Self {
-            all,
-            seen,
-            rest,
-            squares,
-            rest_squares,
-            ..
-        } = self;
-        let irradiance = of(
-            all.irradiance,
-            seen.irradiance,
-            rest.irradiance,
-            [squares.irradiance, rest_squares.irradiance],
-            [plain.irradiance, spread.irradiance],
-        );
-        let lobe = of(
-            all.lobe,
-            seen.lobe,
-            rest.lobe,
-            [squares.lobe, rest_squares.lobe],
-            [plain.lobe, spread.lobe],
-        );
-        let solid_angle = of(
-            all.solid_angle,
-            seen.solid_angle,
-            rest.solid_angle,
-            [squares.solid_angle, rest_squares.solid_angle],
-            [plain.solid_angle, spread.solid_angle],
-        );
+        let irradiance = of(|received| received.irradiance);
+        let lobe = of(|received| received.lobe);
+        let solid_angle = of(|received| received.solid_angle);
         let all_of = |place: usize| Received {
             irradiance: irradiance[place],
             lobe: lobe[place],

@@ -198,31 +198,28 @@ impl Received {
             && self.solid_angle <= most.solid_angle
     }
 
+    /// Each with that of another.
+    fn with(self, other: Self, join: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            irradiance: join(self.irradiance, other.irradiance),
+            lobe: join(self.lobe, other.lobe),
+            solid_angle: join(self.solid_angle, other.solid_angle),
+        }
+    }
+
     /// Each times that of another.
     pub(super) fn times(self, other: Self) -> Self {
-        Self {
-            irradiance: self.irradiance * other.irradiance,
-            lobe: self.lobe * other.lobe,
-            solid_angle: self.solid_angle * other.solid_angle,
-        }
+        self.with(other, |one, other| one * other)
     }
 
     /// The smaller one of each.
     pub(super) fn least(self, other: Self) -> Self {
-        Self {
-            irradiance: self.irradiance.min(other.irradiance),
-            lobe: self.lobe.min(other.lobe),
-            solid_angle: self.solid_angle.min(other.solid_angle),
-        }
+        self.with(other, f64::min)
     }
 
     /// The larger one of each.
     pub(super) fn most(self, other: Self) -> Self {
-        Self {
-            irradiance: self.irradiance.max(other.irradiance),
-            lobe: self.lobe.max(other.lobe),
-            solid_angle: self.solid_angle.max(other.solid_angle),
-        }
+        self.with(other, f64::max)
     }
 
     /// Each without its sign.
